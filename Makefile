@@ -88,7 +88,6 @@ golden: $(READY) $(COMPILED)  ## renew the kept trajectories of the library, and
 
 bench: $(READY) $(COMPILED)  ## rates and costs, as ratios against floors measured in the same run
 	$(BIN)/python -m tests.benchmarks
-	$(BIN)/python -m tests.benchmarks.machine.cores
 
 fuzz: $(READY) $(COMPILED)  ## a million damaged inputs for everything that reads what strangers wrote; some minutes
 	$(BIN)/python -m tests.campaigns fuzz

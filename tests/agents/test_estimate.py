@@ -80,14 +80,6 @@ def test_ideal_sensing_is_bit_identical(points) -> None:
         assert estimate.bound == 0.0
 
 
-def test_nothing_is_known_before_the_first_measurement() -> None:
-    estimate = Estimate(REACH)
-    tell(estimate, 0.001, 0, None)
-    assert not estimate.known
-    assert estimate.position is None
-    assert estimate.bound == math.inf
-
-
 def test_odometry_carries_a_delayed_measurement_to_the_present() -> None:
     estimate = Estimate(REACH)
     for tick in range(5):
@@ -105,27 +97,12 @@ def test_a_measurement_from_before_this_life_is_of_no_use() -> None:
     assert estimate.known
 
 
-def test_a_measurement_older_than_the_history_is_ignored() -> None:
-    estimate = Estimate(REACH)
-    for tick in range(HISTORY + 5):
-        tell(estimate, 0.001, tick, None)
-    tell(estimate, 0.001, HISTORY + 5, (0.1, 0.1), 1)
-    assert not estimate.known
-
-
 def test_however_late_measurements_may_come_odometry_is_kept_for_as_long() -> None:
     estimate = Estimate(REACH, oldest=5 * HISTORY)
     for tick in range(5 * HISTORY + 1):
         tell(estimate, 0.001, tick, None)
     tell(estimate, 0.001, 5 * HISTORY + 1, (0.1, 0.1), 1)
     assert estimate.position == pytest.approx((0.1, 0.1))
-
-
-def test_repeated_noisy_measurements_shrink_the_bound() -> None:
-    estimate = Estimate(REACH)
-    for tick in range(40):
-        tell(estimate, 0.003, tick, off(tick * 2.4, 1.0, 0.003))
-    assert estimate.bound < 0.001
 
 
 def test_missed_odometry_widens_the_bound_by_one_move() -> None:
@@ -205,12 +182,6 @@ def test_who_may_begins_anew_from_the_newest() -> None:
     assert estimate.contradiction
     assert not estimate.lost
     assert estimate.position == pytest.approx((0.1075, 0.0), abs=1e-4)
-
-
-def test_exact_measurements_that_odometry_does_not_lead_to_contradict_each_other() -> None:
-    estimate = disks([(0.1, 0.0), (0.1, 0.002)], 0.0)
-    assert "tick 1 and the measurement of tick 0 exclude each other by 0.002 m" in estimate.contradiction
-    assert estimate.lost
 
 
 def test_a_line_that_the_set_is_wholly_beyond_refutes_the_bounds() -> None:

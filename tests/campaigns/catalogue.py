@@ -23,6 +23,11 @@ CAMPAIGNS = {  # what each searches for, and where it is
         "models:ADVERSARY",
     ),
     "adversary-mujoco": ("the same in MuJoCo", "models:ADVERSARY_MUJOCO"),
+    "deviations": ("a body in MuJoCo that is off its way by more than it states", "models:DEVIATIONS"),
+    "turnover": (
+        "a contact, or a robot that is stuck, while robots come and go",
+        "models:TURNOVER",
+    ),
     "laws": ("a livelock of the reciprocal law where the paper's law arrives", "laws:LAWS"),
     "movers": ("parts that do not reach their goals though there is an order", "movers:MOVERS"),
     "movers-kill": ("the same while a robot dies with a part", "movers:KILL"),

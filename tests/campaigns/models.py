@@ -1,4 +1,4 @@
-"""Campaigns over models of single parts of the product; the models are beside the tests of those parts."""
+"""Campaigns over models and fleets that are beside the tests of what they search."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import cache, partial
 from types import ModuleType
 
+from protocol.scenario.body import PRESETS
 from tests.agents.bodies import mutants as bodies
 from tests.agents.bodies.ride import KINDS, ROUNDING, excess_of
 from tests.agents.bodies.ride import Product as RideProduct
@@ -14,6 +15,7 @@ from tests.agents.lines.models.mutants.catalogue import MUTANTS
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import aftermath, skirmish
 from tests.campaigns.campaign import Campaign, Dice, Mutant, Outcome
+from tests.system.orders.turnover import Turnover
 from tests.world.plants.fleet import BODIES as CARRIERS
 from tests.world.plants.fleet import PERIODS, drive, hostile, varied
 
@@ -68,6 +70,34 @@ def _attack(plant: str, dice: Dice) -> Outcome:
     return Outcome(f"{name}, {period:g} s", f"touch: {setting}" if touches else "", figures=figures)
 
 
+def _deviation(dice: Dice) -> Outcome:
+    """One body at one period, which take turns."""
+    from tests.world.plants.deviations import PERIODS as MEASURED
+    from tests.world.plants.deviations import WHEELED, lacking
+
+    name = WHEELED[dice.seed % len(WHEELED)]
+    period = MEASURED[dice.seed // len(WHEELED) % len(MEASURED)]
+    play, drift = lacking(PRESETS[name], period, 500, dice.seed)
+    violation = f"lacks play {play:.3g} m, drift {drift:.3g} m" if max(play, drift) > 0.0 else ""
+    return Outcome(f"{name}, {period:g} s", violation, figures={"play, m": play, "drift, m": drift})
+
+
+def _turnover(dice: Dice) -> Outcome:
+    """An hour of simulated time with a change every 36 ticks."""
+    turnover = Turnover(dice.seed, 36, 3600.0)
+    turnover.run(72_000)
+    settled = turnover.settles(6000)
+    report = turnover.fleet.world.world.report()
+    faults = (
+        (report["collisions"], "contact"),
+        (not settled, "stuck"),
+        (turnover.changes < 1000, "rest"),
+    )
+    violation = ", ".join(text for wrong, text in faults if wrong)
+    figures = {"changes": float(turnover.changes), "clearance, m": report["min_clearance"]}
+    return Outcome("violated" if violation else "held", violation, figures=figures)
+
+
 def _naive() -> tuple[int, str]:
     for seed in range(10):
         if violation := _drive(Dice(seed), naive=True).violation:
@@ -79,5 +109,7 @@ SKIRMISH = Campaign(partial(_of_lines, skirmish), 5_000, partial(_line_mutants, 
 AFTERMATH = Campaign(partial(_of_lines, aftermath), 5_000, partial(_line_mutants, "aftermath"))
 BODIES = Campaign(_ride, 30_000, _ride_mutants)
 PLANTS = Campaign(_drive, 200, lambda: [Mutant("bodies are no points", _naive)])
+DEVIATIONS = Campaign(_deviation, 40, patience=600.0)
+TURNOVER = Campaign(_turnover, 3, patience=3600.0)
 ADVERSARY = Campaign(partial(_attack, "integrator"), 4_000)
 ADVERSARY_MUJOCO = Campaign(partial(_attack, "mujoco"), 300, patience=600.0)

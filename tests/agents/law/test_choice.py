@@ -144,16 +144,12 @@ def test_a_robot_whose_law_fails_stands_and_the_others_go_on(
 @pytest.mark.slow
 @pytest.mark.process
 def test_equal_runs_with_a_law_that_fails_are_equal_as_fleets(failing: Scenario) -> None:
-    """Five in real processes, and one in this one."""
-    hashes = {LocalFleet(failing).execute()["trajectory_sha256"]}
-    for number in range(5):
-        with Fleet(failing, RunOptions(run=f"law-fails-{os.getpid()}-{number}")) as fleet:
-            report = fleet.execute()
-            assert (report["verdict"], report["collisions"]) == ("timeout", 0), report["reason"]
-            rows = {row["name"]: row["exit_code"] for row in fleet.processes()}
-        assert set(rows.values()) == {0}, rows
-        hashes.add(report["trajectory_sha256"])
-    assert len(hashes) == 1
+    with Fleet(failing, RunOptions(run=f"law-fails-{os.getpid()}")) as fleet:
+        report = fleet.execute()
+        assert (report["verdict"], report["collisions"]) == ("timeout", 0), report["reason"]
+        rows = {row["name"]: row["exit_code"] for row in fleet.processes()}
+    assert set(rows.values()) == {0}, rows
+    assert report["trajectory_sha256"] == LocalFleet(failing).execute()["trajectory_sha256"]
 
 
 @pytest.mark.parametrize("broken", ["__init__", "velocity", "slice_norm"])

@@ -2,49 +2,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 
 from agents.law.deadlock import PATIENCE, Progress, barred, circling, cluster
 from agents.peers.state import Peer
-from tests.agents.law.whole_fleet import Fleet, scattered, tight_goals
-
-
-def swap(n: int, **options: object) -> Fleet:
-    """n robots on a ring, each bound for the opposite point; two of them are symmetric to the last bit."""
-    angles = 2 * np.pi * np.arange(n) / n
-    starts = 0.4 * np.c_[np.cos(angles), np.sin(angles)]
-    starts[np.abs(starts) < 1e-12] = 0.0
-    return Fleet(starts, -starts, [0.03] * n, 0.45, 60.0 * max(1.0, n / 6) ** 2, **options)
-
-
-def test_without_an_escape_a_head_on_swap_rests_on_the_saddle() -> None:
-    fleet = swap(2)
-    assert not fleet.run(30.0)
-    assert all(y == 0.0 for _, y in fleet.positions)
-
-
-@pytest.mark.parametrize(
-    ("n", "pace"), [(2, "common"), (3, "common"), (6, "own"), (7, "common"), (12, "common")]
-)
-def test_symmetric_swaps_arrive_without_collision(n: int, pace: str) -> None:
-    fleet = swap(n, pace=pace, escapes=True)
-    assert fleet.run(30.0)
-    assert fleet.clearance > 0.0
-    assert fleet.nrl < 1.7
-
-
-def test_a_swap_among_late_peers_arrives() -> None:
-    assert swap(4, escapes=True, delay=6).run(60.0)
-
-
-def test_an_ordinary_run_never_escapes() -> None:
-    for seed in range(2):
-        rng = np.random.default_rng(seed)
-        goals, starts = tight_goals(rng, 3.30), scattered(rng, 6, 0.04, 0.30)
-        fleet = Fleet(starts, goals, [0.04] * 6, 0.30, 60.0, escapes=True)
-        assert fleet.run(30.0)
-        assert fleet.escaping == 0
 
 
 def still(progress: Progress, seconds: float, **changes: object) -> float:

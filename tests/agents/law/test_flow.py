@@ -9,12 +9,14 @@ from scipy.integrate import solve_ivp
 from agents.law.flow import MAX_STEPS, Flow, desired_velocity
 from agents.law.gradient import Slice
 from agents.peers.state import Peer
+from deploy.library.load import load
+from deploy.run.local import LocalFleet
 from deploy.theory.exact_flow import integrate
 from deploy.theory.function import Problem
-from tests.agents.law.whole_fleet import SPEED, TOLERANCE, Fleet, scattered, tight_goals
+from tests.agents.law.disks import scattered
 from tests.interpreted import interpreted
 
-PERIOD = 0.05
+PERIOD, SPEED = 0.05, 0.1
 
 
 # What is compiled can neither be counted nor inherited from.
@@ -86,19 +88,14 @@ def test_a_drift_is_repelled_like_the_law() -> None:
 def test_the_sampled_fleet_keeps_to_the_path_of_the_exact_flow() -> None:
     sampled, exact = [], []
     for seed in range(4):
-        rng = np.random.default_rng(seed)
-        goals, starts = tight_goals(rng, 3.30), scattered(rng, 6, 0.04, 0.30)
-        fleet = Fleet(starts, goals, [0.04] * 6, 0.30, 60.0)
-        assert fleet.run(30.0)
-        assert fleet.clearance > 0.0
-        sampled.append(fleet.nrl)
-        problem = Problem(goals, np.full(6, 0.04), 0.30, 60.0)
-        exact.append(integrate(problem, starts, tolerance=TOLERANCE).nrl)
+        scenario = load("figure-3d", ["control.filter=none", 'control.additions=["pace"]'], seed)
+        report = LocalFleet(scenario).execute()
+        assert (report["verdict"], report["collisions"]) == ("arrived", 0)
+        sampled.append(report["nrl"])
+        starts, goals = (
+            np.array([getattr(each, at) for each in scenario.robots]) for at in ("start", "goal")
+        )
+        radii = np.array([each.radius for each in scenario.robots])
+        problem = Problem(goals, radii, scenario.workspace.disk_radius, scenario.k)
+        exact.append(integrate(problem, starts, tolerance=scenario.time.tolerance).nrl)
     assert np.mean(sampled) == pytest.approx(np.mean(exact), rel=0.05)
-
-
-@pytest.mark.parametrize("delay", [6])
-def test_late_peers_cost_time_but_not_arrival(delay: int) -> None:
-    rng = np.random.default_rng(3)
-    goals, starts = tight_goals(rng, 3.30), scattered(rng, 6, 0.04, 0.30)
-    assert Fleet(starts, goals, [0.04] * 6, 0.30, 60.0, delay=delay).run(60.0)

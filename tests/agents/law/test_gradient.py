@@ -9,7 +9,7 @@ import pytest
 from agents.law.gradient import Slice
 from agents.peers.state import Peer
 from deploy.theory.function import Problem, reduced_gradient
-from tests.agents.law.whole_fleet import scattered
+from tests.agents.law.disks import scattered
 
 numbers = attrgetter("dx", "dy", "xx", "xy", "yx", "yy")  # of a gradient
 
@@ -78,8 +78,3 @@ def test_outside_the_workspace_the_slice_points_home() -> None:
     own = Slice((0.0, 0.0), 0.04, 0.30, 60.0, [Peer(-0.1, 0.0, 0.04, 0.01)])
     assert own(0.27, 0.0)[0] > 1e3
     assert all(map(math.isfinite, numbers(own.gradient(0.27, 0.0))))
-
-
-def test_coincident_centres_stay_finite() -> None:
-    own = Slice((0.2, 0.0), 0.04, 0.30, 60.0, [Peer(0.1, 0.0, 0.04, 0.01)])
-    assert all(map(math.isfinite, numbers(own.gradient(0.1, 0.0))))

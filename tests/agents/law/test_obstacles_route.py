@@ -67,20 +67,6 @@ def test_ways_are_clear_and_no_longer_than_they_say(things, start, goal):
         assert all(clearance(shape, *ends) >= RADIUS * (1.0 - 0.03) for shape in free)
 
 
-def test_round_a_box_the_way_is_the_known_one():
-    route = Route(way_points(ROOM, (BOX,), RADIUS))
-    start, goal = (-0.5, 0.05), (0.5, 0.05)
-    shortest = 2.0 * math.dist(start, (-0.1, 0.2 + RADIUS)) + 0.2
-    (_, length), corners = route.ahead(start, goal), way(route, start, goal)
-    assert shortest - RADIUS < length < shortest + RADIUS
-    assert all(y > 0.2 for _, y in corners[1:-1])
-
-
-def test_where_nothing_is_between_the_goal_is_ahead():
-    route = Route(way_points(ROOM, (BOX,), RADIUS))
-    assert route.ahead((-0.5, 0.5), (0.5, 0.5)) == ((0.5, 0.5), 1.0)
-
-
 def test_through_a_gap_that_is_too_narrow_there_is_no_way():
     half = ConvexPolygon([(-0.01, 0.05), (0.01, 0.05), (0.01, 2.5), (-0.01, 2.5)])
     other = ConvexPolygon([(-0.01, -0.005), (0.01, -0.005), (0.01, -2.5), (-0.01, -2.5)])

@@ -87,10 +87,6 @@ def speed(norm: float, farthest: float, late: int = 0) -> float:
     return math.hypot(*law.velocity(view))
 
 
-def test_twice_the_slice_is_half_the_speed() -> None:
-    assert speed(2.0 * NORM, 4.0) == pytest.approx(0.5 * speed(NORM, 4.0), rel=1e-2)
-
-
 def test_it_is_as_slow_as_the_attraction_at_most() -> None:
     assert speed(50.0, 0.5 * NORM) == pytest.approx(speed(NORM, 4.0), rel=1e-9)
 

@@ -13,7 +13,7 @@ from protocol.scenario.body import PRESETS
 from protocol.scenario.file import validated
 from protocol.scenario.model import Link, Point, ProcessFault, Scenario, Sensing
 from tests.campaigns.campaign import Dice
-from tests.campaigns.scenarios.draw import BUDGET, TICKS, drawn
+from tests.campaigns.scenarios.draw import drawn
 from tests.campaigns.scenarios.events import sensible
 from tests.campaigns.scenarios.places import at_the_wall, beside, fits, scattered
 
@@ -47,13 +47,6 @@ def test_the_simplest_choices_give_a_plain_scenario() -> None:
     assert len(scenario.robots) == 1
     assert (scenario.process, scenario.orders, scenario.obstacles, scenario.parts) == ((), (), (), ())
     assert (scenario.link, scenario.sensing) == (Link(), (Sensing(),))
-
-
-def test_runs_are_short() -> None:
-    for scenario in draws():
-        ticks = scenario.ticks(scenario.time.limit)
-        assert TICKS[0] <= ticks <= TICKS[1]
-        assert ticks <= max(TICKS[0], BUDGET[1] / len(scenario.robots) + 1)
 
 
 def test_few_draws_are_refused() -> None:
@@ -176,9 +169,8 @@ EXPRESSED: dict[str, Callable[[Scenario], object]] = {
 }
 
 
-@pytest.mark.parametrize("feature", EXPRESSED)
-def test_everything_that_may_matter_is_drawn(feature: str) -> None:
-    assert any(map(EXPRESSED[feature], draws()))
+def test_everything_that_may_matter_is_drawn() -> None:
+    assert [feature for feature, shows in EXPRESSED.items() if not any(map(shows, draws()))] == []
 
 
 def test_disks_are_put_as_near_as_numbers_allow() -> None:

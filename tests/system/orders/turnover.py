@@ -1,14 +1,9 @@
-"""A fleet of 3 to 12 in which somebody comes, goes, dies or is sent elsewhere all the time, under all faults.
-
-python -m tests.system.orders.turnover --changes 1000 --hours 1
-"""
+"""A fleet of 3 to 12 in which robots come, go, die or are sent elsewhere all the time, under all faults."""
 
 from __future__ import annotations
 
-import argparse
 import math
 import random
-import sys
 from dataclasses import replace
 from typing import Any
 
@@ -122,27 +117,3 @@ class Turnover:
     def _place(self) -> tuple[float, float]:
         size, angle = _ROOM * math.sqrt(self.draw.random()), math.tau * self.draw.random()
         return size * math.cos(angle), size * math.sin(angle)
-
-
-def main() -> int:
-    """Run a campaign; exit status 1 if anything touched, or somebody is stuck."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--changes", type=int, default=1000)
-    parser.add_argument("--hours", type=float, default=1.0, help="of simulated time")
-    parser.add_argument("--seed", type=int, default=1)
-    given = parser.parse_args()
-    ticks = round(given.hours * 3600.0 / _SWAP.time.step)
-    turnover = Turnover(given.seed, max(1, ticks // (2 * given.changes)), 3600.0 * given.hours)
-    turnover.run(ticks)
-    settled = turnover.settles(6000)
-    report = turnover.fleet.world.world.report()
-    print(
-        f"{turnover.changes} changes in {given.hours:g} h: {report['collisions']} contacts, "
-        f"clearance at least {1000 * report['min_clearance']:.3f} mm, "
-        f"{'nobody' if settled else 'somebody'} stuck at the end"
-    )
-    return int(bool(report["collisions"]) or not settled or turnover.changes < given.changes)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,22 +1,14 @@
 """By how much bodies in MuJoCo are off the ways that `protocol.bodies` gives them, and their odometry off.
 
-python -m tests.world.plants.deviations --ticks 2000
-python -m tests.world.plants.deviations --body e-puck --period 0.2
-
 Each robot is alone, and driven by random commands: at full speed and slowly, straight, on the spot, to and
 fro, with some commands lost. From every tick on in which it moves, the nominal way is drawn from where it
-is, and compared with the true one until the next command. Printed is what is lacking of a body's `play`,
+is, and compared with the true one until the next command. Measured is what is lacking of a body's `play`,
 if its `error` and `lag` are as stated, and of its `drift`, if its `odometry` is; negative if nothing is.
-Exit status: 0 if nothing is lacking, 1 otherwise.
 """
 
 from __future__ import annotations
 
-import argparse
 import math
-import sys
-from collections.abc import Mapping
-from dataclasses import replace
 from random import Random
 from typing import NamedTuple
 
@@ -146,41 +138,3 @@ class _Driver:
                 allowed = self._tolerance.error * way.length + way.slip
                 most = max(most, math.hypot(px - x, py - y) - allowed)
         return most
-
-
-def main() -> int:
-    """Measure; returns the exit status."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--body", choices=WHEELED, help="only this one")
-    parser.add_argument("--period", type=float, help="only this one, s")
-    parser.add_argument("--ticks", type=int, default=500, help="of each body at each period, of each robot")
-    parser.add_argument("--seed", type=int, default=0)
-    for name in ("error", "lag", "play", "odometry", "drift"):
-        parser.add_argument(f"--{name}", type=float, help="instead of what the body states")
-    options = parser.parse_args()
-    stated = {
-        name: value
-        for name in ("error", "lag", "play", "odometry", "drift")
-        if (value := getattr(options, name)) is not None
-    }
-    worst = max(
-        _measure(name, period, stated, options.ticks, options.seed)
-        for name in WHEELED
-        if options.body in (None, name)
-        for period in PERIODS
-        if options.period in (None, period)
-    )
-    return int(worst > 0.0)
-
-
-def _measure(name: str, period: float, stated: Mapping[str, float], ticks: int, seed: int) -> float:
-    found = lacking(replace(PRESETS[name], **stated), period, ticks, seed)
-    print(
-        f"{name}, {period:g} s: play {found.play * 1e3:+.2f} mm, drift {found.drift * 1e3:+.2f} mm",
-        flush=True,
-    )
-    return max(found)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

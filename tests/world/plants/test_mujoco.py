@@ -50,7 +50,7 @@ def test_the_same_run_twice_is_the_same() -> None:
 @pytest.mark.parametrize("period", [0.01, 0.1])
 @pytest.mark.parametrize("name", WHEELED)
 def test_bodies_keep_to_what_they_state(name: str, period: float) -> None:
-    """The campaign `tests.world.plants.deviations` measures it for longer, and at other periods."""
+    """The campaign `deviations` measures it for longer, and at other periods."""
     play, drift = lacking(PRESETS[name], period, 12)
     assert play < 0.0
     assert drift < 0.0

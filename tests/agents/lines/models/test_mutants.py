@@ -7,7 +7,7 @@ import pytest
 from tests.agents.lines.models.mutants.catalogue import MUTANTS
 from tests.agents.lines.models.mutants.mutant import Mutant, hunt
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.campaign]
 
 
 @pytest.mark.timeout(600)
