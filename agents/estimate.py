@@ -146,7 +146,7 @@ class Estimate:
             self.bound = self.shape.radius
 
     def _widen(self, by: float) -> None:
-        """The truth has moved by at most so much, m, nobody knows where."""
+        """The truth has moved by at most so much, m, in an unknown direction."""
         if self.shape is not None:
             self._settle(self.shape.widened(by), "")
         elif self.known:

@@ -46,7 +46,7 @@ class PeerInbox:
         self._open = False  # whether the tick's State is out and its Command is not
 
     def open(self, tick: Tick) -> None:
-        """A tick begins: hear whom it says, and what was late."""
+        """A tick begins: hear the peers that it names, and what was late."""
         self._attend(tick)
         self._tick = tick.tick
         self._awaited = set(self._since)
@@ -93,7 +93,7 @@ class PeerInbox:
             self._link.put(state)
 
     def on_summary(self, summary: Summary) -> None:
-        """The world says where everybody is, for a tick that begins soon.
+        """The world's summary of all positions, for a tick that begins soon.
 
         Raises:
             MessageError: it is not made as a summary is.

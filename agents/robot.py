@@ -250,7 +250,7 @@ class Robot:
     # -- parts
 
     def _move_parts(self, mover: PartCarrier, ordered: Vector | None) -> None:
-        """Decide what to do about parts in this tick; who was ordered elsewhere leaves them alone."""
+        """Decide what to do about parts in this tick; a robot with an order leaves them alone."""
         position, heard = self._estimate.position, self.hearing.neighbours
         if position is None or not self._roster.version:
             return

@@ -1,6 +1,6 @@
 """Goes through a msgpack message of the form in which libraries write it: short integers, 64-bit floats.
 
-For what a robot reads once per peer and tick: no object is made of what nobody wants. Whatever else
+For what a robot reads once per peer and tick: no object is made of what no caller wants. Whatever else
 msgpack allows ends in IndexError, as what is cut off does, and is left to `protocol.codec`.
 """
 

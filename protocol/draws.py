@@ -1,8 +1,7 @@
 """Random draws by counter: the same key gives the same numbers, whatever was drawn before.
 
 Every draw is keyed by (seed, purpose, robot, tick), with one column per peer where pairs matter (a key of its
-own for each who joins later), so neither the order in which messages arrive nor the transport can change
-a run.
+own for each robot that joins later), so neither the order of messages nor the transport can change a run.
 """
 
 from __future__ import annotations

@@ -5,8 +5,8 @@ apart by `"reply"`. `"admitted"` has `incarnation`, `lockstep`, `scenario` (maps
 file), `away` (s that the world may be gone and still come back), `founded` (whether the run has begun) and
 `epoch` (of the coordinator: Ticks and States of any other do not count);
 `"refused"` has `text`; `"wait"` has `after`, s, and `text`; `"finished"` has
-`verdict`. Which robot asks is said by the key alone, so that a router's rules decide who may. Who only
-watches asks under `world/scenario` and is told `"scenario"`, with `scenario`, `lockstep`, and `goals`, the
+`verdict`. Which robot asks is said by the key alone, so that a router's rules decide which may. A monitor
+asks under `world/scenario` and is told `"scenario"`, with `scenario`, `lockstep`, and `goals`, the
 `GoalStatus` of every robot that was ordered elsewhere.
 
 `session` is the process's own choice (see `protocol.keys`), the same for all its requests and for its
@@ -52,7 +52,7 @@ class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
     lockstep: bool
     scenario: Scenario
     away: Size = 0.0  # s that the world may be gone and still come back; 0 if it never does
-    founded: bool = False  # whether the run has begun: who comes later begins where its disk stands
+    founded: bool = False  # whether the run has begun: a later process begins where its disk stands
     epoch: Epoch = 0  # of the coordinator: what another one says does not count
 
 
@@ -76,7 +76,7 @@ class Finished(msgspec.Struct, frozen=True, tag="finished", tag_field="reply"):
 
 
 class Overview(msgspec.Struct, frozen=True, tag="scenario", tag_field="reply"):
-    """For those who only watch; only a lock-step run can be steered.
+    """For monitors; only a lock-step run can be steered.
 
     `goals`: of robots that were ordered elsewhere, how things stand now; all others go by the scenario.
     """
@@ -116,7 +116,7 @@ def decode_request(robot: Id, payload: bytes) -> Join:
 @keeps_newest
 def encode_reply(reply: Reply) -> bytes:
     """Payload of a reply: once, if a fleet is admitted one by one and all are told the same.
-    Nobody changes what stands in a reply."""
+    A reply is never changed."""
     return _encode(reply)
 
 

@@ -18,7 +18,7 @@ def room_of(slack: float, x: float, y: float) -> float:
     which twice ROUNDING was taken off before; all in m.
 
     Nowhere, if there is none; and once half of what was taken off is gone, it has to lead away by what adding
-    it to a place may lose: who slides along an edge loses that in every tick.
+    it to a place may lose: a robot that slides along an edge loses that in every tick.
     """
     if slack > 0.0:
         return slack

@@ -109,7 +109,7 @@ class Grants(msgspec.Struct, frozen=True, array_like=True, gc=False):
 class Standing(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """A robot whose disk stands where it is: no life up to this one moves again."""
 
-    robot: Id  # who stands there
+    robot: Id  # the robot that stands there
     incarnation: Count  # the life that ended
     position: Vector  # m, centre of the disk; of a base outside as last reported
 
@@ -120,7 +120,7 @@ Status = Literal["live", "appearing", "standing", "gone"]
 class Member(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """One id of the roster: its newest life, and whether its disk may move, appears, stands or is gone."""
 
-    robot: Id  # whose disk it is
+    robot: Id  # the robot of this disk
     incarnation: Count  # newest life that was admitted, 0 for none
     status: Status  # live: may move; appearing: nothing is there yet; standing: never moves in this life
     radius: Size  # m, of the disk
@@ -165,7 +165,7 @@ class PartPlace(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
 
 class Roster(msgspec.Struct, frozen=True, array_like=True, gc=False):
-    """Who is there, in one numbered version; versions only grow."""
+    """Membership, in one numbered version; versions only grow."""
 
     version: Count  # of two rosters the one with the higher number holds
     members: tuple[Member, ...]  # all ids that ever were in the run, ascending
@@ -195,7 +195,7 @@ class Sense(msgspec.Struct, frozen=True, array_like=True, gc=False):
 class Tick(Message, frozen=True, array_like=True, gc=False):
     """Coordinator to one robot, opens a tick: all commands of earlier ticks are settled."""
 
-    robot: Id  # who is addressed
+    robot: Id  # the addressee
     incarnation: Count  # the incarnation that is addressed
     tick: Count  # the tick that begins
     active: tuple[Id, ...]  # robots that take part and are heard, whose States are to be awaited
@@ -227,7 +227,7 @@ class Claim(msgspec.Struct, frozen=True, array_like=True, gc=False):
 class State(Message, frozen=True, array_like=True, gc=False):
     """One robot to its peers: all they need to know of it."""
 
-    robot: Id  # who speaks
+    robot: Id  # the sender
     incarnation: Count  # its life
     tick: Count  # the tick that this opens
     position: Vector | None  # m, own estimate; None before the first measurement
@@ -252,7 +252,7 @@ class Handling(msgspec.Struct, frozen=True, array_like=True, gc=False):
 class Command(Message, frozen=True, array_like=True, gc=False):
     """One robot to the world: a velocity, valid for the named tick only."""
 
-    robot: Id  # who commands
+    robot: Id  # the sender
     incarnation: Count  # its life
     tick: Count  # the only tick in which this is executed
     velocity: Vector  # m/s, constant during the tick
@@ -273,7 +273,7 @@ class Command(Message, frozen=True, array_like=True, gc=False):
 
 
 class Clock(Message, frozen=True, array_like=True, gc=False):
-    """World to everybody who watches: which tick begins, who takes part, whom it waits for."""
+    """World to all monitors: the tick that begins, the active robots, and those it waits for."""
 
     tick: Count  # the tick that begins, or that is waited for
     time: Size  # s, simulated time at its start
@@ -284,7 +284,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     phi: Real = 0.0  # navigation function, 0 at the goal, 1 on the boundary
     reason: str = ""  # for the verdict, for people
     founded: bool = False  # whether the first tick has begun; until then the world waits for every robot
-    halted: bool = False  # whether an emergency stop is in force: everybody stands
+    halted: bool = False  # whether an emergency stop is in force: all robots stand
     missed: Count = 0  # commands that never came, over all robots and ticks so far
     rejected: dict[str, Count] = {}  # messages that the world dropped, by reason
     things: tuple[Thing, ...] = ()  # that came or went; what the scenario lists stands unless it is gone here
@@ -294,7 +294,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
 
 
 class Summary(Message, frozen=True, array_like=True, gc=False):
-    """World to all robots where some are far from each other: where everybody was sensed to be."""
+    """World to all robots where some are far from each other: all positions as sensed."""
 
     tick: Count  # the tick that begins; taken in two or three ticks later
     robots: bytes  # ids of all, ascending: of each run the first and how many, 4 bytes each, little-endian
@@ -305,7 +305,7 @@ class Summary(Message, frozen=True, array_like=True, gc=False):
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):
-    """World to everybody who watches: where every disk really is at the start of `tick`."""
+    """World to all monitors: the true position of every disk at the start of `tick`."""
 
     tick: Count  # the tick that begins
     robots: tuple[Id, ...]  # all whose disks are there, ascending
@@ -318,7 +318,7 @@ class Truth(Message, frozen=True, array_like=True, gc=False):
 class Health(Message, frozen=True, array_like=True, gc=False):
     """One robot about itself, a few times a second and at the end of a run."""
 
-    robot: Id  # who reports
+    robot: Id  # the sender
     incarnation: Count  # its life
     tick: Count  # its newest tick
     bound: Size  # m, error bound of the own position
@@ -336,7 +336,7 @@ Errand = Literal["under way", "arrived", "cancelled", "given up"]
 class GoalStatus(Message, frozen=True, array_like=True, gc=False):
     """World about one robot's goal: whenever an order is accepted, a point reached, or an end made of it."""
 
-    robot: Id  # whose goal it is
+    robot: Id  # the robot of this goal
     tick: Count  # when this came to hold
     number: Count  # of the order, counted by robot; 0 for the scenario's goal
     status: Errand  # under way; arrived at the last point; cancelled; given up: its time was over

@@ -26,9 +26,9 @@ class Stream(NamedTuple):
     """One kind of published key.
 
     `reliable`: a publisher waits for room rather than drop (congestion control BLOCK); the others
-    are for whoever watches, and a slow watcher loses samples instead of holding up the fleet.
-    `heard_by`: who besides monitors, which hear everything, may subscribe; who publishes a sign of life
-    hears it, too, for the probe beside it has no other certificate.
+    are for monitors, and a slow monitor loses samples instead of holding up the fleet.
+    `heard_by`: which processes may subscribe besides monitors, which hear everything; the publisher of a sign
+    of life hears it, too, for the probe beside it has no other certificate.
     """
 
     name: str
@@ -48,7 +48,7 @@ class Question(NamedTuple):
     asked_by: str  # "itself", the robot in the key; "monitor", or "operator"
 
 
-_EACH_TICK = "once a tick and robot; again if lock-step waits for somebody for 0.5 s"
+_EACH_TICK = "once a tick and robot; again if lock-step waits for a robot for 0.5 s"
 _STREAMS = (
     Stream("tick", Tick, "world", ("itself",), _EACH_TICK, True, True, 512 * 1024),
     Stream("state", State, "robot", ("robots",), _EACH_TICK, True, True, 128 * 1024),

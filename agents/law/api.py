@@ -1,4 +1,4 @@
-"""What a control law is, and what it is given in every tick: a library for those who write laws."""
+"""What a control law is, and what it is given in every tick: a library for laws of one's own."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 In passages that leave room for one only, two that want to go through keep each other from their goals, and
 no flow and no line resolves that (`RightOfWay`): one goes first; the others go back the way they came, to
-where they can be passed, and wait until those who go before them have passed, or for a while.
+where they can be passed, and wait until those ahead have passed, or for a while.
 
 Where nothing is narrow (`Dispersal`), a crowd whose goals are on the far side of it presses itself together
 from all sides, and then no robot in it can move before another does, not even in a circle. So all but one
@@ -85,7 +85,7 @@ class GivingWay:
         return peer.placed and peer.gamma > (NEAR * self._radius) ** 2
 
     def _before(self, tick: int, jam: Iterable[PeerState]) -> list[PeerState]:
-        """Those of these who go before this robot.
+        """Those of these that go before this robot.
 
         It follows from ids and the tick, so all of a jam know it without a word. It is another robot after a
         while, for the first may be the one that cannot move.

@@ -1,4 +1,4 @@
-"""Pace: the positive scale s of the flow y' = -s D(y), 1/s, and whose turn it is to move.
+"""Pace: the positive scale s of the flow y' = -s D(y), 1/s, and which robot moves next.
 
 Any positive scale descends phi; a scale common to all robots also keeps the paper's path, because the
 whole configuration then moves along -D. Along the motion of one robot alone phi descends, too, as each

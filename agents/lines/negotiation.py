@@ -30,7 +30,7 @@ from protocol.region import Region
 
 ANSWER_TICKS: Final = 3  # an answer stands in this many States after the proposal was last heard
 OUTSTANDING: Final = 32  # most unanswered proposals of one pair
-RENEWALS: Final = 5  # initial lines that an owner replaces in a tick although nobody is near; see above
+RENEWALS: Final = 5  # initial lines that an owner replaces in a tick although no peer is near
 FOLLOWED: Final = 3.0  # periods for which a follower's way is kept free from when it adopts a line
 UNCHANGED: Final = 1e-2  # of what a robot moves in a tick: a line that differs by less is not proposed
 
@@ -128,7 +128,7 @@ class Negotiation:
     def _fit_line(self, tick: int, bond: Bond, me: Disk, state: PeerState, standing: bool) -> Line | None:
         """The line that lets both do what they want, as far as can be told from the peer's State."""
         halted = bond.bound.place is not None
-        # While States are lost, nobody is reckoned to go on as it did for more than its radius.
+        # While States are lost, a peer is reckoned to go on as it did for at most its radius.
         age = max(0, min(tick - state.tick, bond.transit + math.ceil(bond.radius / self._max_step)))
         peer = Disk(state.x, state.y, bond.radius + state.bound)
         if not halted:

@@ -1,4 +1,4 @@
-"""A line that touches something that stands, and faces a robot: no line has to be agreed with what nobody
+"""A line that touches something that stands, and faces a robot: no line has to be agreed with what no process
 moves."""
 
 from __future__ import annotations

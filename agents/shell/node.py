@@ -2,7 +2,7 @@
 
 Lock-step: the State goes out when the Tick arrives, the Command when the States of all that
 take part are there. When the world tells the same tick again, both go out again, or instead of the
-Command whose States are missing. Real time: both go out at once, and nobody is waited for. When a run
+Command whose States are missing. Real time: both go out at once, without waiting for peers. When a run
 ends, or the world has fenced this life, it joins again: as a new life, or to learn that it is over.
 A robot that is not simulated has a base, too: it shows its token once it knows where it is.
 """
@@ -45,7 +45,7 @@ class RobotNode:
         namespace: of the own base's topics, if it must have a base; empty, as the scenario has it.
         say: takes what a person should know.
         note: takes what is worth a line in a log.
-        read: takes an answer to a request to join to pieces; nobody changes what it returns.
+        read: decodes an answer to a request to join; its result is never changed.
 
     Raises:
         JoinError: the world refuses this id.
@@ -144,7 +144,7 @@ class RobotNode:
             self._declare(self.core)
 
     def _declare(self, core: Robot) -> None:
-        """Subscriptions before publishers before the token: whoever sees the token can rely on the rest."""
+        """Subscriptions before publishers before the token: where the token is seen, the rest is there."""
         bus, run, robot = self._bus, self._run, self._robot
         bus.watch(world_tokens(run))
         bus.subscribe(robot_key(run, robot, "tick"))
@@ -224,7 +224,7 @@ class RobotNode:
         elif isinstance(message, Wish):
             core.tell(message.velocity)
         elif isinstance(message, State) and not core.scenario.hears_near:
-            self._rejected["identity"] += 1  # of nobody who takes part
+            self._rejected["identity"] += 1  # of no robot that takes part
 
     def _on_summary(self, core: Robot, summary: Summary) -> None:
         try:
@@ -285,7 +285,7 @@ class RobotNode:
             self._report()
 
     def _repeat(self, core: Robot, tick: Tick) -> None:
-        """The world waits for somebody: perhaps for one who did not hear what this robot said. Who cannot
+        """The world waits for a robot: perhaps for one that did not hear this robot. A robot that cannot
         command yet says at least why."""
         self._tell_state(self._said_state)
         if self._commanded:

@@ -1,4 +1,4 @@
-"""Whose States one robot's process is subscribed to, and what reads them."""
+"""The States that one robot's process is subscribed to, and what reads them."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _TURNS: Final = 4  # ticks in which robots withdraw subscriptions: it keeps a ro
 
 @final
 class Subscriptions:
-    """Of all peers, or of those who are near.
+    """Of all peers, or of those that are near.
 
     Args:
         bus: the process's own connection.
@@ -32,16 +32,16 @@ class Subscriptions:
     def __init__(self, bus: Bus, run: str, robot: int) -> None:
         self.readers: dict[str, PeerReader] = {}
         self._bus, self._run, self._robot = bus, run, robot
-        self._fleet: frozenset[int] = frozenset()  # everybody
+        self._fleet: frozenset[int] = frozenset()  # all peers
         self._epoch = 0  # of the coordinator
-        self._near: frozenset[int] = frozenset()  # who is near, or will soon be; empty if that was never said
-        self._before = self._near  # who was named before them
-        self._named = False  # whether `attend` named somebody since the last `tend`
+        self._near: frozenset[int] = frozenset()  # peers near now or soon; empty if that was never said
+        self._before = self._near  # those named before them
+        self._named = False  # whether `attend` named a peer since the last `tend`
         self._dropped: set[str] = set()  # keys to withdraw from
         self._heard: set[str] = set()  # keys that are subscribed to: a later life may know of more peers
 
     def begin(self, admission: Admission) -> None:
-        """An incarnation begins: hear everybody, unless the world will say who is near."""
+        """An incarnation begins: hear all peers, unless the world will name those near."""
         scenario = admission.scenario
         self._limits = plausible(scenario)
         self._fleet = fleet_of(scenario.robots).ids
@@ -53,7 +53,7 @@ class Subscriptions:
         self._subscribe(self.readers)
 
     def on_roster(self, roster: Roster, *, everybody: bool) -> None:
-        """Know who has joined the fleet since this process was admitted, and hear them, if `everybody` is
+        """Know which robots joined the fleet since this process was admitted, and hear them, if all are
         heard."""
         for member in roster.members:
             peer = member.robot
@@ -64,12 +64,12 @@ class Subscriptions:
                 self._subscribe((self._know(peer),))
 
     def attend(self, near: Iterable[int]) -> None:
-        """Hear those who will be near, and for a while those who were; `tend` sees to it."""
+        """Hear those that will be near, and for a while those that were; `tend` sees to it."""
         self._before, self._near, self._named = self._near, frozenset(near), True
 
     def tend(self, tick: int) -> None:
-        """To be called once a tick, when nobody waits for this robot: subscribe to those whom `attend` named;
-        later, not all robots in the same tick, withdraw from those who are not near any more."""
+        """To be called once a tick, when no peer waits for this robot: subscribe to those that `attend`
+        named; later, not all robots in the same tick, withdraw from those that are not near any more."""
         if self._named:
             self._named = False
             self._hear()

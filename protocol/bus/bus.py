@@ -46,7 +46,7 @@ class Presence(NamedTuple):
 
 @final
 class Request:
-    """Somebody asks under `key`; exactly one `reply` is expected."""
+    """A request under `key`; exactly one `reply` is expected."""
 
     __slots__ = ("key", "payload", "reply")
 
@@ -61,13 +61,13 @@ class Bus(Protocol):
     """One participant's connection. Not thread-safe: one thread owns it."""
 
     def publisher(self, stream: Stream, key: str) -> Publish:
-        """Declare a publication; the returned function publishes one payload. Nobody hears itself."""
+        """Declare a publication; the returned function publishes one payload. No bus hears itself."""
 
     def foreign(self, key: str) -> Publish:
-        """The same for a key of somebody who is not of this fleet; what cannot be sent at once is dropped."""
+        """The same for a key outside this fleet; what cannot be sent at once is dropped."""
 
     def is_heard(self, key: str) -> bool:
-        """Whether anybody may hear what is published under `key`; True where that is not known."""
+        """Whether `key` may have a subscriber; True where that is not known."""
 
     def subscribe(self, *key_expressions: str) -> None:
         """Ask for samples under key expressions; under plain keys they cost least."""
@@ -82,7 +82,7 @@ class Bus(Protocol):
         """Ask for presence of liveliness tokens, those already there included."""
 
     def serve(self, key: str) -> None:
-        """Become the one who answers requests under `key`."""
+        """Answer the requests under `key`."""
 
     def announce(self, key: str) -> None:
         """Declare a liveliness token: it lasts until `close`, or until this process dies."""

@@ -66,7 +66,7 @@ def credentials(directory: Path, role: str) -> Credentials:
 class Connection:
     """One process's place in the network.
 
-    A `client` reaches everybody through one of `connect`; a `router` relays between its clients and
+    A `client` reaches all others through one of `connect`; a `router` relays between its clients and
     the routers in `connect`; a `peer` has a direct link to each endpoint in `connect` and relays
     nothing, so every two peers need a link of their own. A client needs one of its endpoints, a peer
     the first: links to the others come up when they do, so that a peer may start while another is down.
@@ -82,7 +82,7 @@ class Connection:
     lease: float = 2.0  # s, silence of this process after which others consider it gone
     credentials: Credentials | None = None  # what `tls/` endpoints show, and demand, at both ends
     access: Mapping[str, Any] | None = None  # a router's rules, zenoh's `access_control`
-    admin: bool = False  # whether a router tells, in zenoh's admin space, who is connected and declares what
+    admin: bool = False  # whether a router tells of its links and declarations in zenoh's admin space
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "connect", tuple(map(Endpoint, self.connect)))
@@ -115,9 +115,9 @@ def configuration(connection: Connection, attempt: float | None = None) -> Mappi
         },
         # An endpoint that is taken is an error at once, not something to wait for.
         "listen": {"endpoints": list(connection.listen), "timeout_ms": 0, "exit_on_failure": True},
-        # Endpoints are explicit: nobody is searched for, and nobody is told about third parties.
+        # Endpoints are explicit: no peer is searched for, and none is told about third parties.
         "scouting": {"delay": 0, "multicast": {"enabled": False}, "gossip": {"enabled": False}},
-        # `get('@/**')` under many declarations can deadlock a router for good, so only who asks has it.
+        # `get('@/**')` under many declarations can deadlock a router for good, so it is off by default.
         "adminspace": {"enabled": connection.admin, "permissions": {"read": True, "write": False}},
         # Ticks are in the messages; a router would stamp every sample with the wall clock.
         "timestamping": {"enabled": {"router": False, "peer": False, "client": False}},
@@ -131,8 +131,8 @@ def configuration(connection: Connection, attempt: float | None = None) -> Mappi
                 **_tls(connection.credentials),
                 "rx": {"max_message_size": MAX_MESSAGE},  # a stranger cannot make us hold a gigabyte
                 "tx": {
-                    # Whoever keeps a sample keeps, and lets zenoh clear anew, a buffer of this size (default
-                    # 65535) for the batch that it came in; a tick's batches are some hundred bytes.
+                    # A sample that is kept keeps a buffer of this size (default 65535), which zenoh clears
+                    # anew; a tick's batches are some hundred bytes.
                     "batch_size": 8192,
                     "lease": round(1000 * connection.lease),
                     "keep_alive": 4,
@@ -145,7 +145,7 @@ def configuration(connection: Connection, attempt: float | None = None) -> Mappi
 
 
 def _tls(credentials: Credentials | None) -> Mapping[str, Any]:
-    """Both ends show a certificate of the run's authority, and the one that listens is who it was called."""
+    """Both ends show a certificate of the run's authority; that of the listening end has its host's name."""
     if credentials is None:
         return {}
     return {

@@ -43,7 +43,7 @@ def explained(connection: Connection, error: str) -> BusError:
             f"cannot listen on {listen}: {error}; name an address of this host and a port that is free"
         )
     return BusError(
-        f"nobody reachable at {connect} within {connection.timeout:g} s: is the router running there "
+        f"no process reachable at {connect} within {connection.timeout:g} s: is the router running there "
         f"(`disknav node router`), is the endpoint right, does a firewall stand between? ({error})"
     )
 
@@ -78,7 +78,7 @@ def refusal(endpoint: Endpoint, credentials: Credentials) -> str | None:
     except ssl.SSLError as error:
         return _alert(endpoint, credentials, error)
     except OSError:
-        return None  # nobody there, or too slow to tell
+        return None  # nothing listens there, or it is too slow to tell
     return None
 
 
@@ -88,7 +88,10 @@ def demands_certificates(endpoint: Endpoint) -> bool:
     if address is None:
         return False
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE  # nothing is said to whom it may be
+    context.check_hostname, context.verify_mode = (
+        False,
+        ssl.CERT_NONE,
+    )  # nothing confidential is sent
     try:
         _shake_hands(address, context)
     except ssl.SSLError as error:

@@ -24,15 +24,15 @@ class LocalNetwork:
 
     Args:
         order: draws who is next, and what it is told next; for each key that is in the order in which it was
-            said, as on any network. Everybody in turn, and all as it was said, unless given.
+            said, as on any network. All buses in turn, and each in the order of sending, unless given.
     """
 
     def __init__(self, order: Random | None = None) -> None:
         self.order = order
         self._buses: list[LocalBus] = []
-        self.listeners: list[LocalBus] = []  # who subscribed to patterns
+        self.listeners: list[LocalBus] = []  # subscribers to patterns
         self._ready: deque[LocalBus] = deque()
-        self.routes: dict[str, list[LocalBus]] = {}  # who subscribed to each plain key
+        self.routes: dict[str, list[LocalBus]] = {}  # subscribers to each plain key
         self.generation = 0  # grows whenever a subscription to a pattern changes
 
     def connect(self) -> LocalBus:
@@ -69,11 +69,11 @@ class LocalNetwork:
             time.sleep(min(max(pause, 0.0), _LONGEST_SLEEP))
 
     def route(self, key: str) -> list[LocalBus]:
-        """Who subscribed to a plain key; the list changes with the subscriptions."""
+        """Subscribers to a plain key; the list changes with the subscriptions."""
         return self.routes.setdefault(key, [])
 
     def watchers(self, key: str) -> list[LocalBus]:
-        """Who subscribed to a pattern that `key` matches."""
+        """Subscribers to a pattern that `key` matches."""
         return [bus for bus in self.listeners if bus.hears(key)]
 
     def notify(self, bus: LocalBus) -> None:
@@ -91,7 +91,7 @@ class LocalNetwork:
                 bus.put(Presence(key, alive))
 
     def servers(self, key: str) -> list[LocalBus]:
-        """Who answers requests under `key`."""
+        """Buses that answer requests under `key`."""
         return [bus for bus in self._buses if any(each.fullmatch(key) for each in bus.served)]
 
     def leave(self, bus: LocalBus) -> None:
@@ -177,13 +177,13 @@ class LocalBus:
         self._network.tell_presence(key, True, self)
 
     def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:  # noqa: ARG002
-        """In one thread nobody else can act while this waits: answers come at once or never."""
+        """In one thread no other node can act while this waits: answers come at once or never."""
         replies: list[bytes] = []
         for server in self._network.servers(key):
             if server.node is not None:
                 server.node.handle(Request(key, payload, replies.append))
         if not replies:
-            raise BusError(f"nobody answers under {key}")
+            raise BusError(f"no answer under {key}")
         return replies
 
     def tokens(self, key_expression: str) -> list[str]:

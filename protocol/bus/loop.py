@@ -79,7 +79,7 @@ class Heartbeat:
         self._due = -inf
 
     def __call__(self, now: float) -> None:
-        """Raises ProcessError if nobody can be told."""
+        """Raises ProcessError if systemd cannot be told."""
         if now < self._due:
             return
         try:

@@ -33,7 +33,7 @@ from protocol.process.signals import STOP, Stopped
 from protocol.streams import Stream
 
 _ATTEMPT = 0.5  # s; an attempt that fails says only at its end why, so the first ones are short
-_ASK_AGAIN = 0.02  # s between attempts while nobody answers under a key yet
+_ASK_AGAIN = 0.02  # s between attempts while no process answers under a key yet
 _OTHERS = 0.5  # s that further answers are waited for
 _TOKENS = 2.0  # s that routers may take to name the tokens that they know of
 _LONGEST: Final = 3600.0  # s, longest single wait for the queue
@@ -52,7 +52,7 @@ class ZenohBus:
     """One zenoh session behind the `protocol.bus.bus.Bus` interface.
 
     Args:
-        connection: with whom, and how.
+        connection: its endpoints and role.
         capacity: events that may wait; of more, only the newest half of as many are kept.
 
     Attributes:
@@ -61,7 +61,7 @@ class ZenohBus:
     Raises:
         ListenError: an endpoint of `connection.listen` is taken (EndpointTakenError), or none of this host.
         CertificateError: one end does not accept the other's certificate.
-        BusError: nobody could be reached within `connection.timeout`.
+        BusError: no process could be reached within `connection.timeout`.
         Stopped: a signal asks this process to end; so does `ask`, and a wait for links.
     """
 
@@ -87,7 +87,7 @@ class ZenohBus:
                 zenoh.CongestionControl.BLOCK if stream.reliable else zenoh.CongestionControl.DROP
             ),
             express=False,  # express messages defeat batching, which carries the whole rate
-            allowed_destination=zenoh.Locality.REMOTE,  # nobody hears itself
+            allowed_destination=zenoh.Locality.REMOTE,  # no bus hears itself
         )
         self._declared.append(publisher)
         return publisher.put
@@ -121,7 +121,7 @@ class ZenohBus:
         self._declared += [self._session.declare_keyexpr(key) for key in keys]
 
     def bursts(self, key_expression: str) -> Callable[[], list[tuple[str, bytes]]]:
-        """Subscribe for somebody in no hurry: the function returned gives keys and payloads so far.
+        """Subscribe to be read later: the function returned gives keys and payloads so far.
 
         It waits outside Python, so that nothing wakes for a single sample: that is most of what hearing
         costs. Of too many the oldest are dropped.
@@ -156,7 +156,7 @@ class ZenohBus:
                 return replies
             STOP.wait(min(_ASK_AGAIN, max(0.0, deadline - time.monotonic())))
         raise BusError(
-            f"nobody answered under {key} within {timeout:g} s; is the process that serves it running, "
+            f"no answer under {key} within {timeout:g} s; is the process that serves it running, "
             f"under the same run name and reachable from the same endpoint?"
         )
 
@@ -235,7 +235,7 @@ class ZenohBus:
             time.sleep(0.005)
 
     def _count(self) -> int:
-        """How many events wait, after the oldest of too many are dropped: nobody can catch up with those."""
+        """How many events wait, after the oldest of too many are dropped: those cannot be caught up with."""
         waiting = self._queue.qsize()
         if waiting <= self._capacity:
             return waiting

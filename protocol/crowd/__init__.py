@@ -1,1 +1,1 @@
-"""What robots and the world of a large fleet work out alike: who hears whom, and what need not be said."""
+"""What robots and the world of a large fleet compute alike: which States are heard, and what is left out."""

@@ -48,7 +48,7 @@ class Speaker(msgspec.Struct, frozen=True):
 
 
 class Line(Speaker, frozen=True, kw_only=True):
-    """One line of a file: who said what, and when by the clock of its host."""
+    """One line of a file: the process, its text, and the time by the clock of its host."""
 
     time: Annotated[datetime, msgspec.Meta(tz=True)]
     level: Level

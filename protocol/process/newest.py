@@ -10,7 +10,7 @@ Made = TypeVar("Made")
 
 
 def keeps_newest(make: Callable[[Told], Made]) -> Callable[[Told], Made]:
-    """`make`, whose newest result is kept for whoever comes with the same, or with what equals it. Unlike
+    """`make`, whose newest result is kept for the next call with equal arguments. Unlike
     `lru_cache` it hashes nothing: of a thousand robots that takes as long as to make the result."""
     kept: list[tuple[Told, Made]] = []
 

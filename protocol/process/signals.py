@@ -96,7 +96,7 @@ class StopSignal:
 
     @contextmanager
     def readable(self) -> Iterator[int]:
-        """A descriptor that a signal makes readable, for who waits on descriptors."""
+        """A descriptor that a signal makes readable, for a loop that waits on descriptors."""
         reading, writing = os.pipe()
         os.set_blocking(writing, False)
         try:
@@ -120,7 +120,7 @@ class StopSignal:
     @contextmanager
     def listening(self) -> Iterator[None]:
         """Inside, note Ctrl-C: for a call in a program of the user's. There it raises KeyboardInterrupt
-        again afterwards; whoever handles it otherwise, or calls from another thread, keeps that."""
+        again afterwards; another handler, or a call from another thread, is left alone."""
         default = signal.getsignal(signal.SIGINT) is signal.default_int_handler
         if not default or threading.current_thread() is not threading.main_thread():
             yield

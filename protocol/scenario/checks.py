@@ -171,7 +171,10 @@ def _carriers(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
         if body is not None and body.kind != "point":
             yield (*steps, "body"), 'cannot carry parts: leave parts out, or let every body be a "point"'
     if scenario.network.interest == "near":
-        yield ("network", "interest"), "robots that carry parts reckon with everybody's way: leave it out"
+        yield (
+            ("network", "interest"),
+            "robots that carry parts plan with all others' ways: leave it out",
+        )
 
 
 def _wheels(steps: Steps, body: Body) -> Iterator[Finding]:
@@ -248,7 +251,7 @@ def _shared(robot: Steps, base: Base, seen: dict[str, Steps]) -> Iterator[Findin
 
 def _external(scenario: Scenario) -> Iterator[Finding]:
     if scenario.process:
-        yield ("process",), "nobody can script what happens to a fleet that is not simulated"
+        yield ("process",), "process faults cannot be scripted for a fleet that is not simulated"
     if scenario.network.interest == "near":
         text = "the world has no summary of a fleet that is not simulated: leave it out"
         yield ("network", "interest"), text

@@ -50,7 +50,7 @@ CELLS = 4.0  # of the grid on which robots plan how to move parts, to the smalle
 MOST_POINTS = 512  # that a robot has ahead, those of earlier orders included
 MOST_CELLS = 1e6  # of that grid: some 50 MB of each robot's memory
 DEFAULT_RADIUS = 0.30  # m, of the workspace
-CROWD = 32  # robots, up to which everybody hears everybody unless the scenario says otherwise
+CROWD = 32  # robots, up to which all hear all unless the scenario says otherwise
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +115,7 @@ class Obstacle:
 class FloorPlan:
     """A map of map_server that stands for obstacles, and for the workspace unless that is given.
 
-    The file is looked for beside the scenario. Whoever reads the scenario puts the obstacles in its place.
+    The file is looked for beside the scenario. Reading the scenario replaces it by its obstacles.
     """
 
     file: Annotated[str, Meta(min_length=1, max_length=1000, description="the name of a file")]
@@ -150,7 +150,7 @@ class Time:
     limit: Positive = 60.0  # s of simulated time, after which the run is over
     tolerance: Positive = 0.005  # m, arrived when all robots at once are within this of their goals
     fence: Positive = 1.0  # s, a robot that is silent this long is announced as down
-    deadlock: Positive = 20.0  # s, nobody moved for this long: give up
+    deadlock: Positive = 20.0  # s without motion of any robot until the run ends
     endless: bool = False  # no verdict of its own: the run goes on until it is stopped
 
 
@@ -194,7 +194,7 @@ class Sensing:
 
 @dataclass(frozen=True, slots=True)
 class Partition:
-    """Between two times (s), States pass only inside each group; a robot in no group hears nobody."""
+    """Between two times (s), States pass only inside each group; a robot in no group hears no peer."""
 
     from_: NonNegative  # s of simulated time
     until: Positive  # s
@@ -214,7 +214,7 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """Who hears whom: everybody everybody, or each robot those near it, and of the others, twice a second,
+    """Which States a robot hears: all, or those of robots near it, and of the others, twice a second,
     where they are."""
 
     interest: Literal["near", "all"] | None = None  # unless given, near from 33 robots on
@@ -274,11 +274,11 @@ class Operation:
     """A change while the run goes on: one of these. Operators ask for it, or the scenario does."""
 
     goal: Journey | None = None
-    add: RobotSpec | None = None  # it appears once everybody keeps clear of its start
+    add: RobotSpec | None = None  # it appears once all robots keep clear of its start
     remove: RobotId | None = None
-    place: Obstacle | None = None  # it stands once everybody keeps clear of it
+    place: Obstacle | None = None  # it stands once all robots keep clear of it
     take: RobotId | None = None  # obstacle that is taken away
-    halt: bool | None = None  # everybody stands; or is released
+    halt: bool | None = None  # all robots stand; or are released
 
     @property
     def asked(self) -> list[str]:
@@ -360,7 +360,7 @@ class Scenario:
     def hears_near(self) -> bool:
         """Whether robots hear only those that are near them at every tick."""
         if self.parts:
-            return False  # movers reckon with everybody's way
+            return False  # part carriers plan with the ways of all robots
         interest = self.network.interest
         if interest is None:
             return len(self.robots) > CROWD and not self.is_external
@@ -415,7 +415,7 @@ class Scenario:
         return self.world.plant == "external"
 
     def sensing_of(self, robot: int) -> Sensing:
-        """How this robot is measured: the last entry that names it, or that names nobody."""
+        """How this robot is measured: the last entry that names it, or that names no robot."""
         for sensing in reversed(self.sensing):
             if sensing.robots is None or robot in sensing.robots:
                 return sensing

@@ -23,7 +23,7 @@ def apply_settings(document: Document, settings: Iterable[str]) -> Document:
     """A copy of `document` with settings `path=VALUE` applied in order.
 
     Positions in arrays count from 0, as in error messages; the position after the last adds an element.
-    A value is written as in TOML; a bare word is taken as a string. Values are checked by whoever reads
+    A value is written as in TOML; a bare word is taken as a string. Values are checked by the reader of
     the document, paths are checked here.
 
     Raises:

@@ -215,7 +215,7 @@ def _table_in(hint: Any) -> type | None:
 
 
 def file_order(table: type) -> Any:
-    """A key that sorts findings as their places stand in a file; keys that nobody knows come first."""
+    """A key that sorts findings as their places stand in a file; unknown keys come first."""
     top = list(keys_of(table))
 
     def key(finding: Finding) -> tuple[int, tuple[tuple[int, str], ...]]:

@@ -81,7 +81,7 @@ class Unanswered:
         if not self.mute:
             return self._bus.ask(key, payload, timeout)
         self.waited += timeout
-        raise BusError("nobody answers")
+        raise BusError("no answer")
 
 
 def test_who_asks_a_world_that_leaves_hears_that_it_has_left() -> None:

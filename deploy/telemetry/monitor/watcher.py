@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 PERIOD = 0.05  # s between looks at what viewers ask for
 RETRY = 0.5  # s between attempts to learn the scenario
 _ASK_TIMEOUT = 2.0
-_UNANSWERED = "nobody answered: the world has gone, or the keys of this page are not an operator's"
+_UNANSWERED = "no answer: the world has gone, or the keys of this page are not an operator's"
 _NO_RUN = "there is no run yet"
 
 

@@ -180,7 +180,7 @@ def test_a_router_with_certificates_of_another_run_is_told(endpoint: str, tmp_pa
 
 def test_a_plain_router_where_certificates_are_expected(keys: Path) -> None:
     def ready(endpoint: str) -> None:
-        with pytest.raises(BusError, match=r"--secure|nobody reachable"):
+        with pytest.raises(BusError, match=r"--secure|no process reachable"):
             stranger(endpoint.replace("tcp/", "tls/"), credentials(keys, "robot-1"))
         signal.raise_signal(signal.SIGINT)
 

@@ -152,7 +152,10 @@ def test_the_filter_takes_a_body_with_everything_that_comes_late():
         ({"base": "[base]\ntimeout = 0"}, r"base\.timeout: must be at least"),
         ({"base": "[base]\ntopic = 1"}, r"base\.topic: unknown key"),
         ({"world": "lease = 0.1"}, r"world\.lease: must be at least 3 ticks"),
-        ({"two": '[[process]]\nrobot = 1\nat = 1.0\nevent = "kill"'}, "process: nobody can script"),
+        (
+            {"two": '[[process]]\nrobot = 1\nat = 1.0\nevent = "kill"'},
+            "process: process faults cannot be scripted",
+        ),
     ],
 )
 def test_what_is_wrong_with_a_base_is_named(texts, wrong):

@@ -145,8 +145,8 @@ def test_a_run_that_does_not_answer_an_order_is_a_refusal() -> None:
     watcher._known = True  # what it learnt once; the world has gone since
     answer, stop = watcher.operate(sent((0.0, 0.0))), watcher.operate(Operation(halt=True))
     watcher.wake(time.monotonic())
-    assert "nobody answered" in answer.result(0.0).text
-    assert "nobody answered" in stop.result(0.0).text
+    assert "no answer" in answer.result(0.0).text
+    assert "no answer" in stop.result(0.0).text
 
 
 def test_an_emergency_stop_reaches_the_run_and_its_release_too() -> None:
