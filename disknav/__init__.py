@@ -15,6 +15,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from disknav.environment import parallel_env as parallel_env
     from disknav.filtering import filtered as filtered
     from disknav.orders import FleetOrders as FleetOrders
     from disknav.orders import Orders as Orders
@@ -49,10 +50,12 @@ __all__ = [
     "library",
     "load",
     "operate",
+    "parallel_env",
     "read",
     "run",
 ]
 _MODULES = {
+    "disknav.environment": ("parallel_env",),
     "disknav.filtering": ("filtered",),
     "disknav.orders": ("FleetOrders", "Orders", "operate"),
     "disknav.recording": ("Recording", "read"),

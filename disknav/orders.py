@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from math import inf, isfinite, nan
 from operator import index
 from pathlib import Path
-from typing import Any
+from typing import Any, SupportsFloat
 
 from deploy.run.operator import Operator, operating
 from deploy.security.membership import Membership
@@ -30,7 +30,8 @@ def _whole(number: object) -> int:
         raise UsageError(f"{number!r}: give a whole number") from None
 
 
-def _finite(velocity: Vector) -> Vector:
+def finite(velocity: Iterable[SupportsFloat]) -> Vector:
+    """A velocity, m/s, in plain numbers; raises UsageError if it is none."""
     try:
         vx, vy = map(float, velocity)
     except (TypeError, ValueError, OverflowError):
@@ -81,7 +82,7 @@ class Orders:
             UsageError: `robot` is no integer, or `velocity` is not two finite numbers.
             KeyGrammarError: no robot can have this id.
         """
-        self._operator.wish(_whole(robot), _finite(velocity))
+        self._operator.wish(_whole(robot), finite(velocity))
 
     def status(self, robot: int) -> GoalStatus | None:
         """State of a robot's order: `status`, `goal` (m), and the number of points `ahead`.

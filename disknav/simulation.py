@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, SupportsFloat
 
 import numpy as np
 
+from agents.shell.node import RobotNode
 from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator
 from deploy.telemetry.recording.reader import Said, Truths
-from disknav.orders import Orders
+from disknav.orders import Orders, finite
 from disknav.scenarios import Settings, Source, ready
 from disknav.trajectory import Floats, Trajectory
 from protocol.keys import checked_run
@@ -57,6 +58,11 @@ class Simulation:
         return self._fleet.world.world.verdict
 
     @property
+    def clearance(self) -> float:
+        """Smallest gap of the fleet during the newest tick, m, over continuous time; negative is overlap."""
+        return self._truths[-1].clearance
+
+    @property
     def positions(self) -> Floats:
         """Positions of all present disks, m, shape (p, 2), in the order of ids."""
         return np.array(self._truths[-1].positions)
@@ -65,6 +71,29 @@ class Simulation:
     def trajectory(self) -> Trajectory:
         """Trajectory from tick 0 to the current tick."""
         return Trajectory.of(self.scenario, Truths.of(map(Said.of, self._truths)))
+
+    def join(self) -> None:
+        """Let all robots join the run, which the first `step` does otherwise."""
+        self._fleet.network.run(lambda: STOP.requested or all(each.core for each in self._nodes().values()))
+
+    def tell(self, wishes: Mapping[int, Iterable[SupportsFloat]]) -> None:
+        """What robots want from the next tick on, m/s by id, if the scenario has `control.law = "external"`.
+
+        As `orders.wish`, but without a message, so that no robot has given its next command before; a robot
+        that has not joined, or whose process is down, hears nothing.
+
+        Raises:
+            UsageError: a wish is not two finite numbers.
+        """
+        nodes = self._nodes()
+        for robot, wish in wishes.items():
+            if robot in nodes and (core := nodes[robot].core) is not None:
+                core.tell(finite(wish))
+
+    def _nodes(self) -> dict[int, RobotNode]:
+        """Of all robots whose processes run."""
+        nodes = {robot: bus.node for robot, bus in self._fleet.robots.items()}
+        return {robot: node for robot, node in nodes.items() if isinstance(node, RobotNode)}
 
     def step(self) -> bool:
         """Advance one tick; return False without effect once the run has a verdict."""
