@@ -67,19 +67,6 @@ def trusting_the_estimate(modules: Modules, _: pytest.MonkeyPatch) -> None:
     boundary.cut = cut
 
 
-def adopting_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
-    """A follower adopts every line that it is offered, though its own disk is on the wrong side."""
-    follower = modules["protocol.kernel.pair"].Follower
-    before = follower.on_proposal
-    follower.on_proposal = lambda self, number, line, fits: before(self, number, line, True)  # noqa: ARG005
-
-
-def obeying_late(modules: Modules, _: pytest.MonkeyPatch) -> None:
-    """An owner obeys a line that it proposed only once it is answered."""
-    owner = modules["protocol.kernel.pair"].Owner
-    owner.obeyed = lambda self: [self.held]
-
-
 def growing_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A robot takes itself for the larger disk that a part needs, wherever it is."""
     modules["agents.safety_filter"].SafetyFilter.has_room = lambda *_: True
@@ -142,8 +129,6 @@ def failing(modules: Modules, _: pytest.MonkeyPatch) -> None:
 FAULTS: dict[Fault, int] = {  # those that random scenarios show, and a seed from which on they do soon
     half_the_error: 4,
     trusting_the_estimate: 49,
-    adopting_blindly: 137,
-    obeying_late: 0,
     growing_blindly: 787,
     not_waiting: 0,
     drawing_as_it_comes: 0,

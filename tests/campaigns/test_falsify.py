@@ -120,7 +120,7 @@ def test_however_much_a_busy_machine_has_to_catch_up_nobody_is_given_up() -> Non
             for tick in range(1000):  # heard late
                 state = State(1, 1, tick, None, 0.0, 0.0, 0.0, (0.0, 0.0))
                 watch.handle(Sample(robot_key(fleet.run, 1, "state"), encode(state)))
-            assert 0.0 < time.monotonic() - began < 1.0
+            assert 0.0 < time.monotonic() - began < 10.0  # a holdup for each message would be 35 s
 
 
 BUSY = {

@@ -197,9 +197,3 @@ def test_two_that_change_places_side_by_side_in_a_pack_do_not_wait_for_ever() ->
     specs = tuple(RobotSpec(number, RADIUS, start, goal) for number, start, goal in robots)
     pack = Scenario(specs, workspace=Workspace(0.148), control=Control(law="reciprocal"))
     assert LocalFleet(resolved(pack)).execute()["verdict"] == "arrived"
-
-
-def test_without_the_escape_which_ends_a_wait_nobody_waits() -> None:
-    alone = replace(SCENARIO, control=SCENARIO.control.without("escape"))
-    view = seen(0, (HERE[0] - 2.4 * RADIUS, 0.0), (0.0, SCENARIO.control.speed))
-    assert ReciprocalLaw(alone, 1).velocity(view) == AugmentedLaw(alone, 1).velocity(view) != (0.0, 0.0)

@@ -123,22 +123,6 @@ def candidates(problem) -> list[tuple[float, float]]:
     ]
 
 
-def test_nothing_in_the_way_leaves_the_desired_velocity_alone() -> None:
-    assert solved((0.03, -0.04), (0.1, 0.0), [HalfPlane(1.0, 0.0, 0.2)]) == (0.03, -0.04)
-
-
-def test_a_line_in_front_is_followed_along() -> None:
-    vx, vy = solved((0.05, 0.05), (0.0, 0.0), [HalfPlane(1.0, 0.0, 0.0)])
-    assert vx == pytest.approx(0.0, abs=1e-15)
-    assert vy == pytest.approx(0.05)
-
-
-def test_a_line_already_crossed_is_not_approached_but_can_be_left() -> None:
-    vx, vy = solved((0.1, 0.0), (0.01, 0.0), [HalfPlane(1.0, 0.0, 0.0)])
-    assert -1e-15 < vx <= 0.0 == vy
-    assert solved((-0.05, 0.0), (0.01, 0.0), [HalfPlane(1.0, 0.0, 0.0)]) == pytest.approx((-0.05, 0.0))
-
-
 @given(
     st.sampled_from([-1e-11, 0.0, 0.001]),
     st.floats(0.0, 0.95),

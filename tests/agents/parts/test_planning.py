@@ -12,7 +12,6 @@ from agents.parts.grid import Grid, Reach
 from agents.parts.layout import Layout
 from agents.parts.planner import Planner
 from agents.parts.traffic import Traffic, Traveller
-from deploy.library.load import load
 from protocol.geometry import ConvexPolygon, Disk
 from protocol.scenario.model import Carrying, Obstacle, Part, RobotSpec, Scenario, Workspace
 
@@ -131,11 +130,3 @@ def test_who_makes_room_is_not_shut_in_by_what_the_other_leaves() -> None:
     traffic = Traffic(Grid(ROOM.shape, 0.01))
     assert traffic.aim(me, [other])[0] > 0.09  # into the room behind the gap, which is nearer
     assert traffic.aim(me, [replace(other, leaves=(Disk(0.1, 0.0, 0.04),))])[0] < 0.08
-
-
-def test_the_library_draws_parts_that_overlap_nothing() -> None:
-    for seed in range(3):
-        drawn = load("parts-8", [], seed)
-        assert len(drawn.parts) == 8
-        area = sum(each.radius**2 for each in (*drawn.robots, *drawn.parts))
-        assert area / drawn.workspace.disk_radius**2 == pytest.approx(0.2, abs=1e-3)

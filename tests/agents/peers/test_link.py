@@ -1,6 +1,5 @@
 """Injected link faults: when a State is heard, how often, and by whom."""
 
-import tracemalloc
 from dataclasses import replace
 
 from hypothesis import given
@@ -86,32 +85,3 @@ def test_what_an_older_life_says_late_is_no_news_nor_makes_any() -> None:
     told = [(3, 1), (7, 2), (3, 1), (7, 2), (4, 1), (7, 2), (8, 2), (4, 1), (9, 3)]
     news = [each for each in told if link.is_news(state(2, *each))]
     assert news == [(3, 1), (7, 2), (8, 2), (9, 3)]
-
-
-def test_receivers_draw_independently() -> None:
-    faults = replace(SCENARIO, link=LinkFaults(loss=0.5))
-    kept = []
-    for receiver in (1, 3):
-        link = Link(faults, receiver)
-        for tick in range(200):
-            link.put(state(2, tick))
-        kept.append({s.tick for s in link.take(1000)})
-    assert kept[0] != kept[1]
-
-
-def test_draws_are_not_kept_but_drawn_again() -> None:
-    """Of 200 robots those of one tick take 10 kB, and States may be of any tick, in any order."""
-    robots = tuple(RobotSpec(i, 0.01, (0.05 * i, 0.0), (0.05 * i, 0.1)) for i in range(1, 201))
-    link = Link(Scenario(robots=robots, seed=5, link=LinkFaults(delay=0.1, loss=0.5)), 1)
-    states = [state(2, tick) for tick in range(1500)]
-    tracemalloc.start()
-    try:
-        for each in (*states, *reversed(states)):
-            link.put(each)
-        link.take(2000)
-        kept, _ = tracemalloc.get_traced_memory()
-    finally:
-        tracemalloc.stop()
-    assert kept < 200_000
-    assert link.lost % 2 == 0  # the same fate whenever it is drawn
-    assert 1300 < link.lost < 1700

@@ -10,23 +10,13 @@ import pytest
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.theory.surrounded import surrounded, theorem_for
-from protocol.scenario.file import parse_toml, validated, write_toml
+from protocol.scenario.file import validated
 from protocol.scenario.model import Control, Obstacle, RobotSpec, Scenario, Time, Workspace
 
 pytestmark = pytest.mark.slow
 
-NAMES = ["sphere-world", "beads-5", "boxes-8", "forest-10", "blocks-100"]
 
-
-@pytest.mark.parametrize("name", NAMES)
-def test_written_and_read_it_is_the_same_and_another_seed_is_another(name: str) -> None:
-    scenario = load(name)
-    assert parse_toml(write_toml(scenario)) == scenario
-    if name not in ("sphere-world", "blocks-100"):
-        assert load(name, seed=1) != load(name, seed=2)
-
-
-@pytest.mark.parametrize("angle", range(0, 360, 30))
+@pytest.mark.parametrize("angle", [0, 60, 150, 270])
 def test_in_a_sphere_world_one_robot_arrives_from_everywhere(angle: int) -> None:
     scenario = load("sphere-world")
     assert theorem_for(scenario)[0] == "Koditschek-Rimon"
@@ -37,7 +27,7 @@ def test_in_a_sphere_world_one_robot_arrives_from_everywhere(angle: int) -> None
     assert report["phi"]["increases"] == 0
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_beads_keep_their_order(seed: int) -> None:
     """Two that passed each other would have overlapped: the corridor is not as wide as two of them."""
     scenario = load("beads-5", seed=seed)
@@ -91,16 +81,3 @@ def doorway(slack: float, k: float = 60.0) -> Scenario:
             obstacles=tuple(Obstacle(points=((1.9, a), (2.1, a), (2.1, b), (1.9, b))) for a, b in walls),
         )
     )
-
-
-def test_check_says_of_a_door_what_a_run_shows() -> None:
-    """Barred; open, but not for so small a gain; open."""
-    barred, held, open_ = (
-        surrounded(each) for each in (doorway(-0.001), doorway(0.001, 50.0), doorway(0.02))
-    )
-    assert [each.width for each in barred.unreachable] == pytest.approx([0.799])
-    assert (held.unreachable, len(held.doors)) == ((), 1)
-    assert held.automatic_k > held.doors[0].gain > 50.0
-    assert (open_.unreachable, open_.no_way, open_.doors) == ((), (), ())
-    reports = [LocalFleet(doorway(*each)).execute() for each in ((0.001, 50.0), (0.02,))]
-    assert [each["verdict"] for each in reports] == ["deadlock", "arrived"]

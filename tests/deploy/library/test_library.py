@@ -16,7 +16,7 @@ from deploy.library.figures import GOAL_SETS, figure_3, tightness
 from deploy.library.load import load
 from deploy.library.names import build, catalogue, generate
 from deploy.library.random_instances import random_instance, random_starts
-from deploy.library.swaps import circle, head_on, swap
+from deploy.library.swaps import circle, swap
 from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.file import parse_toml, validated, write_toml
 from protocol.scenario.model import Scenario
@@ -82,19 +82,6 @@ def test_an_unjittered_swap_is_symmetric(count: int) -> None:
     if count % 2 == 0:
         starts = {robot.start for robot in scenario.robots}
         assert {robot.goal for robot in scenario.robots} == starts
-
-
-def test_jitter_moves_each_start_by_no_more() -> None:
-    exact, moved = swap(10), swap(10, 0.01, 3)
-    shifts = [math.dist(a.start, b.start) for a, b in zip(exact.robots, moved.robots, strict=True)]
-    assert 0.0 < min(shifts) < max(shifts) <= 0.01
-    assert [robot.goal for robot in exact.robots] == [robot.goal for robot in moved.robots]
-
-
-def test_head_on_is_exactly_symmetric() -> None:
-    one, other = head_on().robots
-    assert (one.start, one.goal) == (other.goal, other.start)
-    assert one.start == (-other.start[0], other.start[1])
 
 
 @settings(max_examples=40, deadline=None)

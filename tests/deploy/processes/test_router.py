@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import os
 import signal
-import socket
 from collections.abc import Iterator
 from contextlib import closing
 
 import pytest
 
 from deploy.library.load import load
-from deploy.processes.router import holder, listening, main, reserved
+from deploy.processes.router import listening, main, reserved
 from deploy.processes.supervisor import Supervisor
 from deploy.processes.table import Process, router
 from deploy.run.fleet import Fleet
@@ -19,7 +18,6 @@ from deploy.run.options import RunOptions
 from protocol.bus.bus import Presence
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
-from protocol.endpoint import Endpoint
 from protocol.errors import EndpointTakenError, ProcessError
 from protocol.keys import TOKEN, parse
 from protocol.messages import Clock
@@ -111,13 +109,6 @@ def test_nobody_else_takes_the_port_of_a_router_that_will_be_back() -> None:
         back, again = listening(Connection("router", listen=(endpoint,)))
         back.close()
         assert again == endpoint
-
-
-def test_nobody_holds_a_free_port() -> None:
-    with socket.create_server(("127.0.0.1", 0)) as probe:  # beyond the ports that routers take
-        endpoint = Endpoint.at("tcp", "127.0.0.1", probe.getsockname()[1])
-        assert str(os.getpid()) in holder(endpoint)
-    assert holder(endpoint) == ""
 
 
 def test_a_signal_ends_the_router_which_worked_till_then() -> None:

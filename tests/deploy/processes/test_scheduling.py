@@ -70,15 +70,6 @@ def test_only_robots_in_lockstep_are_bound(monkeypatch: pytest.MonkeyPatch, mode
     assert all(cores == everywhere for cores in seen[False])
 
 
-@linux
-@pytest.mark.process
-@pytest.mark.timeout(60)
-def test_a_core_that_is_not_there_costs_nothing_but_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("deploy.run.assembly.core_of", lambda *_: 1023)
-    with Fleet(load("swap-2"), RunOptions()) as fleet:
-        assert fleet.execute()["verdict"] == "arrived"
-
-
 def refuse(monkeypatch: pytest.MonkeyPatch) -> None:
     """Be a system that allows no real-time priority."""
 
@@ -90,12 +81,11 @@ def refuse(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @linux
 @pytest.mark.process
-@pytest.mark.parametrize("transport", ["routed", "mesh"])
 def test_where_it_is_not_allowed_nothing_starts_and_the_error_says_what_to_do(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, transport: str
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     refuse(monkeypatch)
-    options = RunOptions(transport, "realtime", realtime_priority=True)  # type: ignore[arg-type]
+    options = RunOptions(mode="realtime", realtime_priority=True)
     before = psutil.Process().children()
     with pytest.raises(
         UsageError, match=r"not permitted.*ulimit -r.*LimitRTPRIO.*SYS_NICE.*leave the option"
@@ -112,6 +102,12 @@ def test_a_process_that_is_refused_does_not_go_on_without(monkeypatch: pytest.Mo
         Scheduling(realtime=True).apply()
 
 
+def policies(pid: int) -> set[tuple[int, int]]:
+    """Policy and priority of all threads of a process."""
+    threads = [int(task.name) for task in Path(f"/proc/{pid}/task").iterdir()]
+    return {(os.sched_getscheduler(thread), os.sched_getparam(thread).sched_priority) for thread in threads}
+
+
 def test_it_is_for_linux(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "platform", "darwin")
     with pytest.raises(UsageError, match="Linux only"):
@@ -119,24 +115,10 @@ def test_it_is_for_linux(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @needs_realtime
-def test_who_asks_stays_as_it_is() -> None:
-    before = os.sched_getscheduler(0)
-    require_realtime()
-    assert os.sched_getscheduler(0) == before
-
-
-def policies(pid: int) -> set[tuple[int, int]]:
-    """Policy and priority of all threads of a process."""
-    threads = [int(task.name) for task in Path(f"/proc/{pid}/task").iterdir()]
-    return {(os.sched_getscheduler(thread), os.sched_getparam(thread).sched_priority) for thread in threads}
-
-
-@needs_realtime
 @pytest.mark.process
 @pytest.mark.timeout(60)
-@pytest.mark.parametrize("transport", ["routed", "mesh"])
 def test_world_router_and_robots_go_first_in_every_life_and_nobody_else(
-    tmp_path: Path, transport: str
+    tmp_path: Path,
 ) -> None:
     guest = RobotSpec(3, 0.03, (0.0, 0.15), (0.0, -0.15))
     scenario = load("swap-2", ["control.speed=0.01", "time.limit=40"])
@@ -155,10 +137,10 @@ def test_world_router_and_robots_go_first_in_every_life_and_nobody_else(
             server = psutil.Process(pids["world"]).ppid()
             seen.update(server=policies(server), launcher=policies(os.getpid()))
 
-    options = RunOptions(transport, "realtime", restarts=1, realtime_priority=True)  # type: ignore[arg-type]
+    options = RunOptions(mode="realtime", restarts=1, realtime_priority=True)
     with Fleet(scenario, options, watch=look, record=tmp_path / "run.mcap") as fleet:
         fleet.execute(enough=lambda: bool(seen))
-    first = {"world", "robot-1", "robot-2", "robot-3", *(["router"] if transport == "routed" else [])}
+    first = {"world", "robot-1", "robot-2", "robot-3", "router"}
     assert {name for name, these in seen.items() if these == {(os.SCHED_RR, 1)}} == first
     ordinary = {name for name, these in seen.items() if these == {(os.SCHED_OTHER, 0)}}
     assert ordinary == {RECORDER, "server", "launcher"} == seen.keys() - first

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import os
-import re
 import signal
 import subprocess
 import sys
 import time
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +19,6 @@ from deploy.processes.spawn import Spawner
 from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions, fresh_run_name
-from deploy.studies import execution
-from deploy.studies.execution import RunLog
-from deploy.studies.experiments import tightness
 from protocol.messages import Clock
 from tests.deploy.processes.children import row, wait
 from tests.deploy.processes.ports import free_ports
@@ -137,18 +132,3 @@ def test_processes_that_are_started_alone(environment: dict[str, str]) -> None:
             stack.callback(process.wait)
             stack.callback(process.kill)
             await_title(process, expected)
-
-
-def report_title(*_: object) -> dict[str, str]:
-    """What a worker does here instead of a run."""
-    return {"verdict": "", "title": title(os.getpid()), "short": short(os.getpid())}
-
-
-def test_workers_of_a_study(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(execution, "run_one", report_title)
-    log = RunLog(None)
-    execution.execute(replace(tightness(1), row=lambda *_: {}), "local", log, jobs=2)
-    said = list(log.known.values())
-    assert len(said) == 5
-    assert all(re.fullmatch(r"disknav study worker \d+", each["title"]) for each in said)
-    assert all(each["title"].endswith(each["short"]) for each in said)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 import time
@@ -21,12 +20,8 @@ from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, fresh_run_name
-from protocol.bus.bus import Sample
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
-from protocol.codec import decode
-from protocol.keys import world_key
-from protocol.messages import Result
 from protocol.scenario.model import ProcessFault, Scenario
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
@@ -44,28 +39,6 @@ def run_fleet(scenario: Scenario, options: RunOptions) -> dict[str, Any]:
 def router(supervisor: Supervisor) -> Iterator[Connection]:
     supervisor.start([table.router(Connection("router"))])
     yield Connection(connect=(supervisor.report("router", 20.0),))
-
-
-def result_of(
-    connection: Connection, run: str, supervisor: Supervisor, rows: list[table.Process]
-) -> dict[str, Any]:
-    """Start `rows`, a world among them, and wait for its result."""
-    seconds = 40.0
-    bus = ZenohBus(connection)
-    try:
-        bus.subscribe(world_key(run, "result"))
-        supervisor.start(rows)
-        deadline = time.monotonic() + seconds
-        while time.monotonic() < deadline:
-            supervisor.poll()
-            event = bus.receive(0.05)
-            if isinstance(event, Sample):
-                message = decode(event.key, event.payload)
-                assert isinstance(message, Result)
-                return json.loads(message.report)
-    finally:
-        bus.close()
-    raise AssertionError(f"no result within {seconds} s")
 
 
 def test_the_same_run_on_every_transport() -> None:
@@ -103,16 +76,6 @@ def test_two_fleets_share_a_router() -> None:
             reports = [one.execute(), two.execute()]
     alone = [LocalFleet(scenario).execute() for scenario in scenarios]
     assert [r["trajectory_sha256"] for r in reports] == [r["trajectory_sha256"] for r in alone]
-
-
-def test_a_robot_that_never_starts_is_named() -> None:
-    scenario, run = load("figure-2"), fresh_run_name()
-    with Supervisor() as supervisor, router(supervisor) as connection:
-        rows = [table.world(connection, run, scenario, True, 5.0)]
-        rows += [table.robot(connection, run, robot) for robot in (1, 3)]
-        report = result_of(connection, run, supervisor, rows)
-    assert report["verdict"] == "aborted"
-    assert "robot 2 " in report["reason"]
 
 
 def test_a_second_robot_with_the_same_id_is_refused() -> None:

@@ -12,7 +12,7 @@ from agents.shell.node import RobotNode
 from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
-from deploy.run.options import RunOptions, Transport, fresh_run_name
+from deploy.run.options import RunOptions
 from protocol.bus.bus import Event, Sample
 from protocol.codec import decode
 from protocol.messages import Tick
@@ -65,33 +65,6 @@ def test_who_of_two_begins_anew_first_changes_nothing() -> None:
     assert len(hashes) == 1
 
 
-def test_robots_that_share_a_process_share_what_they_were_told_and_drive_as_if_they_did_not(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    scenario = crowd(Network("near", 0.1), process=(ProcessFault(3, 1.05, "restart"),))
-    scenario = replace(scenario, time=replace(scenario.time, limit=SHORT))
-
-    def run() -> tuple[str, dict[int, Scenario]]:
-        fleet = LocalFleet(scenario)
-        fleet.step()
-        nodes = {robot: bus.node for robot, bus in fleet.robots.items()}
-        told = {
-            robot: node.core.scenario
-            for robot, node in nodes.items()
-            if isinstance(node, RobotNode) and node.core is not None
-        }
-        return str(fleet.execute()["trajectory_sha256"]), told
-
-    together, shared = run()
-    assert len(shared) == 14
-    assert len({id(each) for each in shared.values()}) == 1
-    hash(shared[1])  # it is made of what nobody can change
-    monkeypatch.setattr("deploy.run.local.lru_cache", lambda maxsize: lambda read: read)  # noqa: ARG005
-    alone, own = run()
-    assert len({id(each) for each in own.values()}) == 14
-    assert together == alone
-
-
 @pytest.mark.parametrize("fenced", [False, True])
 def test_who_begins_anew_among_far_peers_moves_again(fenced: bool) -> None:
     """By letters it gets a line with everybody, although it hears hardly anybody."""
@@ -139,11 +112,10 @@ def test_whom_a_summary_has_elsewhere_by_rounding_is_near() -> None:
 
 @pytest.mark.process
 @pytest.mark.timeout(120)
-@pytest.mark.parametrize("transport", ["routed", "mesh"])
-def test_processes_make_the_same_trajectory(transport: Transport) -> None:
+def test_processes_make_the_same_trajectory() -> None:
     scenario = crowd(Network("near", 0.1))
     scenario = replace(scenario, time=replace(scenario.time, limit=SHORT))
-    with Fleet(scenario, RunOptions(transport, run=fresh_run_name())) as fleet:
+    with Fleet(scenario, RunOptions()) as fleet:
         found = fleet.execute()
     assert found["trajectory_sha256"] == in_process(scenario)["trajectory_sha256"]
 

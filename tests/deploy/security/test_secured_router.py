@@ -7,19 +7,13 @@ import signal
 import time
 from collections.abc import Iterator
 from contextlib import closing
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from deploy.library.load import load
 from deploy.processes import table
 from deploy.processes.router import main
 from deploy.processes.supervisor import Supervisor
-from deploy.run.fleet import Fleet
-from deploy.run.local import LocalFleet
-from deploy.run.options import RunOptions
 from deploy.security.keystore import create
 from deploy.security.membership import Membership
 from deploy.security.roster import Roster
@@ -28,7 +22,6 @@ from protocol.bus.connection import Connection, Credentials, credentials
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, CertificateError
 from protocol.keys import everything, robot_key, robot_token, world_key, world_token
-from protocol.messages import Clock, Truth
 from protocol.process.signals import STOP
 from protocol.streams import STREAMS
 
@@ -172,12 +165,6 @@ def test_a_robots_key_cannot_pose_as_the_router(keys: Path) -> None:
     assert main(impostor, ready=ready) == 0
 
 
-def test_a_router_with_certificates_of_another_run_is_told(endpoint: str, tmp_path: Path) -> None:
-    create(tmp_path / "other", ROSTER)
-    with pytest.raises(CertificateError, match="certificate of the router"):
-        main(Membership(tmp_path / "other").router(connect=(endpoint,)))
-
-
 def test_a_plain_router_where_certificates_are_expected(keys: Path) -> None:
     def ready(endpoint: str) -> None:
         with pytest.raises(BusError, match=r"--secure|no process reachable"):
@@ -185,52 +172,3 @@ def test_a_plain_router_where_certificates_are_expected(keys: Path) -> None:
         signal.raise_signal(signal.SIGINT)
 
     assert main(Connection("router"), ready=ready) == 0
-
-
-def test_a_run_under_attack_is_the_run_without(keys: Path) -> None:
-    """Rogues write into everything, over and over; the trajectory does not differ in a bit."""
-    scenario = load("figure-1", ["control.speed=0.02"], 3)
-    alone = LocalFleet(scenario).execute()
-    rogues: list[ZenohBus] = []
-    attacks = 0
-
-    def watch(message: Clock | Truth) -> None:
-        nonlocal attacks
-        if message.tick >= 2 and not rogues:
-            (endpoint,) = fleet.topology.observer().connect
-            rogues.append(member(keys, "robot-2", endpoint))
-            rogues.append(member(keys, "monitor", endpoint))
-        for rogue, own in zip(rogues, (2, None), strict=False):
-            attack(rogue, "guarded", own)
-            attacks += 1
-
-    fleet: Any
-    with Fleet(scenario, RunOptions(run="guarded", secure=keys), watch=watch) as fleet:
-        report = fleet.execute()
-        for rogue in rogues:
-            rogue.close()
-    assert attacks > 10
-    assert report["verdict"] == "arrived"
-    assert report["trajectory_sha256"] == alone["trajectory_sha256"]
-    assert report["messages"]["rejected"] == {}
-
-
-def test_the_same_attack_tells_where_there_are_no_rules(keys: Path) -> None:
-    """What the tests above forbid is possible on a router without rules: they could fail."""
-    open_to_all = replace(Membership(keys).router(), access=None)
-
-    def ready(endpoint: str) -> None:
-        with (
-            closing(member(keys, "monitor", endpoint)) as spy,
-            closing(member(keys, "robot-2", endpoint)) as rogue,
-        ):
-            spy.subscribe(everything("guarded"))
-            spy.watch(everything("guarded"))
-            rogue.announce(robot_token("guarded", 2, "1"))
-            assert spy.receive(10.0) is not None
-            attack(rogue, "guarded", 2)
-            write(rogue, "guarded", 2, "state", b"last")
-            assert (robot_key("guarded", 3, "command"), ROGUE) in heard(spy, b"last")
-        signal.raise_signal(signal.SIGINT)
-
-    assert main(open_to_all, ready=ready) == 0

@@ -22,11 +22,11 @@ from protocol.errors import UsageError
 from tests.interpreted import interpreted
 
 _TWINS = pytest.mark.skipif(not compiled.compiled(), reason="nothing is compiled: `make compile`")
-_SCENARIOS = ("figure-1", "delay-6", "swap-6")
+_SCENARIOS = ("figure-1", "delay-6")
 
 
 @_TWINS
-@pytest.mark.parametrize("seed", range(50))
+@pytest.mark.parametrize("seed", range(10))
 def test_the_law_is_the_same_to_the_last_bit(seed: int) -> None:
     rng = np.random.default_rng(seed)
     k = float(10 ** rng.uniform(0.5, 4.0))

@@ -15,9 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from deploy.studies.charts import delay, draw_study, robustness
-from deploy.studies.panels import HOLLOW, plain_numbers, runs
+from deploy.studies.panels import HOLLOW, plain_numbers
 from deploy.studies.peers.chart import peers
-from deploy.studies.peers.study import LAWS, NAMES, places
 from deploy.studies.study import Row
 from deploy.telemetry.plot.style import RC
 
@@ -100,24 +99,6 @@ def test_nothing_is_cut_off_and_the_legend_hides_no_data(name: str) -> None:
             assert figure.bbox.y0 <= each.y0 < each.y1 <= figure.bbox.y1
 
 
-def test_all_scenarios_of_the_study_are_on_one_page() -> None:
-    rows = [contest_row(place.label, place.delay, "orca", 3) for place in places()]
-    width, height = peers(rows).get_size_inches()
-    assert width < 7.3  # inches, A4 within its margins
-    assert height < 10.3
-
-
-def test_every_law_is_called_what_people_call_it() -> None:
-    assert set(NAMES) == set(LAWS)
-    shown = [text.get_text() for text in peers(PEERS).legends[0].get_texts()]
-    assert set(NAMES.values()) | {"arrived", "did not arrive", "touched"} == set(shown)
-
-
-def test_fresh_states_come_before_late_ones() -> None:
-    labels = [label.get_text() for label in peers(PEERS).axes[0].get_yticklabels()]
-    assert labels == ["swap 8", "swap 12", "swap 8, 50 ms late"]
-
-
 def test_every_run_has_a_mark_that_says_what_came_of_it() -> None:
     outcomes = peers(PEERS).axes[0]
     assert marks(outcomes, full) == sum(row["arrived"] for row in PEERS)
@@ -130,20 +111,6 @@ def test_means_over_some_of_the_runs_are_hollow() -> None:
     for axes in (nrl, time):
         assert (marks(axes, full), marks(axes, hollow)) == (6, 6)
     assert (marks(step, full), marks(step, hollow)) == (15, 0)
-
-
-def test_the_words_above_say_how_many_runs_and_which_settings() -> None:
-    words = peers(PEERS).get_suptitle()
-    assert words.startswith("3 runs of every law")
-    assert "ORCA and barrier QP: the best setting of each scenario, of 6 tried" in words
-    assert "best setting" not in peers(PEERS[:2]).get_suptitle()
-    assert runs([{"runs": 1}]) == "1 run"
-    assert runs([{"runs": 1}, {"runs": 3}]) == "1 to 3 runs"
-
-
-def test_a_column_without_figures_is_left_out() -> None:
-    unmetered = [row | {"step_us": None} for row in PEERS]
-    assert [axes.get_title() for axes in peers(unmetered).axes] == ["outcome", "nrl", "time, s"]
 
 
 def test_robustness_has_a_column_for_every_loss_and_both_laws_in_it() -> None:

@@ -121,7 +121,7 @@ def test_a_study_that_was_stopped_leaves_no_process_and_goes_on(
     tmp_path: Path, number: signal.Signals
 ) -> None:
     log = tmp_path / "rows.json.runs.jsonl"
-    options = f"study tightness --runs 16 --transport local --jobs 2 --quiet --set {COARSE[0]} --json".split()
+    options = f"study tightness --runs 8 --transport local --jobs 2 --quiet --set {COARSE[0]} --json".split()
     call = [sys.executable, "-m", "disknav", *options, str(tmp_path / "rows.json")]
     process = subprocess.Popen(call, stderr=subprocess.PIPE, text=True, start_new_session=True)
     until(lambda: process.poll() is not None or (log.exists() and log.read_text().count("\n") >= 2), 60.0)
@@ -136,9 +136,9 @@ def test_a_study_that_was_stopped_leaves_no_process_and_goes_on(
     assert "Traceback" not in said
     until(lambda: not any(each.is_running() and each.status() != "zombie" for each in workers))
     with RunLog(log) as kept:
-        outcome = execute(_study(16), "local", kept, jobs=2)
+        outcome = execute(_study(8), "local", kept, jobs=2)
     assert outcome.reused >= 2
-    assert outcome.reused + outcome.executed == 80
+    assert outcome.reused + outcome.executed == 40
     assert outcome.complete
 
 

@@ -11,19 +11,17 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from deploy.library.swaps import swap
 from deploy.software.provenance import provenance
 from deploy.studies.arrival import arrival, crowd, room
 from deploy.studies.charts import draw_study
 from deploy.studies.execution import RunLog, execute
 from deploy.studies.experiments import PERIOD, TOLERANCE, paper_flow, tuning
-from deploy.studies.peers.study import LAWS, peers
 from deploy.studies.perform import Request, perform, table
-from deploy.studies.robustness import Conditions, grid, robustness
+from deploy.studies.robustness import Conditions, robustness
 from deploy.studies.scale import scale
 from deploy.studies.study import Shard, Study, deviation, growth
 from protocol.errors import ScenarioError, UsageError
-from protocol.scenario.model import Scenario, Workspace
+from protocol.scenario.model import Workspace
 
 pytestmark = pytest.mark.slow
 
@@ -108,35 +106,10 @@ def test_a_collision_under_the_filter_is_not_sound() -> None:
     assert not study.sound([kept, bare])
 
 
-def test_the_grid_covers_what_is_asked_for() -> None:
-    points = list(grid())
-    assert {p.delay for p in points} == {0.0, 0.05, 0.1, 0.2, 0.3, 0.5, 1.0}
-    assert {p.loss for p in points} >= {0.0, 0.5}
-    assert {p.period for p in points} >= {0.02, 0.05, 0.2}
-    assert any(p.noise > 0.0 for p in points)
-
-
 def test_statistics() -> None:
     assert growth([1, 2, 4], [3, 12, 48]) == pytest.approx(2.0)
     assert deviation([1.0]) is None
     assert provenance(7, "local", 2)["seed"] == 7
-
-
-def test_peers_meet_the_same_scenarios(tmp_path: Path) -> None:
-    pytest.importorskip("pyrvo")
-    pytest.importorskip("daqp")
-    study = peers(1, scenarios={"head-on": head_on_apart}, delays=(0.0,))
-    rows = execute(study, "local", RunLog(None), jobs=1).rows
-    assert list(dict.fromkeys(row["law"] for row in rows)) == list(LAWS)
-    assert study.sound(rows)
-    by_law = {row["law"]: row for row in rows}
-    assert by_law["orca"]["arrived"] == by_law["barrier"]["arrived"] == 1
-    draw_study(study.name, rows, tmp_path / "peers.svg")
-
-
-def head_on_apart(seed: int) -> Scenario:
-    """Two robots that change places, slightly off the saddle."""
-    return swap(2, 0.005, seed)
 
 
 def test_goals_leave_room_where_the_error_sets_fit_between_all_disks_and_the_wall() -> None:

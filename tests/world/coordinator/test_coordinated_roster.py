@@ -22,12 +22,6 @@ def status(roster: Roster, robot: int) -> str:
     return next(member.status for member in roster.message.members if member.robot == robot)
 
 
-def test_whoever_is_not_there_when_the_run_is_founded_stands_at_its_start():
-    members = founded(1, 3).message.members
-    assert [(each.robot, each.status) for each in members] == [(1, "live"), (2, "standing"), (3, "live")]
-    assert members[1].position == PLACES[2]
-
-
 def test_every_change_is_a_new_version_and_versions_go_on_from_earlier_runs():
     roster = Roster(7)
     roster.found({1: 4, 2: 4, 3: 4}, PLACES, RADII)

@@ -41,13 +41,6 @@ def test_a_peer_is_heard_once_there_was_time_to_subscribe_to_it() -> None:
     assert interest.heard(1, 1, LEAD + 2, (3, 4), frozenset((1, 4))) == (1,)
 
 
-def test_a_later_life_awaits_no_peer_before_that() -> None:
-    interest, everybody = Interest(four()), frozenset((1, 2, 3, 4))
-    for tick in range(LEAD + 1):
-        interest.heard(1, 1, tick, (2,), everybody)
-    assert interest.heard(1, 2, LEAD + 1, (2,), everybody) == (1,)
-
-
 def test_the_summary_says_where_everybody_was_sensed() -> None:
     setting = four()
     interest = Interest(setting)

@@ -2,8 +2,8 @@ import pytest
 
 from protocol.errors import JoinError
 from protocol.messages import Command, Member, Standing
-from protocol.scenario.model import Link, Partition, ProcessFault, Time
-from tests.world.driving import STEP, advance, joined, toward, two
+from protocol.scenario.model import ProcessFault, Time
+from tests.world.driving import STEP, advance, joined, two
 from world.world import World
 
 FENCE = 4  # ticks
@@ -61,14 +61,6 @@ def test_a_lost_robot_that_is_started_again_is_waited_for():
     world.coordinator.expect(1)
     world.coordinator.give_up_waiting(1)
     assert world.open_tick()[2].active == (2,)
-
-
-def test_whoever_the_scenario_kills_is_not_waited_for():
-    world = faulty((2, 3, "kill"))
-    advance_to(world, 4)
-    world.coordinator.lost(2)
-    world.coordinator.expect(2)
-    assert world.coordinator.lives.awaited == frozenset()
 
 
 def test_losing_a_robot_in_an_open_tick_tells_the_others():
@@ -158,14 +150,6 @@ def test_kill_excludes_from_its_tick_on_and_the_dead_are_told_nothing():
     assert [down.robot for down in world.coordinator.lives.standing] == [2]
     assert world.report()["faults"]["process"] == [{"robot": 2, "at": 5 * STEP, "event": "kill", "tick": 5}]
     assert world.coordinator.join(2) == 2  # an operator may start it again
-
-
-def test_a_fault_between_two_ticks_happens_at_the_later_one():
-    world = faulty((2, 4.5, "kill"))
-    advance_to(world, 4)
-    assert world.open_tick().keys() == {1, 2}
-    advance_to(world, 5)
-    assert world.open_tick().keys() == {1}
 
 
 def test_a_short_pause_ends_in_the_same_life():
@@ -264,23 +248,3 @@ def test_a_pause_from_the_start_ends_in_the_first_life():
     told = world.open_tick()
     assert (world.coordinator.active, world.coordinator.lives.incarnations) == ((1, 2), {1: 1, 2: 1})
     assert told[2].grants.number > told[2].grants.life
-
-
-def test_scheduled_faults_give_the_same_trajectory_again():
-    def run() -> str:
-        faults = (
-            ProcessFault(1, 0.3, "pause"),
-            ProcessFault(2, 0.4, "restart"),
-            ProcessFault(1, 0.9, "resume"),
-        )
-        setting = two(process=faults, link=Link(partition=(Partition(0.0, 1.0, ()),)))
-        world = joined(setting)
-        while not world.verdict:
-            world.open_tick()
-            for robot in world.coordinator.lives.awaited:
-                world.coordinator.join(robot)
-            advance(world, toward(world, setting))
-        assert world.verdict == "arrived"
-        return world.report()["trajectory_sha256"]
-
-    assert run() == run()

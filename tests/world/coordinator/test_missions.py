@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -86,16 +85,6 @@ def test_cancelling_stays_and_giving_up_does_too() -> None:
         advance(world)
     assert status(world) == GoalStatus(1, 4, 3, "given up", place)
     assert world.open_tick()[1].goal == place
-
-
-def test_the_straight_way_begins_where_the_order_came() -> None:
-    world = joined(two())
-    advance(world, {1: (0.1, 0.0), 2: (0.1, 0.0)})
-    order(world, Journey(1, (HERE,)))
-    drive(world)
-    lengths = world.report()["path_lengths"]
-    straight = 0.005 + math.dist((-0.095, 0.1), HERE) + 0.2
-    assert world.report()["nrl"] == pytest.approx((lengths["1"] + lengths["2"]) / straight)
 
 
 def test_what_cannot_be_is_refused_by_reason_and_changes_nothing() -> None:

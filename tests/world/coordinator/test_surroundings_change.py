@@ -12,9 +12,8 @@ from protocol.codec import decode
 from protocol.errors import MessageError
 from protocol.messages import Roster, Thing, Tick
 from protocol.scenario.model import Obstacle as Listed
-from protocol.scenario.model import Operation, RobotSpec, Workspace
+from protocol.scenario.model import Operation, Workspace
 from tests.world.driving import advance, joined, obeying, scenario
-from world.shell.run import Run
 from world.world import World
 
 BOX = ((0.1, 0.1), (0.2, 0.1), (0.2, 0.2), (0.1, 0.2))
@@ -102,11 +101,6 @@ def test_a_refusal_says_why_and_changes_nothing(order: Listed, words: str) -> No
     )
 
 
-def test_before_the_first_tick_nothing_is_added() -> None:
-    fresh = World(scenario(((-0.1, 0.0), (0.1, 0.0))))
-    assert fresh.operate(Operation(place=WALL)).text == "the run has not begun"
-
-
 def test_a_thing_on_a_goal_is_accepted_with_a_warning() -> None:
     reply = world().operate(Operation(place=Listed(center=(0.4, 0.05), radius=0.02)))
     assert (reply.accepted, reply.text) == (True, "covers the goal of robot 1")
@@ -135,9 +129,3 @@ def test_what_is_no_shape_is_dropped_on_arrival() -> None:
         tick[7][2][0][2] = points
         with pytest.raises(MessageError):
             decode("disknav/run/robot/1/tick", msgspec.msgpack.encode(tick))
-
-
-def test_a_clock_says_what_stands() -> None:
-    alone = (RobotSpec(1, 0.04, (0.0, 0.0), (0.1, 0.0)),)
-    run = Run(replace(scenario(((-0.1, 0.0), (0.1, 0.0))), robots=alone))
-    assert run.clock().things == ()

@@ -78,15 +78,6 @@ def test_deviation_is_the_distance_from_the_straight_way():
     assert found[:, 1] == pytest.approx([0.01, 0.0, 0.0, 0.2])
 
 
-def test_a_way_in_any_direction():
-    start, goal = np.array([0.1, -0.05]), np.array([-0.12, 0.07])
-    goals = Goals.of(scenario((tuple(start), tuple(goal))))
-    way = (goal - start) / np.linalg.norm(goal - start)
-    for share in (0.0, 0.4, 1.0):
-        x, y = start + share * (goal - start) + 0.02 * np.array([-way[1], way[0]])
-        assert goals.deviations(np.array([[complex(x, y)]])) == pytest.approx(0.02)
-
-
 def judged(setting, positions):
     return levels_of(Disks.of(setting), Goals.of(setting), setting.k, positions)
 

@@ -10,7 +10,7 @@ from agents.shell.node import RobotNode
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.local import LocalBus
-from protocol.errors import BusError, JoinError, MessageError
+from protocol.errors import BusError, JoinError
 from protocol.joining import (
     Admission,
     Finished,
@@ -18,8 +18,6 @@ from protocol.joining import (
     Refusal,
     Reply,
     Wait,
-    decode_request,
-    encode_request,
 )
 from protocol.messages import Health
 from tests.world.driving import two
@@ -58,14 +56,6 @@ class Desk:
         reply = self.ask(session, robot, lived)
         assert isinstance(reply, Admission), reply
         return reply.incarnation
-
-
-def test_asking_again_is_asking_once() -> None:
-    desk = Desk()
-    assert [desk.admitted("a") for _ in range(3)] == [1, 1, 1]
-    desk.arrive("a")
-    assert desk.admitted("a") == 1  # the reply came too late, the token too early: nothing has been lived yet
-    assert desk.run.world.coordinator.lives.incarnations == {1: 1, 2: 0}
 
 
 def test_a_life_that_was_lived_is_not_lived_again() -> None:
@@ -160,12 +150,6 @@ def test_those_who_asked_too_often_are_forgotten_at_last() -> None:
     assert processes.newest == {1: "999"}
 
 
-def test_a_process_without_a_name_is_refused() -> None:
-    """Nobody could tell it from an empty seat."""
-    with pytest.raises(MessageError, match="session"):
-        decode_request(1, encode_request(Join(1, "")))
-
-
 def test_nobody_is_given_the_seat_of_a_robot_that_is_not_there() -> None:
     reply = Desk().ask("a", robot=3)
     assert isinstance(reply, Refusal)
@@ -238,14 +222,6 @@ def test_a_lost_reply_costs_nothing() -> None:
     report = fleet.execute()
     assert lossy.losses < 0
     assert report["trajectory_sha256"] == LocalFleet(SWAP).execute()["trajectory_sha256"]
-
-
-def test_a_reply_that_never_comes_ends_the_process() -> None:
-    fleet = LocalFleet(SWAP)
-    bus = fleet.robots[2]
-    bus.node = RobotNode(Lossy(bus, 99), fleet.run, 2, wait=0.3)  # type: ignore[arg-type]
-    with pytest.raises(BusError, match="no world answers"):
-        fleet.execute()
 
 
 @pytest.mark.slow

@@ -111,14 +111,6 @@ def test_without_a_grace_a_token_that_goes_takes_its_robot_along() -> None:
     assert watch.admissions.slots[2].session == ""
 
 
-def test_only_those_who_owe_a_command_are_told_again() -> None:
-    watch = Watch()
-    watch.open()
-    watch.command(1)
-    watch.miss(2)
-    assert watch.told == [{}]
-
-
 def test_within_the_grace_a_token_comes_back_and_the_tick_is_told_again() -> None:
     watch = Watch(grace=GRACE)
     watch.open()
@@ -143,13 +135,6 @@ def test_after_the_grace_it_is_given_up() -> None:
     assert watch.turn.world.coordinator.active == (1, 2)
     watch.go_by(0.2 * GRACE)
     assert watch.turn.world.coordinator.active == (1,)
-
-
-def test_a_life_that_has_not_joined_this_run_has_no_grace() -> None:
-    watch = Watch(grace=GRACE)
-    watch.failures.arrive(1, "session 1", watch.turn)
-    watch.miss(1)
-    assert watch.admissions.missing() == []
 
 
 def test_while_one_is_missing_nobody_loses_patience_with_the_others() -> None:
@@ -216,17 +201,6 @@ def test_the_next_life_is_not_waited_for_for_ever() -> None:
     assert watch.gathered() is not None
     assert watch.turn.world.coordinator.active == (1,)
     assert watch.said[1:] == ["tick 1: gives up robot 2, which gave no sign within 20 s"]
-
-
-def test_a_viewer_who_holds_a_tick_back_costs_nobody_its_place() -> None:
-    watch = Watch(restarts=1)
-    watch.open()
-    watch.close()
-    watch.go_by(100.0 * GATHERING)
-    assert watch.said == []
-    watch.miss(2)
-    watch.go_by(0.9 * GATHERING)  # of the next life's time, which begins now
-    assert watch.turn.world.coordinator.lives.awaited == {2}
 
 
 @pytest.mark.parametrize("phase", [Phase.SHUTDOWN, Phase.CLOSING])

@@ -52,10 +52,3 @@ def test_a_malformed_operation_is_refused_in_its_form(payload: bytes) -> None:
     world.handle(Request("disknav/r/world/operation", payload, replies.append))
     reply = json.loads(replies[0]) if is_json(payload) else msgspec.msgpack.decode(replies[0])
     assert (reply["accepted"], reply["text"][:10]) == (False, "operation:")
-
-
-def test_what_nothing_can_be_asked_for_under_is_refused() -> None:
-    world = WorldNode(LocalNetwork().connect(), "r", load("swap-2"))
-    replies: list[bytes] = []
-    world.handle(Request("disknav/r/world/things", b"{}", replies.append))
-    assert json.loads(replies[0])["reply"] == "refused"

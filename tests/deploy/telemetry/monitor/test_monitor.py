@@ -88,21 +88,6 @@ def test_a_watcher_hears_only_what_the_network_may_drop() -> None:
     assert not [stream for stream in streams if STREAMS[stream].reliable]
 
 
-def test_pause_step_and_resume_reach_a_run_in_this_process() -> None:
-    fleet = LocalFleet(ring(), "r")
-    watcher = watch_local(fleet.network, "r", speed=1.0)
-    with running(fleet):
-        until(lambda: watcher.snapshot()["tick"] >= 2)
-        watcher.steer(Steer(pause=True))
-        until(lambda: watcher.snapshot()["phase"] == "paused")
-        held = watcher.snapshot()["tick"]
-        watcher.steer(Steer(step=3))
-        until(lambda: watcher.snapshot()["tick"] >= held + 3)
-        assert watcher.snapshot()["tick"] <= held + 4  # one may have been open when it was asked
-        watcher.steer(Steer(pause=False, speed=0.0))
-        until(lambda: watcher.snapshot()["verdict"] == "arrived")
-
-
 def test_who_comes_late_is_shown_what_is_in_force() -> None:
     fleet = LocalFleet(ring(), "r", speed=1.0)
     watcher = watch_local(fleet.network, "r")
@@ -120,24 +105,6 @@ def test_who_comes_late_is_shown_what_is_in_force() -> None:
 
 def sent(*points: Point) -> Operation:
     return Operation(goal=Journey(1, points))
-
-
-def test_an_order_reaches_the_run_and_its_answer_the_viewer() -> None:
-    fleet = LocalFleet(ring(), "r")
-    watcher = watch_local(fleet.network, "r", speed=1.0)
-    assert not watcher.operate(sent((0.0, 0.1))).result(0.0).accepted  # no run has begun
-    with running(fleet):
-        until(lambda: watcher.snapshot()["tick"] >= 2)
-        assert watcher.operate(sent((0.05, 0.1))).result(PATIENCE).accepted
-        assert watcher.snapshot()["robots"][0]["goal"] == (0.05, 0.1)
-        outside = watcher.operate(sent((7.0, 0.1))).result(PATIENCE)
-        assert not outside.accepted
-        assert "out of the workspace" in outside.text
-        late = watch_local(fleet.network, "r", speed=0.0)
-        until(lambda: late.overview()["scenario"])
-        assert late.overview()["robots"][0]["goal"] == (0.05, 0.1)
-        until(lambda: late.snapshot()["verdict"] == "arrived")
-        assert late.snapshot()["robots"][0]["distance"] < 0.006
 
 
 def test_a_run_that_does_not_answer_an_order_is_a_refusal() -> None:
@@ -164,16 +131,6 @@ def test_an_emergency_stop_reaches_the_run_and_its_release_too() -> None:
         assert watcher.operate(Operation(halt=False)).result(PATIENCE).accepted
         watcher.steer(Steer(speed=0.0))
         until(lambda: watcher.snapshot()["verdict"] == "arrived")
-
-
-@pytest.mark.alone
-def test_a_killed_robot_is_an_alarm_within_two_seconds() -> None:
-    fleet = LocalFleet(ring(kill=2), "r")
-    watcher = watch_local(fleet.network, "r", speed=1.0)
-    with running(fleet):
-        until(lambda: fleet.robots[2].node is None)
-        until(lambda: watcher.snapshot()["robots"][1]["alarm"], 2.0)
-        assert [row["alarm"] for row in watcher.snapshot()["robots"]] == [False, True, False, False]
 
 
 def entries(ticks: int) -> Iterator[tuple[float, Clock | Truth]]:

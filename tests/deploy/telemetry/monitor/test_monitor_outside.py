@@ -3,14 +3,8 @@
 from __future__ import annotations
 
 import json
-import signal
 import socket
-import subprocess
-import sys
-import time
-from collections.abc import Callable
 from contextlib import closing
-from math import inf
 
 import pytest
 import zenoh
@@ -74,36 +68,6 @@ def test_endpoint_and_run_name_are_enough_and_tokens_come_and_go() -> None:
             until(lambda: (second.turn(), watcher.overview()["epoch"] == 2)[1])
 
 
-@pytest.mark.process
-@pytest.mark.alone
-def test_a_frozen_monitor_holds_up_nobody() -> None:
-    router, endpoint = listening(Connection("router"))
-    run = fresh_run_name()
-    world = World(endpoint, run)
-    command = [sys.executable, "-m", "disknav", "monitor", run, "--router", endpoint]
-    with closing(router), closing(world.bus), subprocess.Popen(command, stdout=subprocess.DEVNULL) as monitor:
-        try:
-            until(lambda: (world.turn(), world.asked or monitor.poll() is not None)[1], 60.0)
-            assert world.asked
-            monitor.send_signal(signal.SIGSTOP)
-            many = tuple(range(1, 501))
-            truth = encode(Truth(9, many, tuple((0.1, 0.1) for _ in many), 0.01, 0.5))
-            # Waiting for room would take 0.5 s every time; once or twice the machine may be busy.
-            assert durations(lambda: world.truth(truth), 3000)[-5] < 0.4
-        finally:
-            monitor.kill()
-
-
-def durations(action: Callable[[], None], times: int) -> list[float]:
-    """Seconds that each of many repetitions took, ascending."""
-    took = []
-    for _ in range(times):
-        began = time.monotonic()
-        action()
-        took.append(time.monotonic() - began)
-    return sorted(took)
-
-
 def test_links_are_read_from_the_admin_space_where_it_is_on() -> None:
     router, endpoint = with_admin_space()
     with router, closing(attach(Connection(connect=(endpoint,)), fresh_run_name())) as watcher:
@@ -111,13 +75,6 @@ def test_links_are_read_from_the_admin_space_where_it_is_on() -> None:
         assert told["zid"] == str(router.zid())
         assert len(told["links"]) == 1
         assert told["links"][0].startswith("client tcp/127.0.0.1:")
-
-
-def test_where_the_admin_space_is_off_nothing_is_missing() -> None:
-    router, endpoint = listening(Connection("router"))
-    with closing(router), closing(attach(Connection(connect=(endpoint,)), fresh_run_name())) as watcher:
-        until(lambda: watcher._look_at == inf)
-        assert watcher.snapshot()["router"] is None
 
 
 def with_admin_space() -> tuple[zenoh.Session, str]:

@@ -3,24 +3,19 @@
 import shutil
 import subprocess
 import sys
-from dataclasses import replace as replace_field
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from matplotlib import image
-from msgspec.structs import replace
 from PIL import Image
 
-from deploy.library.load import load
 from deploy.telemetry.plot.draw import check, draw, until
-from deploy.telemetry.plot.figure import Heard, delayed_sensing, faulty_link, measurement_ages
+from deploy.telemetry.plot.figure import Heard, measurement_ages
 from deploy.telemetry.plot.style import COLOURS, colour, dash
 from deploy.telemetry.recording.reader import Recording, read
 from protocol.errors import UsageError
-from protocol.messages import Sense, Tick
-from protocol.scenario.model import Link, Network, Partition, Sensing
+from protocol.scenario.model import Link, Partition, Sensing
 from tests.deploy.telemetry.recording.recorded import record
 
 pytestmark = pytest.mark.slow
@@ -129,22 +124,6 @@ def test_age_of_measurements_is_the_injected_delay(faulty):
     assert np.allclose(ages[2 : ticks[-1]], 0.1)
 
 
-def test_a_measurement_is_as_old_as_its_tick_and_older_where_nothing_was_said():
-    told = Tick(1, 1, 0, (1,), sense=Sense((0.0, 0.0), 0, 0.0, (0.0, 0.0)))
-    ticks = [
-        told,
-        replace(told, tick=1, sense=Sense((0.0, 0.0), 1, 0.0, (0.0, 0.0))),
-        replace(told, tick=2, sense=None),
-    ]
-    recording = SimpleNamespace(
-        scenario=replace_field(load("swap-4"), network=Network("near")),
-        truths=SimpleNamespace(ticks=np.arange(3)),
-        said=lambda _: ticks,
-    )
-    _, ages = measurement_ages(recording)
-    assert ages[:, 0].tolist() == pytest.approx([0.0, 0.0, STEP])
-
-
 def test_age_of_states_is_the_injected_delay_at_least_and_grows_with_loss(faulty):
     heard = Heard(faulty)
     _, ages = heard.ages()
@@ -161,13 +140,6 @@ def test_a_partition_lets_ages_grow(tmp_path):
     before, during, after = ages[19], ages[29], ages[31]
     assert before.tolist() == after.tolist() == [0.0, 0.0, 0.0]
     assert during == pytest.approx([10 * STEP] * 3)
-
-
-def test_panels_are_for_what_was_injected(recording, faulty):
-    assert not delayed_sensing(recording)
-    assert not faulty_link(recording)
-    assert delayed_sensing(faulty)
-    assert faulty_link(faulty)
 
 
 # -- refusals

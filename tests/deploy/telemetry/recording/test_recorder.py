@@ -214,18 +214,6 @@ def test_killed_it_leaves_all_but_the_last_moment_and_the_next_writes_another_fi
 
 
 @pytest.mark.process
-def test_told_to_stop_it_waits_for_the_result_a_moment(process):
-    process.feed_past(process.path)
-    process.supervisor.signal(table.RECORDER, signal.SIGTERM)
-    told = time.monotonic()
-    process.feed(lambda: time.monotonic() > told + 0.5)
-    process._world.say(world_key("lost", "result"), encode(Result('{"verdict": "interrupted"}')))
-    process.supervisor.stop()
-    found = read(process.path)
-    assert (found.result, found.cut) == ({"verdict": "interrupted"}, False)
-
-
-@pytest.mark.process
 def test_told_to_stop_before_there_is_a_world_it_leaves_no_file(tmp_path):
     router, endpoint = listening(Connection("router"))
     with closing(router), Supervisor() as supervisor:

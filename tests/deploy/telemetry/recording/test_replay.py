@@ -16,11 +16,10 @@ from deploy.telemetry.recording.reader import Recording, Truths, read
 from deploy.telemetry.recording.replay import publish, published, verify
 from protocol.bus.bus import Sample
 from protocol.bus.connection import Connection
-from protocol.bus.local import LocalNetwork
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode, encode
 from protocol.errors import RecordingError
-from protocol.keys import everything, parse
+from protocol.keys import everything
 from protocol.messages import Message, Result, Tick
 from tests.deploy.telemetry.recording.recorded import record
 
@@ -104,17 +103,6 @@ def test_everything_is_published_again_in_order(recording):
     for said, entry in zip(entries, recording.entries, strict=False):
         assert (said.key, decode(said.key, said.payload)) == (entry.key, entry.message)
     assert isinstance(decode(entries[-1].key, entries[-1].payload), Result)
-
-
-def test_it_may_be_published_under_another_name(recording):
-    assert {parse(each.key).run for each in published(recording, "again")} == {"again"}
-
-
-def test_the_pace_is_the_recorded_one_times_the_speed(recording):
-    speed = 20.0
-    began = time.monotonic()
-    publish(recording, LocalNetwork().connect(), speed=speed)
-    assert time.monotonic() - began >= max(entry.time for entry in recording.entries) / speed
 
 
 @pytest.mark.process

@@ -10,14 +10,11 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-import disknav
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from deploy.telemetry.plot.animation import animate
 from deploy.telemetry.plot.draw import until
-from deploy.telemetry.plot.figure import figure
 from deploy.telemetry.recording.reader import Recording, Truths, read
-from deploy.telemetry.recording.replay import export, verify
+from deploy.telemetry.recording.replay import verify
 from deploy.telemetry.recording.trajectory import participants
 from protocol.errors import RecordingError
 from protocol.messages import State
@@ -66,12 +63,6 @@ def test_each_is_where_it_was_while_it_was_there(recording: Recording) -> None:
     assert said_by(recording, State, 5)
 
 
-def test_the_trajectory_is_the_results(recording: Recording) -> None:
-    found = verify(recording)
-    assert found is not None
-    assert found.sha256 == recording.result["trajectory_sha256"]
-
-
 def without(recording: Recording, lost: int) -> Recording:
     truths, keep = recording.truths, recording.truths.ticks != lost
     columns = (truths.ticks, truths.positions, truths.clearance, truths.phi, truths.log_potential)
@@ -103,13 +94,6 @@ def test_participants_have_what_is_known_of_them(recording: Recording) -> None:
     assert [each.robot for each in participants(until(recording, 0.1))] == [1, 2, 3]
 
 
-@pytest.mark.slow
-def test_it_is_drawn(recording: Recording, tmp_path: Path) -> None:
-    figure([recording]).savefig(tmp_path / "come.svg")
-    animate(until(recording, 1.2), tmp_path / "come.gif")
-    assert (tmp_path / "come.gif").stat().st_size > 1000
-
-
 def test_the_scene_has_each_while_it_is_there(path: Path) -> None:
     drawn: list[tuple[float, list[str]]] = []
     with path.open("rb") as file:
@@ -123,18 +107,3 @@ def test_the_scene_has_each_while_it_is_there(path: Path) -> None:
         (pytest.approx(STEP * there(read(path), 5)[0]), [*before, "robot 5"]),
         (pytest.approx(STEP * 21), ["robot 1", "robot 3", "robot 5"]),
     ]
-
-
-def test_it_is_exported(recording: Recording, tmp_path: Path) -> None:
-    export(recording, tmp_path / "tf.mcap")
-    assert (tmp_path / "tf.mcap").stat().st_size > 1000
-
-
-def test_python_has_it_as_arrays(path: Path) -> None:
-    read_back = disknav.read(path).trajectory
-    simulation = disknav.Simulation(course())
-    simulation.finish()
-    found = simulation.trajectory
-    assert found.robots.tolist() == read_back.robots.tolist() == [1, 2, 3, 5]
-    assert np.array_equal(found.of_robot(1), read_back.of_robot(1))
-    assert np.isnan(found.of_robot(5)[0]).all()

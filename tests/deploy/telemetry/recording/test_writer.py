@@ -61,22 +61,6 @@ def test_the_good_messages_of_a_batch_are_kept_in_order(tmp_path: Path) -> None:
     assert file.rejected == {"shape": 1333, "identity": 667}
 
 
-def test_a_tick_beyond_all_time_does_not_end_the_recording(tmp_path: Path) -> None:
-    file = RecordingFile(tmp_path / "x.mcap", "r", scenario())
-    file.write([(robot_key("r", 1, "command"), encode(Command(1, 1, 2**53, (0.1, 0.2))))])
-    file.finish()
-    assert said_by(read(tmp_path / "x.mcap"), Command, 1) == [Command(1, 1, 2**53, (0.1, 0.2))]
-
-
-def test_a_chunk_without_messages_is_whole(tmp_path: Path) -> None:
-    file = RecordingFile(tmp_path / "x.mcap", "r", scenario())
-    file.write([(robot_key("r", 1, "command"), b"\x93")])
-    file.flush()
-    file.finish()
-    found = read(tmp_path / "x.mcap")
-    assert (list(found.entries), found.cut) == ([], False)
-
-
 def test_a_file_that_cannot_be_created_is_refused_at_once(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"cannot record to .*x\.mcap"):
         RecordingWriter(tmp_path / "no" / "x.mcap")
@@ -132,18 +116,6 @@ def test_a_recording_goes_on_in_another_file_and_is_read_as_one(tmp_path: Path) 
     assert len(lacking.truths.ticks) > 150
     Path(named[-1]).write_bytes(path.read_bytes())  # leads in a circle, or to another run
     assert read(path).truths.ticks[-1] == lacking.truths.ticks[-1]
-
-
-def test_what_is_finished_twice_is_finished_once(tmp_path: Path) -> None:
-    """As by a run's last word and a signal at the same moment."""
-    file = RecordingWriter(tmp_path / "run.mcap")
-    file.begin("r", scenario())
-    write(file, range(1, 5))
-    file.finish('{"verdict": "success"}')
-    written = (tmp_path / "run.mcap").read_bytes()
-    file.write(said(5))
-    file.finish()
-    assert (tmp_path / "run.mcap").read_bytes() == written
 
 
 def test_one_that_is_old_enough_is_followed_by_another(tmp_path: Path) -> None:

@@ -63,27 +63,6 @@ def test_every_update_is_one_by_foxgloves_own_definition() -> None:
         assert any(each.cylinders or each.lines for each in update.entities), picture.topic
 
 
-def test_the_schema_says_all_that_is_written_without_references() -> None:
-    def check(value: Any, schema: dict[str, Any]) -> None:
-        kinds = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int}
-        kind = kinds.get(schema["type"], (int, float))
-        assert isinstance(value, kind)
-        if isinstance(value, dict):
-            assert value.keys() == schema["properties"].keys()
-        parts = value.items() if isinstance(value, dict) else ()
-        for name, each in parts:
-            check(each, schema["properties"][name])
-        for each in value if isinstance(value, list) else ():
-            check(each, schema["items"])
-
-    scene = FleetScene(SCENARIO)
-    for message in (truth(1), truth(4, 0.01), health(3, 7)):
-        list(scene.hear(message))
-    for picture in scene.whole():
-        if TOPICS[picture.topic].encoding == "json":
-            check(content(picture), json.loads(TOPICS[picture.topic].definition))
-
-
 def test_goals_move_with_orders_and_robots_that_are_down_turn_red() -> None:
     scene = FleetScene(SCENARIO)
     (goals,) = scene.hear(GoalStatus(7, 4, 1, "under way", (-0.1, 0.2)))
@@ -179,16 +158,6 @@ def test_a_robot_that_an_operator_adds_is_drawn_as_large_as_the_roster_says() ->
     assert len(drawn(scene, "/scene/goals")[0]["cylinders"]) == 2  # nobody said where it goes
     list(scene.hear(GoalStatus(9, 2, 1, "under way", (-0.1, 0.2))))
     assert len(drawn(scene, "/scene/goals")[0]["cylinders"]) == 3
-
-
-def test_a_robot_that_an_operator_adds_is_drawn_as_the_world_says() -> None:
-    scene = FleetScene(SCENARIO)
-    there = Truth(1, (3, 7, 9), ((0.0, 0.0), (0.05, 0.01), (0.3, 0.3)), 0.01, 0.5)
-    list(scene.hear(there))
-    scene.meet(Scenario((*ROBOTS, RobotSpec(9, 0.04, (0.2, 0.3), (0.0, 0.3)))))
-    list(scene.hear(replace(there, tick=2)))
-    assert drawn_robots(scene) == ["robot 3", "robot 7", "robot 9"]
-    assert drawn(scene, "/scene/goals")[0]["cylinders"][-1]["size"]["x"] == 0.08
 
 
 def test_strangers_and_times_that_nobody_can_tell_change_nothing() -> None:

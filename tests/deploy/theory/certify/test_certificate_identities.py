@@ -14,8 +14,8 @@ from tests.deploy.theory.certify.known import Known, known
 
 
 def points() -> list[Known]:
-    """Of sixty problems."""
-    return [found for seed in range(60) for found in known(seed)]
+    """Of twenty problems."""
+    return [found for seed in range(20) for found in known(seed)]
 
 
 def matrix(found: Known) -> Array:
@@ -117,7 +117,7 @@ def test_result_d_no_equal_triangle_is_pushed_together_by_free_goals() -> None:
     triangle = rho / np.sqrt(3.0) * np.array([(np.cos(t), np.sin(t)) for t in 2 * np.pi * np.arange(3) / 3])
     draw = generator(0, Purpose.STUDY)
     free = turned = 0
-    for _ in range(20_000):
+    for _ in range(5_000):
         weights = draw.exponential(0.6, 3)
         y = np.zeros((3, 2))
         for weight, (i, j) in zip(weights, ((0, 1), (0, 2), (1, 2)), strict=True):
@@ -128,5 +128,5 @@ def test_result_d_no_equal_triangle_is_pushed_together_by_free_goals() -> None:
         if min(apart) > rho:
             free += 1
             turned += float((triangle * goals).sum()) < 0.0
-    assert free > 1000
+    assert free > 250
     assert turned == free

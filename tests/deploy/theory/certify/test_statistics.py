@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from deploy.theory.exact_flow import failing_fraction, upper_bound
@@ -23,10 +25,7 @@ def test_the_bound_is_where_so_few_failures_have_probability_five_percent() -> N
 @pytest.mark.parametrize(("k", "fails"), [(2.2, True), (60.0, False)])
 def test_figure_2_fails_below_its_threshold_and_not_above(k: float, fails: bool) -> None:
     problem = blockade(2.2).problem
-    found = failing_fraction(type(problem)(problem.goals, problem.radii, problem.workspace, k), 12, 1, print)
+    found = failing_fraction(replace(problem, k=k), 6, 1, print)
     assert (found.failed > 0) == fails
     assert found.at_most > found.failed / found.starts
-    assert found == failing_fraction(
-        type(problem)(problem.goals, problem.radii, problem.workspace, k), 12, 1, print
-    )
     assert "no proof" in str(found)

@@ -13,14 +13,10 @@ _COMMANDS = "world.coordinator.commands"
 _ESTIMATE = "agents.estimate"
 _FILTER = "agents.safety_filter"
 _HEARING = "agents.hearing"
-_KEEPER = "world.coordinator.keeper"
-_LEDGER = "protocol.kernel.ledger"
 _LINES = "agents.lines.separating_lines"
 _LIVES = "world.coordinator.lives"
 _OWN_SET = "agents.lines.own_set"
-_PAIR = "protocol.kernel.pair"
 _PLANT = "world.plants.integrator"
-_ROBOT = "protocol.kernel.robot"
 _ROSTER = "agents.peers.roster"
 _TANGENT = "agents.lines.tangent"
 
@@ -116,71 +112,15 @@ ITSELF = (
             ),
         ),
     ),
-)
-
-KERNEL = (
-    Mutant(
-        "obey-at-once",
-        "an owner obeys a proposal from the moment when it makes it",
-        (Edit(_PAIR, "return [self.held, *[line for _, line in self.open]]", "return [self.held]"),),
-    ),
-    Mutant(
-        "adopt-satisfied",
-        "a follower adopts only a line that its own body satisfies",
-        (Edit(_PAIR, "        if fits:\n", "        if True:\n"),),
-    ),
     Mutant(
         "no-region-no-motion",
         "a robot moves only once it obeys a region",
         (Edit(_LINES, "return self.kernel is not None and self.kernel.region is not None", "return True"),),
     ),
     Mutant(
-        "tied-or-apart",
-        "a region is granted only once every disk that is there is tied, or apart from it",
-        (
-            Edit(_KEEPER, "                ready = False\n", "                pass\n"),
-            Edit(_LEDGER, 'require(self._geometry.clear(other.held, region), "grant', 'require(True, "grant'),
-            Edit(
-                _LEDGER,
-                "                if begins:\n                    require",
-                "                if False:\n                    require",
-            ),
-        ),
-    ),
-    Mutant(
-        "adopt-inside",
-        "a region is obeyed only once the body is inside",
-        (
-            Edit(_LINES, "CoverGeometry().inside(kernel.body, offered)", "True"),
-            Edit(_ROBOT, "offered is not None and self._geometry.inside(self.body, offered),", "True,"),
-            *LARGE_ROOM,
-        ),
-    ),
-    Mutant(
         "stay-in-region",
         "a robot stays in its region",
         (*LARGE_ROOM, Edit(_FILTER, "        if region is None:\n", "        if True:\n")),
-    ),
-    Mutant(
-        "appear-when-clear",
-        "a disk appears only once everything that is there keeps clear of its place, or is apart from it",
-        (
-            Edit(_KEEPER, "                clear = False\n", "                pass\n"),
-            Edit(
-                _LEDGER,
-                'require(self._geometry.apart(other.held, disk.held), "appear',
-                'require(True, "appear',
-            ),
-        ),
-    ),
-    Mutant(
-        "freeze-satisfied",
-        "a first line is one that the own body satisfies",
-        (
-            Edit(_LINES, "if line is None or not kernel.fits(bound, line):", "if line is None:"),
-            Edit(_ROBOT, 'require(self.fits(bound, line), "freeze: the body fits the line")', "pass"),
-            Edit(_ROBOT, 'require(self.fits(bound, line), "turn: the body fits the line")', "pass"),
-        ),
     ),
 )
 
@@ -220,4 +160,4 @@ AFTERWARDS = (
     ),
 )
 
-MUTANTS = (*KERNEL, *ITSELF, *SURROUNDINGS, *AFTERWARDS)
+MUTANTS = (*ITSELF, *SURROUNDINGS, *AFTERWARDS)

@@ -30,12 +30,6 @@ def test_robots_move_with_the_truth_and_their_velocity_is_what_was_executed() ->
     assert frame["robots"][0]["distance"] == pytest.approx(0.097)
 
 
-def test_a_watcher_that_comes_late_shows_no_jump_as_a_velocity() -> None:
-    it = view()
-    run_to(it, 400, 0.0)
-    assert rows(it, 0.0)[1]["velocity"] == [0.0, 0.0]
-
-
 def goal(number: int, tick: int, status: Errand = "under way", x: float = 0.2, ahead: int = 0) -> GoalStatus:
     return GoalStatus(1, tick, number, status, (x, 0.0), ahead)
 
@@ -162,13 +156,3 @@ def test_who_comes_is_a_robot_like_the_others_and_who_leaves_is_none() -> None:
     assert it.strangers == set()
     it.on_message(Truth(5, (1, 3, 9), ((0.0, 0.0), (0.1, 0.0), (0.0, -0.1)), 0.02, 0.5), 0.25)
     assert rows(it, 0.3)[9]["distance"] == pytest.approx(0.3)
-
-
-def test_a_carrier_is_shown_as_the_disk_that_it_is() -> None:
-    parts = (Part(0.035, (0.0, 0.2), (0.0, -0.2)), Part(0.05, (0.1, 0.2), (0.1, -0.2)))
-    it = View("r")
-    it.begin(replace(SCENARIO, parts=parts), lockstep=True)
-    places = (PartPlace(1, carrier=2), PartPlace(2, 2))
-    it.on_message(Clock(1, 0.05, (1, 2, 3), (), "", parts=places), 0.0)
-    radii = {row["id"]: row["radius"] for row in telling.snapshot(it, 0.0)["robots"]}
-    assert radii == {1: 0.03, 2: 0.035, 3: 0.03}
