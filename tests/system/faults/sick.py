@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -19,11 +18,8 @@ from protocol.bus.bus import Event
 from protocol.bus.connection import Connection
 from protocol.bus.loop import drive
 from protocol.bus.zenoh import ZenohBus
-from protocol.codec import decode
 from protocol.keys import robot_key
-from protocol.messages import State
 from protocol.scenario.model import Scenario
-from protocol.streams import Stream
 
 
 class FleetWithOne(Fleet):
@@ -77,37 +73,8 @@ class _Hanging:
         return getattr(self._node, name)
 
 
-class _Nonsense:
-    """A bus on which every State from some time on is cut off in the middle."""
-
-    def __init__(self, bus: ZenohBus, tick: int) -> None:
-        self._bus, self._tick = bus, tick
-
-    def publisher(self, stream: Stream, key: str) -> Callable[[bytes], None]:
-        publish = self._bus.publisher(stream, key)
-        if stream.name != "state":
-            return publish
-
-        def say(payload: bytes) -> None:
-            message = decode(key, payload)
-            assert isinstance(message, State)
-            publish(payload if message.tick < self._tick else payload[: len(payload) // 2])
-
-        return say
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._bus, name)
-
-
 def hangs(connection: Connection, run: str, robot: int, tick: int) -> int:
     """Handle nothing any more from `tick` on."""
     bus = ZenohBus(connection)
     drive(_Hanging(RobotNode(bus, run, robot), tick), bus)
-    return 0
-
-
-def talks_nonsense(connection: Connection, run: str, robot: int, tick: int) -> int:
-    """Send States that nobody can read from `tick` on."""
-    bus = ZenohBus(connection)
-    drive(RobotNode(_Nonsense(bus, tick), run, robot), bus)  # type: ignore[arg-type]
     return 0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final, Literal
+from typing import Final
 
 import pytest
 
@@ -34,16 +34,13 @@ class _DeafFleet(Fleet):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("event", ["kill", "pause"])
-def test_who_is_added_again_comes_though_the_end_of_the_one_before_was_not_heard_of(
-    event: Literal["kill", "pause"],
-) -> None:
+def test_who_is_added_again_comes_though_the_end_of_the_one_before_was_not_heard_of() -> None:
     """The robot has a fault in tick 4, is removed in tick 6 and added again in tick 8."""
     newcomer = RobotSpec(3, 0.05, (0.3, 0.3), (0.25, 0.3))
     quick = load("swap-2", ["time.limit=1.0", "time.fence=0.1", "workspace.radius=0.6"])
     step = quick.time.step
     orders = (Order(0.0, add=newcomer), Order(6 * step, remove=3), Order(8 * step, add=newcomer))
-    scenario = replace(quick, orders=orders, process=(ProcessFault(3, LOST * step, event),))
+    scenario = replace(quick, orders=orders, process=(ProcessFault(3, LOST * step, "kill"),))
     prompt = LocalFleet(scenario).execute()
     assert prompt["faults"]["given_up"] == []
     deaf = _DeafLocalFleet(scenario).execute()

@@ -30,20 +30,15 @@ def test_one_that_dies_between_admission_and_token_is_followed_by_its_successor(
     assert report["processes"]["robot-2"]["exit_code"] == 0
 
 
-@pytest.mark.parametrize(
-    ("entry", "reason"), [("hangs", "hangs|lack it"), ("talks_nonsense", "3 of 3 lack it")]
-)
 @pytest.mark.long(10)
-def test_one_that_is_sick_is_given_up_alone_and_named(
-    entry: str, reason: str, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_one_that_hangs_is_given_up_alone_and_named(capfd: pytest.CaptureFixture[str]) -> None:
     scenario = load("swap-4", ["time.fence=0.3", "time.limit=30.0"])
-    report = report_of(FleetWithOne(scenario, RunOptions(), 2, entry, 30))
+    report = report_of(FleetWithOne(scenario, RunOptions(), 2, "hangs", 30))
     assert report["arrived"] == [1, 3, 4], (report["verdict"], report["reason"])
     assert report["collisions"] == 0
     given_up = report["faults"]["given_up"]
     assert {each["robot"] for each in given_up} == {2}
     assert given_up[0]["tick"] == 30
-    assert re.search(reason, given_up[0]["reason"])
+    assert re.search("hangs|lack it", given_up[0]["reason"])
     assert "world: tick 30: gives up robot 2, which " in capfd.readouterr().err
     assert all(report["processes"][f"robot-{robot}"]["exit_code"] == 0 for robot in (1, 3, 4))

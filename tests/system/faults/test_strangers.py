@@ -14,7 +14,7 @@ from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.result import unjudged
-from protocol.bus.bus import Presence, Request, Sample
+from protocol.bus.bus import Presence, Request
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
@@ -24,7 +24,6 @@ from protocol.keys import robot_key, world_key
 from protocol.messages import Clock, Result
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
-from tests.deploy.telemetry.monitor.watched import watch_local
 
 TOKENS = tuple(f"robot/{robot}/alive/5c1f" for robot in ("0", "x", "01", "7", "999999999"))
 PATTERNS = ("**", "world/*", "world/**", "robot/*/command")
@@ -49,18 +48,6 @@ def test_tokens_and_requests_are_counted_by_reason() -> None:
     report = fleet.execute()
     assert report["trajectory_sha256"] == LocalFleet(SWAP).execute()["trajectory_sha256"]
     assert report["messages"]["rejected"] == {"key": 10, "identity": 4, "oversize": 2}
-
-
-@pytest.mark.slow
-def test_a_watcher_counts_strangers() -> None:
-    fleet = LocalFleet(SWAP, speed=8.0)  # slow enough for the watcher to ask for the scenario
-    watcher = watch_local(fleet.network, "local")
-    for token in TOKENS:
-        watcher.handle(Presence(f"disknav/local/{token}", True))
-    watcher.handle(Sample(world_key("local", "clock"), HUGE))
-    assert watcher.rejected == {"key": 3, "oversize": 1}
-    fleet.execute()
-    assert {row["id"] for row in watcher.snapshot()["robots"]} == {1, 2}
 
 
 class Disturbed(Fleet):

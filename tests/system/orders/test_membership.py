@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +12,7 @@ from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.operator import operating
-from deploy.run.options import RunOptions, Transport
+from deploy.run.options import RunOptions
 from protocol.bus.connection import Connection
 from protocol.messages import Clock
 from protocol.operations import Reply
@@ -21,7 +20,6 @@ from protocol.scenario.body import Body
 from protocol.scenario.model import Operation, Order, RobotSpec
 from tests.system.orders.guests import GUEST, SWAP, status, step, to_be
 from tests.system.orders.turnover import asked
-from world.shell.failure_detector import GATHERING
 
 COMINGS = [(0.2, {"add": GUEST}), (1.0, {"remove": 7}), (1.3, {"add": GUEST})]
 AT_ONCE = replace(SWAP, orders=tuple(Order(at, **order) for at, order in COMINGS))
@@ -43,25 +41,11 @@ def test_a_guest_appears_joins_and_arrives() -> None:
     assert report["min_clearance"] > 0.0
 
 
-def test_the_same_change_at_the_same_tick_gives_the_same_trajectory() -> None:
-    found = [guested(tick)["trajectory_sha256"] for tick in (20, 20, 21)]
-    assert found[0] == found[1] != found[2]
-
-
 def test_who_is_removed_and_added_again_at_once_has_a_process_of_its_own() -> None:
     """Also if the ticks between are so few, or so quick, that no Clock says that nobody is to come."""
-    began = time.monotonic()
     report = LocalFleet(AT_ONCE).execute()
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
-    assert time.monotonic() - began < GATHERING  # nobody was waited for in vain
-
-
-@pytest.mark.slow
-def test_so_it_has_among_real_processes() -> None:
-    for _ in range(4):
-        with Fleet(AT_ONCE, RunOptions("routed")) as fleet:
-            report = fleet.execute()
-        assert (report["verdict"], report["faults"]["given_up"]) == ("arrived", [])
+    assert report["faults"]["given_up"] == []  # no process was waited for in vain
 
 
 def test_nothing_appears_while_somebody_is_in_its_place() -> None:
@@ -150,11 +134,10 @@ class Guests:
 
 @pytest.mark.process
 @pytest.mark.timeout(120)
-@pytest.mark.parametrize("transport", ["routed", "mesh"])
-def test_processes_come_and_go(transport: Transport) -> None:
+def test_processes_come_and_go() -> None:
     guests, clocks = Guests(), list[Clock]()
     scenario = replace(load("swap-6"), time=replace(SWAP.time, limit=60.0))
-    with Fleet(scenario, RunOptions(transport, speed=4.0), watch=clocks.append) as fleet:
+    with Fleet(scenario, RunOptions(speed=4.0), watch=clocks.append) as fleet:
 
         def enough() -> bool:
             while clocks:

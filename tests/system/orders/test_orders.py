@@ -84,21 +84,6 @@ def test_an_order_outlives_the_world(tmp_path: Path) -> None:
     assert (verdict, away <= TOLERANCE) == ("arrived", True)
 
 
-def order_at(tick: int) -> str:
-    """The trajectory's hash when robot 2 is sent elsewhere at exactly this tick."""
-    fleet = LocalFleet(SCENARIO)
-    while fleet.world.world.tick < tick:
-        fleet.step()
-    assert fleet.world.world.operate(sent(2, PLACE)).accepted
-    sha: str = fleet.execute()["trajectory_sha256"]
-    return sha
-
-
-@pytest.mark.slow
-def test_the_same_order_at_the_same_tick_gives_the_same_trajectory() -> None:
-    assert order_at(30) == order_at(30) != order_at(31)
-
-
 # -- on real zenoh
 
 

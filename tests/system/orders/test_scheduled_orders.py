@@ -11,7 +11,7 @@ import pytest
 from deploy.library.load import resolved
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
-from deploy.run.options import RunOptions, Transport
+from deploy.run.options import RunOptions
 from protocol.scenario.model import Journey, Obstacle, Order, ProcessFault, RobotSpec, Scenario, Time
 from tests.campaigns.observe import observe
 
@@ -65,9 +65,8 @@ def test_a_run_is_not_over_while_orders_are_to_come() -> None:
 
 @pytest.mark.process
 @pytest.mark.timeout(60)
-@pytest.mark.parametrize("transport", ["routed", "mesh"])
-def test_real_processes_drive_the_same_trajectory(report: dict[str, Any], transport: Transport) -> None:
-    with Fleet(EVERYTHING, RunOptions(transport)) as fleet:
+def test_real_processes_drive_the_same_trajectory(report: dict[str, Any]) -> None:
+    with Fleet(EVERYTHING, RunOptions("mesh")) as fleet:
         found = fleet.execute()
     assert found["trajectory_sha256"] == report["trajectory_sha256"]
     assert found["faults"]["given_up"] == []

@@ -59,27 +59,6 @@ def test_a_thing_that_is_placed_is_kept_clear_of_until_it_is_taken() -> None:
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
 
 
-@pytest.mark.parametrize(
-    ("change", "reason"),
-    [
-        ({"place": {"center": SWAP.robots[1].start, "radius": 0.02}}, "overlaps robot 2"),
-        ({"place": {"points": [[0, 0], [0.1, 0], [0.05, 0.02], [0.05, 0.1]]}}, "not convex"),
-        ({"place": {"points": [[0, 0], [0.1, 0.1], [0.1, 0], [0, 0.1]]}}, "crosses itself"),
-        ({"place": {"center": [0, 0], "radius": 1e9}}, "must be at most"),
-        ({"place": {"center": [9, 0], "radius": 0.02}}, "outside of the workspace"),
-        ({"take": 7}, "no thing 7"),
-    ],
-)
-def test_what_cannot_be_is_refused_and_changes_nothing(change: object, reason: str) -> None:
-    fleet = LocalFleet(LISTED)
-    step(fleet, 1)
-    before = fleet.world.world.coordinator.lives.roster.version
-    reply = asked(fleet, change)
-    assert not reply["accepted"]
-    assert reason in reply["text"]
-    assert fleet.world.world.coordinator.lives.roster.version == before
-
-
 def test_a_restarted_world_knows_what_came_and_went(tmp_path: Path) -> None:
     Journal.create(tmp_path / "journal", "local", LISTED)
     fleet = LocalFleet(LISTED, journal=tmp_path / "journal")
