@@ -30,8 +30,8 @@ help:  ## say what there is
 demo: $(if $(wildcard $(READY)),$(READY),$(DEMO))  ## six real processes drive the paper's figure 1; leaves out/figure-1.mcap and .png
 	@mkdir -p out
 	$(BIN)/disknav run figure-1 --record out/figure-1.mcap --plot out/figure-1.png
-	@echo; echo "Next: look at out/figure-1.png; see a swap of six on a live page, and what the theory says of it:"; \
-	  echo "  $(BIN)/disknav run swap-6 --web"; echo "  $(BIN)/disknav check swap-6"; \
+	@echo; echo "Next: look at out/figure-1.png; see the run again on a live page, and what the theory says of six robots:"; \
+	  echo "  $(BIN)/disknav recording replay out/figure-1.mcap --web"; echo "  $(BIN)/disknav check swap-6"; \
 	  echo "\`make setup\` installs all extras and compiles; docs/index.md goes on from here."
 
 setup:  ## build .venv with everything that running and testing needs, and compile
@@ -50,7 +50,7 @@ $(COMPILED): $(READY) compile.py $(shell find protocol agents world -name '*.py'
 	@if $(BIN)/python compile.py >build/compile.log 2>&1; then echo "compiled"; \
 	  find protocol agents world deploy -name '*.so' -exec touch {} +; \
 	else tail -1 build/compile.log | cut -c 1-200; find protocol agents world deploy -name '*.so' -delete; \
-	  echo "not compiled (is there a C compiler, are there Python's headers?): runs at half to three quarters of the speed; to try again: touch compile.py"; fi
+	  echo "not compiled (is there a C compiler, are there Python's headers?): a robot's step takes three to four times as long; to try again: touch compile.py"; fi
 	@touch $@
 
 $(KERNEL): $(READY) $(SEARCH)
