@@ -70,7 +70,7 @@ collect: $(READY)  # once: else each process of pytest-xdist rewrites what all t
 	@mkdir -p build; $(BIN)/python -m pytest --collect-only -qqq >build/collected.log || { cat build/collected.log; exit 1; }
 
 fast: $(READY)  ## the part of the suite that takes about a minute
-	$(BIN)/python -m pytest -n auto -m 'not slow and not process and not browser and not alone'
+	$(BIN)/python -m pytest -n auto -m 'not slow and not process and not browser and not alone and not campaign'
 
 test: $(READY) $(KERNEL)  ## lint, types, import contracts, the whole suite from the sources, then what is compiled beside them
 	@find protocol agents world deploy -name '*.so' -delete; rm -f *__mypyc*.so $(COMPILED)

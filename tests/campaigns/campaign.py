@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from random import Random
 from typing import NamedTuple, TypeVar
@@ -13,33 +13,18 @@ _STEPS = 10**6  # of a uniform number
 
 
 class Dice:
-    """Choices from a seed, or given ones; a choice is a whole number, and the least is the simplest.
+    """Choices from a seed."""
 
-    Args:
-        seed: of all choices, if none are given.
-        given: the choices; after the last one all are the simplest. They need not fit what is asked for.
-
-    Attributes:
-        choices: that were made so far.
-    """
-
-    def __init__(self, seed: int, given: Sequence[int] | None = None) -> None:
+    def __init__(self, seed: int) -> None:
         self.seed = seed
-        self.choices: list[int] = []
         self._random = Random(seed)
-        self._given: Iterator[int] | None = None if given is None else iter(given)
 
     def whole(self, low: int, high: int) -> int:
         """A whole number from low to high, both included."""
-        if self._given is None:
-            choice = self._random.randint(0, high - low)
-        else:
-            choice = min(next(self._given, 0), high - low)
-        self.choices.append(choice)
-        return low + choice
+        return low + self._random.randint(0, high - low)
 
     def apart(self) -> Dice:
-        """Other dice for what takes thousands of choices, of which none can be simplified by itself."""
+        """Other dice, from a seed of these."""
         return Dice(self.whole(0, 2**16))
 
     def chance(self, probability: float) -> bool:
@@ -55,7 +40,7 @@ class Dice:
         return math.exp(self.uniform(math.log(low), math.log(high)))
 
     def pick(self, options: Sequence[T]) -> T:
-        """One of the options, of which the first is the simplest; what occurs twice is twice as likely."""
+        """One of the options; what occurs twice is twice as likely."""
         return options[self.whole(0, len(options) - 1)]
 
     def shuffled(self, items: Sequence[T]) -> list[T]:
@@ -95,8 +80,7 @@ class Campaign:
     """What the driver has to know of a campaign.
 
     Attributes:
-        run: one run, drawn from the seed of the dice, or by them, so that what it shows can be shrunk; an
-            exception is a violation.
+        run: one run, drawn from the seed of the dice, or by them; an exception is a violation.
         runs: how many there are unless asked for.
         mutants: the product without one rule each; each has to be found.
         patience: s of processor time that one run may take.

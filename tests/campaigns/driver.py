@@ -1,4 +1,4 @@
-"""Runs campaigns: in parallel, within a time; keeps and shrinks every input that shows a violation."""
+"""Runs campaigns: in parallel, within a time; keeps every input that shows a violation."""
 
 from __future__ import annotations
 
@@ -18,82 +18,6 @@ from pathlib import Path
 from tests.campaigns.campaign import Campaign, Dice, Outcome
 from tests.campaigns.catalogue import find
 
-_ENTRY = 12  # choices, at most, of one entry of a list
-Shows = Callable[[Sequence[int]], Sequence[int] | None]
-
-
-class Shrinker:
-    """Looks for simpler choices: fewer ones, and of as many the smaller ones.
-
-    Args:
-        choices: of a run.
-        shows: the choices that a run makes out of these, None if it does not show the same.
-        tries: runs that there may be.
-
-    Attributes:
-        best: the simplest choices so far.
-    """
-
-    def __init__(self, choices: Sequence[int], shows: Shows, tries: int) -> None:
-        self.best = list(choices)
-        self._shows, self._left = shows, tries
-
-    def exhaust(self) -> list[int]:
-        """Try until nothing helps, or the tries are spent; returns the best."""
-        before = None
-        while before != self.best and self._left:
-            before = self.best
-            size = len(self.best) // 2
-            while size:
-                self._blocks(size)
-                size //= 2
-            self._counts()
-            self._values()
-        return self.best
-
-    def _blocks(self, size: int) -> None:
-        """Leave blocks out, or make all choices in them the simplest."""
-        place = 0
-        while place < len(self.best):
-            head, tail = self.best[:place], self.best[place + size :]
-            zeros = [0] * min(size, len(self.best) - place)
-            if not (self._try(head + tail) or self._try(head + zeros + tail)):
-                place += size
-
-    def _counts(self) -> None:
-        """Make a choice less by one that counts what follows, and leave the first of that out."""
-        place = 0
-        while place < len(self.best):
-            head, count = self.best[:place], self.best[place]
-            sizes = range(1, _ENTRY + 1 if count else 0)
-            if not any(self._try([*head, count - 1, *self.best[place + 1 + size :]]) for size in sizes):
-                place += 1
-
-    def _values(self) -> None:
-        """Make single choices smaller, by bisection."""
-        place = 0
-        while place < len(self.best):
-            low, high = -1, self.best[place]
-            while high - low > 1 and place < len(self.best):
-                middle = (low + high) // 2
-                if self._try([*self.best[:place], middle, *self.best[place + 1 :]]):
-                    high = middle
-                else:
-                    low = middle
-            place += 1
-
-    def _try(self, choices: list[int]) -> bool:
-        if not self._left or choices == self.best:
-            return False
-        self._left -= 1
-        made = self._shows(choices)
-        if made is None or (len(made), list(made)) >= (len(self.best), self.best):
-            return False
-        self.best = list(made)
-        return True
-
-
-TRIES = 600  # runs of one shrinking
 _BATCH = 64  # runs, at most, that a worker is given at a time
 _SAVED = 50  # inputs; more would show nothing new
 _DEAD = 600.0  # s without any result after which the workers are taken for dead
@@ -146,8 +70,8 @@ def execute(
 
     Args:
         runs, seed: from which seed on, and how many.
-        minutes: after which no run begins, and no input is shrunk.
-        folder: for inputs that show a violation; the first of each kind is shrunk.
+        minutes: after which no run begins.
+        folder: for inputs that show a violation.
         tell: is told each violation.
     """
     tally, until = Tally(), time.monotonic() + 60.0 * minutes
@@ -159,11 +83,6 @@ def execute(
                 tell(f"seed {number}: {outcome.said}: {outcome.violation}")
                 if len(tally.violations) <= _SAVED:
                     save(folder / f"{name}-{number}.txt", outcome)
-        for number, outcome in {each.said: (n, each) for n, each in tally.violations.items()}.values():
-            if time.monotonic() < until and outcome.shows:
-                smallest = shrink(find(name), Dice(number), TRIES)
-                if smallest.shows != outcome.shows:
-                    tell(f"smallest: {save(folder / f'{name}-{number}-smallest.txt', smallest)}")
     except KeyboardInterrupt:
         tell("stopped")
     return tally
@@ -199,25 +118,6 @@ def attempt(campaign: Campaign, dice: Dice) -> Outcome:
         place = traceback.extract_tb(error.__traceback__)[-1].name
         text = traceback.format_exc(limit=-12)
         return Outcome(f"{type(error).__name__} in {place}", str(error), text)
-
-
-def shrink(campaign: Campaign, dice: Dice, tries: int) -> Outcome:
-    """What is left of a violation when all choices are gone that it does not need."""
-    smallest = attempt(campaign, dice)
-
-    def shows(choices: Sequence[int]) -> list[int] | None:
-        nonlocal smallest
-        again = Dice(dice.seed, choices)
-        outcome = attempt(campaign, again)
-        if not outcome.violation or outcome.said != smallest.said:
-            return None
-        if (len(again.choices), again.choices) < (len(best.best), best.best):
-            smallest = outcome
-        return again.choices
-
-    best = Shrinker(dice.choices, shows, tries)
-    best.exhaust()
-    return smallest
 
 
 def hunted(name: str, jobs: int) -> Iterator[tuple[str, int, str]]:

@@ -1,4 +1,4 @@
-"""The driver: the same for any number of jobs; what is found is kept and shrunk; Ctrl-C loses nothing."""
+"""The driver: the same for any number of jobs; what is found is kept; Ctrl-C loses nothing."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tests.campaigns import catalogue, driver
 from tests.campaigns.__main__ import main
 from tests.campaigns.campaign import Campaign, Dice, Mutant, Outcome
 from tests.campaigns.catalogue import CAMPAIGNS, find
-from tests.campaigns.driver import Shrinker, attempt, execute, outcomes, shrink
+from tests.campaigns.driver import attempt, execute, outcomes
 
 
 def _sum(dice: Dice) -> Outcome:
@@ -47,36 +47,14 @@ def test_every_campaign_of_the_catalogue_is_one() -> None:
     assert all(find(name).runs > 0 for name in CAMPAIGNS if name != "sum")
 
 
-def test_all_that_is_found_is_kept_and_the_first_is_shrunk(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_all_that_is_found_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["sum", "--jobs", "1", "--save", str(tmp_path)]) == 1
-    kept = sorted(path.name for path in tmp_path.iterdir())
-    violated = [seed for seed in range(40) if _sum(Dice(seed)).violation]
+    violated = {f"sum-{seed}.txt": found for seed in range(40) if (found := _sum(Dice(seed))).violation}
     assert len(violated) > 3
-    assert len(kept) == len(violated) + 1
-    (smallest,) = tmp_path.glob("*-smallest.txt")
-    numbers = smallest.read_text().splitlines()[-1]
-    assert len(numbers.split()) == 3
-    assert "large: 101" in smallest.read_text()
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {
+        name: f"# large: {found.violation}\n\n{found.shows}" for name, found in violated.items()
+    }
     assert f"{len(violated)} with a violation" in capsys.readouterr().out
-    assert (
-        main(["sum", "--runs", "1", "--seed", str(violated[0]), "--jobs", "1", "--save", str(tmp_path)]) == 1
-    )
-
-
-def test_shrinking_needs_no_more_runs_than_it_may_take() -> None:
-    runs = 0
-
-    def shows(choices: list[int]) -> list[int] | None:  # type: ignore[type-arg]
-        nonlocal runs
-        runs += 1
-        return list(choices) if sum(choices) > 100 else None
-
-    assert sum(Shrinker([37] * 200, shows, 25).exhaust()) > 100  # type: ignore[arg-type]
-    assert runs == 25
-    smallest = Shrinker([37] * 200, shows, 10_000).exhaust()  # type: ignore[arg-type]
-    assert (len(smallest), sum(smallest)) == (3, 101)
 
 
 def test_an_exception_and_a_run_that_takes_too_long_are_violations() -> None:
@@ -84,7 +62,6 @@ def test_an_exception_and_a_run_that_takes_too_long_are_violations() -> None:
     assert (failed.said, failed.violation) == ("ZeroDivisionError in _fails", "planted")
     assert "planted" in failed.shows
     assert attempt(Campaign(_goes_on, 1, patience=0.05), Dice(0)).said.startswith("TimeoutError")
-    assert shrink(Campaign(_fails, 1), Dice(0), 10).said == failed.said
 
 
 def test_a_stopped_campaign_says_what_came_of_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -111,5 +88,5 @@ def test_mutants_that_are_missed_are_told(capsys: pytest.CaptureFixture[str]) ->
 
 @pytest.mark.slow
 def test_the_same_whatever_the_number_of_jobs() -> None:
-    alone = dict(outcomes("bodies", range(6), 1))
-    assert dict(outcomes("bodies", range(6), 2, batch=2)) == alone
+    alone = dict(outcomes("bodies", range(2), 1))
+    assert dict(outcomes("bodies", range(2), 2)) == alone

@@ -23,9 +23,8 @@ def test_what_grows_is_told() -> None:
 
 @pytest.mark.process
 @pytest.mark.timeout(90)
-@pytest.mark.parametrize("seed", [0, 1])
-def test_a_short_run(seed: int) -> None:
-    outcome = run(Dice(seed), robots=3, seconds=6.0, kill_every=2.0)
+def test_a_short_run() -> None:
+    outcome = run(Dice(1), robots=3, seconds=6.0, kill_every=2.0)
     assert outcome.violation == "" or "missed commands" in outcome.violation  # of a busy machine
-    assert bool(outcome.figures["kills"]) is bool(seed)
+    assert outcome.figures["kills"] > 0
     assert outcome.figures["ticks"] > 10

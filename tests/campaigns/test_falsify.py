@@ -19,8 +19,7 @@ from protocol.scenario.file import parse_toml
 from protocol.scenario.model import ProcessFault, Scenario
 from tests.campaigns import planted
 from tests.campaigns.campaign import Dice
-from tests.campaigns.driver import attempt, shrink
-from tests.campaigns.falsify import LOCAL, hunt, on_processes
+from tests.campaigns.falsify import hunt, on_processes
 from tests.campaigns.observe import Watch, observe, violations
 from tests.campaigns.scenarios.draw import drawn
 from tests.skipped_waits import skipped_waits
@@ -39,23 +38,6 @@ KINDS = {  # what a fault shows; contact, wall or contradiction unless mentioned
 def test_every_planted_fault_is_found(fault: planted.Fault) -> None:
     _, violation = hunt(fault, planted.FAULTS[fault], RUNS)
     assert violation.partition(":")[0] in KINDS.get(fault, {"contact", "wall", "contradiction"})
-
-
-@pytest.mark.slow
-def test_what_was_found_is_shrunk_to_a_scenario_that_shows_it() -> None:
-    with planted.plant(planted.not_waiting):
-        found = next(
-            outcome
-            for seed in range(RUNS)
-            if (dice := Dice(seed)) and (outcome := attempt(LOCAL, dice)).violation
-        )
-        smallest = shrink(LOCAL, Dice(dice.seed), 30)
-        scenario = resolved(parse_toml(smallest.shows))
-        assert found.said in {violation.kind for violation in observe(scenario).violations}
-    assert smallest.said == found.said
-    assert len(scenario.robots) <= 3
-    assert len(smallest.shows) < len(found.shows)
-    assert not observe(scenario).violations
 
 
 def _report(**changes: object) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import pytest
 
 from protocol.scenario.body import PRESETS
 from protocol.scenario.file import validated
-from protocol.scenario.model import Link, Point, ProcessFault, Scenario, Sensing
+from protocol.scenario.model import Point, ProcessFault, Scenario
 from tests.campaigns.campaign import Dice
 from tests.campaigns.scenarios.draw import drawn
 from tests.campaigns.scenarios.events import sensible
@@ -35,18 +35,8 @@ def test_draws_are_valid_with_the_filter_on_and_k_a_number() -> None:
         assert scenario.k > 0.0
 
 
-def test_a_seed_or_its_choices_give_the_same() -> None:
-    dice = Dice(MANY)
-    scenario = drawn(dice)
-    assert scenario == drawn(Dice(MANY)) == drawn(Dice(0, dice.choices)) != drawn(Dice(MANY + 1))
-
-
-def test_the_simplest_choices_give_a_plain_scenario() -> None:
-    scenario = drawn(Dice(0, []))
-    assert scenario is not None
-    assert len(scenario.robots) == 1
-    assert (scenario.process, scenario.orders, scenario.obstacles, scenario.parts) == ((), (), (), ())
-    assert (scenario.link, scenario.sensing) == (Link(), (Sensing(),))
+def test_a_seed_gives_the_same() -> None:
+    assert drawn(Dice(MANY)) == drawn(Dice(MANY)) != drawn(Dice(MANY + 1))
 
 
 def test_few_draws_are_refused() -> None:

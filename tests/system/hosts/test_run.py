@@ -181,14 +181,6 @@ def test_scheduled_faults_reach_other_hosts(server: Server, disknav: Forks, tmp_
     assert sum(restarts.values()) == 1
 
 
-def test_a_signal_stops_everything_and_leaves_a_result(server: Server, tmp_path: Path) -> None:
-    with a_long_run(server, tmp_path) as launcher:
-        launcher.send_signal(signal.SIGTERM)
-        assert launcher.wait(20.0) == 128 + signal.SIGTERM
-    assert result(tmp_path)["verdict"] == "interrupted"
-    assert result(tmp_path)["ticks"] > 0
-
-
 def test_a_launcher_that_is_killed_leaves_nothing(server: Server, tmp_path: Path) -> None:
     with a_long_run(server, tmp_path) as launcher:
         launcher.kill()
@@ -217,13 +209,10 @@ def test_a_host_that_is_lost_costs_its_own_robots_only(server: Server, tmp_path:
     }
 
 
-@pytest.mark.parametrize("how", ["stall", "lie"])
 @pytest.mark.long(10)
-def test_a_host_that_does_not_talk_as_it_should_costs_no_more(
-    how: str, server: Server, tmp_path: Path
-) -> None:
+def test_a_host_that_does_not_talk_as_it_should_costs_no_more(server: Server, tmp_path: Path) -> None:
     python = f"env PYTHONPATH={ROOT} {sys.executable}"
-    liar = f"{python} -m tests.system.hosts.testbed.liar {how} {server.command}"
+    liar = f"{python} -m tests.system.hosts.testbed.liar {server.command}"
     with a_long_run(server, tmp_path, command=liar) as launcher:
         (one,) = (
             each

@@ -17,133 +17,34 @@ from tests.deploy.theory.certify.mutants import mutant
 
 pytestmark = pytest.mark.slow
 
-MUTANTS = {
-    "distance of a pair": (
-        "contractors.py",
-        "if j < 0 else sub(far, contact)",
-        "if j < 0 else sub(contact, far)",
-    ),
-    "distance that is left": (
-        "contractors.py",
-        "if j < 0 else add(contact, beta)",
-        "if j < 0 else sub(contact, beta)",
-    ),
-    "distance of the other robot": (
-        "contractors.py",
-        "moved = sub((box[one, 0]",
-        "moved = add((box[one, 0]",
-    ),
-    "multiplier at contact": (
-        "contractors.py",
-        "up(out.total[1, 1] / out.beta[q, 0])",
-        "up(out.total[1, 0] / out.beta[q, 0])",
-    ),
-    "force of a wall": (
-        "contractors.py",
-        "return -_inside(members, i)",
-        "return _inside(members, i)",
-    ),
-    "force on the second robot": (
-        "contractors.py",
-        "_inside(members, i) - _inside",
-        "_inside(members, i) + _inside",
-    ),
-    "force that places a robot": (
-        "contractors.py",
-        "rest = sub(rest, (out.pull",
-        "rest = add(rest, (out.pull",
-    ),
-    "torque": (
-        "contractors.py",
-        "torque = add(torque, turn if sign > 0",
-        "torque = add(torque, turn if sign < 0",
-    ),
-    "torque, one coordinate": (
-        "contractors.py",
-        "rest = sub(rest, _moment",
-        "rest = add(rest, _moment",
-    ),
-    "work of a wall": (
-        "contractors.py",
-        "total if j >= 0 else (-total[1], -total[0])",
-        "total",
-    ),
-    "work of the others": (
-        "contractors.py",
-        "rest = sub(rest, _share",
-        "rest = add(rest, _share",
-    ),
-    "sum of w over beta": (
-        "contractors.py",
-        "out.beta[q, 0] if most > 0.0",
-        "out.beta[q, 1] if most > 0.0",
-    ),
-    "newton, value": (
-        "search.py",
-        "rest = sub(rest, mul((inverse[row, r]",
-        "rest = add(rest, mul((inverse[row, r]",
-    ),
-    "newton, force": (
-        "search.py",
-        "_put(slope, two, n + q, here)",
-        "_put(slope, two, n + q, (-here[1], -here[0]))",
-    ),
-    "newton, gamma": (
-        "search.py",
-        "slope[n + q, row] = -both[1], -both[0]",
-        "slope[n + q, row] = both[0], both[1]",
-    ),
-    "newton, beta": (
-        "search.py",
-        "n + q, two, (-along[1], -along[0]))",
-        "n + q, two, along)",
-    ),
-    "rotation of the fleet": (
-        "curvature.py",
-        "if total < 0.0:",
-        "if total > 0.0:",
-    ),
-    "rotation, one coordinate": (
-        "curvature.py",
-        "down(-rest / goal)",
-        "down(rest / goal)",
-    ),
-    "circle, pairs": (
-        "curvature.py",
-        "up(gain - box[n + r, 0])",
-        "up(gain - up(2.0 * box[n + r, 1]))",
-    ),
-    "circle, walls": (
-        "curvature.py",
-        "up(gain + box[n + r, 1])",
-        "up(gain - box[n + r, 1])",
-    ),
-    "circle, bend": (
-        "curvature.py",
-        "up(up(gain * far[0]) + bend)",
-        "up(up(gain * far[0]) - bend)",
-    ),
-    "form, pairs": (
-        "curvature.py",
-        "down(box[n + q, 0] * max",
-        "down(2.0 * box[n + q, 1] * max",
-    ),
-    "form, walls": (
-        "curvature.py",
-        "up(total + up(box[n + q, 1]",
-        "up(total - up(box[n + q, 1]",
-    ),
-    "form, bend": (
-        "curvature.py",
-        "up(2.0 * up(stiffness(box, out, n, q) * bend))",
-        "up(-2.0 * up(stiffness(box, out, n, q) * bend))",
-    ),
-    "correction": (
-        "curvature.py",
-        "value = sub(value, mul((basis",
-        "value = add(value, mul((basis",
-    ),
-}
+_TABLE = """
+distance of a pair | contractors | if j < 0 else sub(far, contact) | if j < 0 else sub(contact, far)
+distance that is left | contractors | if j < 0 else add(contact, beta) | if j < 0 else sub(contact, beta)
+distance of the other robot | contractors | moved = sub((box[one, 0] | moved = add((box[one, 0]
+multiplier at contact | contractors | out.total[1, 1] / out.beta[q, 0] | out.total[1, 0] / out.beta[q, 0]
+force of a wall | contractors | return -_inside(members, i) | return _inside(members, i)
+force on the second robot | contractors | _inside(members, i) - _inside | _inside(members, i) + _inside
+force that places a robot | contractors | rest = sub(rest, (out.pull | rest = add(rest, (out.pull
+torque | contractors | torque = add(torque, turn if sign > 0 | torque = add(torque, turn if sign < 0
+torque, one coordinate | contractors | rest = sub(rest, _moment | rest = add(rest, _moment
+work of a wall | contractors | total if j >= 0 else (-total[1], -total[0]) | total
+work of the others | contractors | rest = sub(rest, _share | rest = add(rest, _share
+sum of w over beta | contractors | out.beta[q, 0] if most > 0.0 | out.beta[q, 1] if most > 0.0
+newton, value | search | rest = sub(rest, mul((inverse[row, r] | rest = add(rest, mul((inverse[row, r]
+newton, force | search | _put(slope, two, n + q, here) | _put(slope, two, n + q, (-here[1], -here[0]))
+newton, gamma | search | slope[n + q, row] = -both[1], -both[0] | slope[n + q, row] = both[0], both[1]
+newton, beta | search | n + q, two, (-along[1], -along[0])) | n + q, two, along)
+rotation of the fleet | curvature | if total < 0.0: | if total > 0.0:
+rotation, one coordinate | curvature | down(-rest / goal) | down(rest / goal)
+circle, pairs | curvature | up(gain - box[n + r, 0]) | up(gain - up(2.0 * box[n + r, 1]))
+circle, walls | curvature | up(gain + box[n + r, 1]) | up(gain - box[n + r, 1])
+circle, bend | curvature | up(up(gain * far[0]) + bend) | up(up(gain * far[0]) - bend)
+form, pairs | curvature | down(box[n + q, 0] * max | down(2.0 * box[n + q, 1] * max
+form, walls | curvature | up(total + up(box[n + q, 1] | up(total - up(box[n + q, 1]
+form, bend | curvature | up(2.0 * up(stiffness(box, out, n, q) * | up(-2.0 * up(stiffness(box, out, n, q) *
+correction | curvature | value = sub(value, mul((basis | value = add(value, mul((basis
+"""  # name | module | what it says | with a sign turned
+MUTANTS = {name: tuple(rest) for name, *rest in (line.split(" | ") for line in _TABLE.strip().splitlines())}
 
 
 def pool() -> list[Known]:
@@ -184,7 +85,8 @@ def _wrong(search: ModuleType, found: Known, box: Array) -> bool:
 @pytest.mark.campaign  # each compiles the search anew
 @pytest.mark.parametrize("name", MUTANTS)
 def test_a_turned_sign_is_caught(name: str, tmp_path: Path) -> None:
-    search = mutant(tmp_path, f"mutant_{list(MUTANTS).index(name)}", *MUTANTS[name])
+    module, says, instead = MUTANTS[name]
+    search = mutant(tmp_path, f"mutant_{list(MUTANTS).index(name)}", f"{module}.py", says, instead)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         assert caught(search, 6)

@@ -1,4 +1,4 @@
-"""A host that is well until told (SIGUSR1) not to be: `liar.py HOW COMMAND...` stands before COMMAND."""
+"""A host that is well until told (SIGUSR1) not to be: `liar.py COMMAND...` stands before COMMAND."""
 
 from __future__ import annotations
 
@@ -11,16 +11,11 @@ import sys
 
 from deploy.processes.spawn import Exited, encode_news
 
-_LIE = encode_news(Exited(999_999, 0, 0.0, 0.0))
-WAYS = {
-    "stall": struct.pack("!i", 1000) + b"the rest of this message never comes",
-    "garbage": b"\xff" * 64,
-    "lie": struct.pack("!i", len(_LIE)) + _LIE,  # of a process that nobody asked for
-}
+_LIE = encode_news(Exited(999_999, 0, 0.0, 0.0))  # of a process that nobody asked for
 
 
-def main(how: str, *command: str) -> int:
-    """Pass on what the command says until the signal; then say something else, and nothing more."""
+def main(*command: str) -> int:
+    """Pass on what the command says until the signal; then lie, and say nothing more."""
     told, telling = os.pipe()
     signal.signal(signal.SIGUSR1, lambda *_: os.write(telling, b"!"))
     with subprocess.Popen(command, stdout=subprocess.PIPE, bufsize=0) as host:
@@ -30,7 +25,7 @@ def main(how: str, *command: str) -> int:
             if not said:
                 return host.wait()
             os.write(1, said)
-        os.write(1, WAYS[how])
+        os.write(1, struct.pack("!i", len(_LIE)) + _LIE)
         return host.wait()  # once the launcher has hung up
 
 
