@@ -5,7 +5,7 @@ immediate and off by at most its own bound, carries that to the present. So the 
 disk at once; what else is known of it, that it is inside the workspace and on the own side of every obeyed
 line, cuts the set further (`confine`). An empty set says that a stated bound is wrong.
 
-Exact measurements leave a point, and nothing of the above is done for it.
+Measurements with bound 0 reduce the set to a point, for which the set operations are skipped.
 """
 
 from __future__ import annotations
@@ -110,7 +110,7 @@ class Estimate:
                 self._learn(seen, sense.stamp)
 
     def confine(self, side: HalfPlane, source: str) -> bool:
-        """Take in that the truth is in a half-plane, which `source` says; whether that was news."""
+        """Cut the set with a half-plane, named `source` in messages; whether the set became smaller."""
         if self.shape is None or self.lost:
             return False
         limit = side.slack(self.x, self.y)

@@ -1,7 +1,7 @@
 """What a robot hears of its peers: from which, when it is due, and what is still missing.
 
-Sender and tick of a State alone decide whether it is heard, never when it arrives. Line messages are taken
-over only while no command is outstanding: what is heard when a tick is not open waits for the next.
+Sender and tick of a State decide whether it is accepted; its arrival time does not. Line messages take effect
+only between a Tick and the own Command, when no command is in force; later ones wait for the next Tick.
 """
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ class PeerInbox:
         self._open = True
 
     def _attend(self, tick: Tick) -> None:
-        """In lock-step what was said in a tick in which this robot took no part is not heard: no tick waited
-        until it had it, so that when it arrives is a matter of the wall clock."""
+        """In lock-step, States of ticks that this robot missed are dropped: no tick awaited their delivery,
+        so their arrival depends on the wall clock, and accepting them would make runs differ."""
         before, now = self._since, tick.tick
         if self._lockstep and now > self._tick + 1:
             before = {}

@@ -103,7 +103,7 @@ class Robot:
         return self._state()
 
     def begin_anew(self) -> None:
-        """All that was known of where this robot is was void: only what it senses from here on counts."""
+        """Reset the position estimate: only measurements from now on count."""
         self._estimate = self._nothing_known()
 
     def _nothing_known(self) -> Estimate:
@@ -205,7 +205,7 @@ class Robot:
         )
 
     def complaint(self) -> Command:
-        """In place of a Command that cannot be given: whose States are missing."""
+        """A Command without a velocity while States are missing; it lists the robots whose States are."""
         lacking = tuple(self.hearing.missing[:NAMED])
         return Command(
             self.robot, self.incarnation, self.tick, STILL, self.epoch, self._roster.version, lacking
@@ -261,7 +261,7 @@ class Robot:
         """Be the disk that parts need from this command on, a larger one only where there is room for it;
         what is asked for if that is so.
 
-        It never is a smaller one than the roster says: that one stands if this robot falls silent.
+        The radius never falls below the roster's: a disk of that radius is the obstacle if this robot fails.
         """
         own = self._roster.member(self.robot)
         told = filter_.radius if own is None else own.radius
@@ -296,7 +296,7 @@ class Robot:
 
     @property
     def lost(self) -> bool:
-        """Whether what it was told of where it is cannot be true, so that it stands."""
+        """Whether the robot stands because its measurements contradict the stated bounds."""
         return self._estimate.lost
 
     @property

@@ -1,7 +1,7 @@
-"""The one way of a velocity to a base: what the kernel says is obeyed, and the boundary of the workspace.
+"""The only path of a velocity to the base. It enforces the lines, the region and the workspace boundary.
 
-Whatever a law asks for, what is commanded is the nearest velocity that keeps to all of that, or none at all
-before a region is obeyed. It says where the robot cannot be, too, which narrows its estimate down.
+The filter commands the velocity nearest to the law's that satisfies all constraints, and zero until the robot
+has adopted a region. The same constraints exclude positions of the robot, which tightens its estimate.
 """
 
 from __future__ import annotations

@@ -160,7 +160,7 @@ class PartPlace(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """Where a part of the scenario is: on the floor, or on a robot."""
 
     part: Id  # its number
-    thing: Count = 0  # as which it stands; of one that is carried, as which it is to appear, 0 for none
+    thing: Count = 0  # number of its obstacle; of a carried part, the number reserved for it; 0 for none
     carrier: Count = 0  # the robot that has it, live or standing; 0 for none
 
 
@@ -206,7 +206,7 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     halted: bool = False  # an emergency stop is in force: command no motion
     over: bool = False  # the run has ended: join again, as a new one or to learn that there is no more
     heard: Count | None = None  # external fleet: tick of the newest Command of this incarnation that it has
-    grants: Grants | None = None  # unless this life has taken them in: what it obeys
+    grants: Grants | None = None  # region and bindings to obey; None once this incarnation has them
 
 
 class Report(msgspec.Struct, frozen=True, array_like=True, gc=False):
