@@ -156,6 +156,7 @@ def test_a_finished_scenario_takes_no_settings() -> None:
         disknav.run(disknav.build({"robots": ROBOTS}), {"control.k": 3})
 
 
+@pytest.mark.slow
 def test_columns_and_frames_say_the_same() -> None:
     trajectory = disknav.run(disknav.build({"robots": ROBOTS})).trajectory
     columns = trajectory.columns()

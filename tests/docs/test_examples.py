@@ -70,6 +70,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_speeds_of_a_recording(recording: Path, tmp_path: Path) -> None:
     run("09-recording", "speeds.py", str(recording), cwd=tmp_path)
 
@@ -80,6 +81,7 @@ def test_a_policy_is_trained_and_shown(tmp_path: Path) -> None:
     run("10-learning", "show.py", "1", cwd=tmp_path)
 
 
+@pytest.mark.slow
 def test_poses_for_ros2(recording: Path, tmp_path: Path) -> None:
     from deploy.telemetry.recording.reader import read
     from deploy.telemetry.recording.replay import export

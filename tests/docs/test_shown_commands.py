@@ -14,7 +14,7 @@ import re
 import shlex
 import shutil
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 import typer
@@ -24,6 +24,7 @@ from tests.forks import Forks
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+COMMAND: Any = typer.main.get_command(app)
 _BLOCK = re.compile(
     r"(?:<!-- (not run|file): ([^>]*?) -->\n+)?^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE
 )
@@ -89,7 +90,7 @@ def test_their_options_exist(page: Path, tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.chdir(tmp_path)
     for block in blocks(page):
         for words in block.commands:
-            command, rest = typer.main.get_command(app), [word for word in words if word != "--help"]
+            command, rest = COMMAND, [word for word in words if word != "--help"]
             while hasattr(command, "commands") and rest:
                 command = command.commands[rest.pop(0)]
             rest, _ = redirected(rest)

@@ -142,7 +142,7 @@ def test_presence_goes_with_a_killed_process(connect: Connect, endpoint: str) ->
         supervisor.kill("robot-1")
         begin = time.monotonic()
         assert watcher.receive(PATIENCE) == Presence(ALIVE, False)
-        assert time.monotonic() - begin < 5.0  # half of what an unnoticed death would take
+        assert time.monotonic() - begin < 8.0  # an unnoticed death would take 10 s
 
 
 def test_asking_waits_for_whoever_will_serve(connect: Connect) -> None:

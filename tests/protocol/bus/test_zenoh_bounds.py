@@ -28,7 +28,7 @@ def test_an_unanswered_request_ends_in_time(connect: Connect, served: bool) -> N
     begin = time.monotonic()
     with pytest.raises(BusError, match=SCENARIO):
         connect().ask(SCENARIO, b"may I?", 0.3)
-    assert time.monotonic() - begin < 2.0
+    assert time.monotonic() - begin < 8.0  # zenoh by itself would wait for 10 s
 
 
 @pytest.mark.parametrize("timeout", [0.0, 0.05])
@@ -36,7 +36,7 @@ def test_receiving_is_bounded(connect: Connect, timeout: float) -> None:
     bus = connect()
     begin = time.monotonic()
     assert bus.receive(timeout) is None
-    assert timeout <= time.monotonic() - begin < timeout + 1.0
+    assert timeout <= time.monotonic() - begin < PATIENCE
 
 
 def test_a_flood_is_shed_and_counted(connect: Connect) -> None:
@@ -67,7 +67,7 @@ def test_an_unreachable_router_is_named() -> None:
     with pytest.raises(BusError, match=nowhere) as raised:
         ZenohBus(Connection(connect=(nowhere,), timeout=0.3))
     assert ".rs" not in str(raised.value)
-    assert time.monotonic() - begin < 3.0
+    assert time.monotonic() - begin < PATIENCE
 
 
 def test_a_taken_endpoint_is_told_from_other_failures(endpoint: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from deploy.library.random_instances import random_instance
@@ -28,6 +28,7 @@ def inside(room: Shape, place: complex) -> float:
     return min(offset - nx * place.real - ny * place.imag for nx, ny, offset in room.sides)
 
 
+@settings(max_examples=40)
 @given(
     rooms, st.lists(shapes, max_size=4), st.lists(st.tuples(points, points, radii), min_size=1, max_size=4)
 )
@@ -66,6 +67,7 @@ def test_gaps_are_named_by_id():
     assert [fleet.names(n) for n in range(6, 9)] == [(-7, 1), (-7, 2), (-7, 3)]
 
 
+@settings(max_examples=40)
 @given(st.one_of(disks, polygons()), points, points, radii)
 def test_an_overlap_lasts_while_the_gap_is_negative(shape, start, end, radius):
     fleet = Disks({1: radius}, Disk(0.0, 0.0, 9.0), {7: shape})

@@ -34,6 +34,7 @@ from protocol.messages import (
 )
 from protocol.scenario.model import Order
 from protocol.streams import Stream
+from tests.skipped_waits import skipped_waits
 
 LIAR, FROM = 2, 5
 MOST = 2**53
@@ -123,8 +124,8 @@ def test_a_command_that_obeys_what_was_never_granted_is_refused(field: str) -> N
     def turn(message: Any) -> Any:
         return msgspec.structs.replace(message, **{field: MOST}) if isinstance(message, Command) else message
 
-    fleet = LocalFleet(SWAP)
-    with suppress(JoinError):  # it is given up, and in the end refused
+    with skipped_waits(), suppress(JoinError):  # it is given up, and in the end refused
+        fleet = LocalFleet(SWAP)
         told(fleet, turn)
     assert fleet.world.world.coordinator.commands.refused["ledger"] > 0
 
