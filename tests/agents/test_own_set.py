@@ -36,8 +36,7 @@ BIASED = Sensing(delay=(0.0, 0.5), noise=0.01, noise_bound=0.02, bias=(-0.014, -
 
 @pytest.mark.parametrize("seed", range(10))
 @pytest.mark.parametrize(
-    ("sensing", "noise"),
-    [(BIASED, 0.0), (BIASED, 0.1), (replace(BIASED, bias=(0.0, 0.0), delay=0.0), 0.0)],
+    ("sensing", "noise"), [(BIASED, 0.0), (BIASED, 0.1), (replace(BIASED, bias=(0.0, 0.0), delay=0.0), 0.0)]
 )
 def test_no_robot_is_pushed_through_the_wall(seed: int, sensing: Sensing, noise: float) -> None:
     """Shrinking the wall by the error bound lets 7 of the first 20 of the first kind out, by 5 mm."""

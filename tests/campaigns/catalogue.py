@@ -8,10 +8,7 @@ from tests.campaigns.campaign import Campaign
 
 CAMPAIGNS = {  # what each searches for, and where it is
     "falsify": ("a scenario in which the filter breaks its promise", "falsify:LOCAL"),
-    "falsify-routed": (
-        "the same, each scenario also on real processes and a router",
-        "falsify:ROUTED",
-    ),
+    "falsify-routed": ("the same, each scenario also on real processes and a router", "falsify:ROUTED"),
     "falsify-mesh": ("the same, also on real processes without one", "falsify:MESH"),
     "faults": ("a collision under everything that may go wrong at once", "faults:FAULTS"),
     "skirmish": ("a broken invariant of the lines of whole robots", "models:SKIRMISH"),
@@ -24,18 +21,12 @@ CAMPAIGNS = {  # what each searches for, and where it is
     ),
     "adversary-mujoco": ("the same in MuJoCo", "models:ADVERSARY_MUJOCO"),
     "deviations": ("a body in MuJoCo that is off its way by more than it states", "models:DEVIATIONS"),
-    "turnover": (
-        "a contact, or a robot that is stuck, while robots come and go",
-        "models:TURNOVER",
-    ),
+    "turnover": ("a contact, or a robot that is stuck, while robots come and go", "models:TURNOVER"),
     "laws": ("a livelock of the reciprocal law where the paper's law arrives", "laws:LAWS"),
     "movers": ("parts that do not reach their goals though there is an order", "movers:MOVERS"),
     "movers-kill": ("the same while a robot dies with a part", "movers:KILL"),
     "fuzz": ("damaged input that any reader does not refuse as declared", "fuzz.campaign:FUZZ"),
-    "endurance": (
-        "memory, handles or threads that grow; deaths not survived",
-        "endurance:ENDURANCE",
-    ),
+    "endurance": ("memory, handles or threads that grow; deaths not survived", "endurance:ENDURANCE"),
 }
 
 

@@ -88,11 +88,7 @@ def _turnover(dice: Dice) -> Outcome:
     turnover.run(72_000)
     settled = turnover.settles(6000)
     report = turnover.fleet.world.world.report()
-    faults = (
-        (report["collisions"], "contact"),
-        (not settled, "stuck"),
-        (turnover.changes < 1000, "rest"),
-    )
+    faults = ((report["collisions"], "contact"), (not settled, "stuck"), (turnover.changes < 1000, "rest"))
     violation = ", ".join(text for wrong, text in faults if wrong)
     figures = {"changes": float(turnover.changes), "clearance, m": report["min_clearance"]}
     return Outcome("violated" if violation else "held", violation, figures=figures)

@@ -10,16 +10,7 @@ from deploy.library.names import catalogue
 from deploy.library.swaps import swap
 from protocol.scenario.model import Scenario
 
-_COUNTED = (
-    "swap-2",
-    "swap-3",
-    "swap-6",
-    "random-1",
-    "random-6",
-    "random-12",
-    "boxes-4",
-    "beads-5",
-)
+_COUNTED = ("swap-2", "swap-3", "swap-6", "random-1", "random-6", "random-12", "boxes-4", "beads-5")
 _NOISE = ("sensing.delay=[0.0,0.1]", "sensing.noise=0.001", "sensing.dropout=0.1", "actuation.noise=0.02")
 _LINK = ("link.delay=[0.1,0.3]", "link.jitter=0.1", "link.loss=0.3", "link.duplicate=0.2")
 

@@ -11,10 +11,7 @@ from hypothesis import strategies as st
 from protocol.draws import Purpose, generator
 
 keys = st.tuples(
-    st.integers(0, 2**63 - 1),
-    st.sampled_from(Purpose),
-    st.integers(0, 2**32 - 1),
-    st.integers(0, 2**32 - 1),
+    st.integers(0, 2**63 - 1), st.sampled_from(Purpose), st.integers(0, 2**32 - 1), st.integers(0, 2**32 - 1)
 )
 
 

@@ -52,11 +52,7 @@ def test_time_has_no_scale_of_its_own(factor: float) -> None:
         moved = 0.0 if tick % 90 < 60 else 0.005
         one, other = (
             progress.update(
-                displacement=(moved, 0.0),
-                desired=(speed, 0.0),
-                free=speed,
-                gamma=0.2,
-                barred=lambda: True,
+                displacement=(moved, 0.0), desired=(speed, 0.0), free=speed, gamma=0.2, barred=lambda: True
             )
             for progress, speed in ((usual, 0.1), (slow, 0.1 / factor))
         )

@@ -11,15 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from agents.law import View
-from agents.law.roundabout import (
-    STEEPEST,
-    WIDE,
-    Encounter,
-    Encounters,
-    Roundabout,
-    roundabout,
-    together,
-)
+from agents.law.roundabout import STEEPEST, WIDE, Encounter, Encounters, Roundabout, roundabout, together
 from agents.peers.far import FarPicture, places_of
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState

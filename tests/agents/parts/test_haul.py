@@ -57,13 +57,7 @@ MUTANTS = (
     Mutant(
         "stands-at-its-size",
         "the roster says how large the disk is before anybody can be told that it stands",
-        (
-            Edit(
-                _PARTS,
-                "self._lives.resize(robot, self._scenario.loaded_radius(robot, place.part))",
-                "pass",
-            ),
-        ),
+        (Edit(_PARTS, "self._lives.resize(robot, self._scenario.loaded_radius(robot, place.part))", "pass"),),
     ),
     Mutant(
         "lines-of-the-larger-disk",

@@ -22,11 +22,7 @@ from protocol.scenario.model import Scenario
 from world.plants.plant import plant_of
 
 ASKED = {6: 10.0, 16: 4.0, 32: 2.0}  # times real time
-KINDS = {
-    "points": ("body=point",),
-    "wheels in formulas": (),
-    "wheels in MuJoCo": ("world.plant=mujoco",),
-}
+KINDS = {"points": ("body=point",), "wheels in formulas": (), "wheels in MuJoCo": ("world.plant=mujoco",)}
 _TICKS = 100  # of the plant alone
 
 

@@ -245,12 +245,7 @@ def _take_part(drawn: list[_Drawn]) -> bool:
     watcher = watch_local(network, _RUN)
     watcher.wake(0.0)
     launcher = Fleet(_participants_of(), RunOptions())
-    handlers: list[Callable[[Event], object]] = [
-        robot.handle,
-        watcher.handle,
-        launcher._take,
-        world.handle,
-    ]
+    handlers: list[Callable[[Event], object]] = [robot.handle, watcher.handle, launcher._take, world.handle]
     for happens, key, payload in drawn:
         event: Event
         if happens == "published":

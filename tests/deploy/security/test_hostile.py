@@ -80,10 +80,7 @@ def requests(own: int | None) -> dict[str, bytes]:
     """What a fleet could be told by somebody who may."""
     pack = msgspec.msgpack.encode
     other = next(robot for robot in SCENARIO.ids if robot != own)
-    return {
-        world_key(RUN, "operation"): pack({"halt": True}),
-        robot_key(RUN, other, "join"): b"",
-    }
+    return {world_key(RUN, "operation"): pack({"halt": True}), robot_key(RUN, other, "join"): b""}
 
 
 class Liar:

@@ -1,4 +1,4 @@
-"""Three hosts, each with a router and two robots: a cable that is pulled for seconds, and a bad one."""
+"""Three hosts, each with a router and two robots: a cable that is pulled for seconds."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from deploy.security.keystore import create
 from deploy.security.roster import Home, Roster
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import Scenario
-from tests.system.hosts.testbed.network import Bad, Hosts, needs_hosts
+from tests.system.hosts.testbed.network import Hosts, needs_hosts
 
 pytestmark = [pytest.mark.process, pytest.mark.slow, pytest.mark.timeout(240), needs_hosts]
 
@@ -112,16 +112,3 @@ def _pull(hosts: Hosts, fleet: Field) -> None:
     assert report["verdict"] == "arrived"
     assert report["collisions"] == 0
     assert report["min_clearance"] > 0.0
-
-
-@pytest.mark.long(15)
-def test_a_bad_cable(tmp_path: Path) -> None:
-    """A command is back after twice the delay, half a tick; whoever misses it stands still for that tick."""
-    scenario = load("figure-1", ["time.step=0.2", "control.speed=0.15", "time.limit=60"], 3)
-    with Hosts(3, tmp_path / "log", {3: Bad(delay=0.05, loss=0.1)}) as hosts:
-        *_, last = Field(hosts, tmp_path, scenario).told()
-    report = last["report"]
-    assert report["verdict"] == "arrived"
-    assert report["collisions"] == 0
-    assert report["min_clearance"] > 0.0
-    assert report["missed_commands"] > 0

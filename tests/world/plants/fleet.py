@@ -77,10 +77,7 @@ class Setting:
 
 
 def drive(
-    setting: Setting,
-    naive: bool = False,
-    stated: Body | None = None,
-    scenario: Scenario | None = None,
+    setting: Setting, naive: bool = False, stated: Body | None = None, scenario: Scenario | None = None
 ) -> dict[str, Any]:
     """Go through a run; its report.
 

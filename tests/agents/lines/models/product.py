@@ -16,15 +16,7 @@ _KERNEL = [
 ]
 _LINES = [
     f"agents.lines.{name}"
-    for name in (
-        "own_set",
-        "boundary",
-        "placement",
-        "tangent",
-        "bond",
-        "negotiation",
-        "separating_lines",
-    )
+    for name in ("own_set", "boundary", "placement", "tangent", "bond", "negotiation", "separating_lines")
 ]
 _ROBOT = [
     "agents.peers.roster",

@@ -1,4 +1,4 @@
-"""Hosts on one machine: a network namespace each, wired to a switch by links that can be cut, or are bad."""
+"""Hosts on one machine: a network namespace each, wired to a switch by links that can be cut."""
 
 from __future__ import annotations
 
@@ -7,12 +7,11 @@ import os
 import shutil
 import signal
 import subprocess
-import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import IO, NamedTuple, Self
+from typing import IO, Self
 
 import pytest
 
@@ -28,31 +27,17 @@ def unable() -> str | None:
     if done.returncode != 0:
         return f"no network namespaces here: {done.stderr.strip()}"
     subprocess.run(["ip", "netns", "del", probe], check=True)
-    if not os.access("/dev/net/tun", os.R_OK | os.W_OK):
-        return "there is no /dev/net/tun for links with delay and loss"
     return None
 
 
 needs_hosts = pytest.mark.skipif(unable() is not None, reason=unable() or "")
 
 
-class Bad(NamedTuple):
-    """A bad link: what is sent arrives `delay` s later, or with probability `loss` not at all; either way."""
-
-    delay: float
-    loss: float
-
-
 class Hosts:
-    """A context manager: `count` hosts, 10.77.0.1 and so on. Leaving it ends all that runs on them.
+    """A context manager: `count` hosts, 10.77.0.1 and so on. Leaving it ends all that runs on them."""
 
-    `bad` are the links that are, by host.
-    """
-
-    def __init__(self, count: int, log: Path, bad: Mapping[int, Bad] | None = None) -> None:
+    def __init__(self, count: int, log: Path) -> None:
         self._numbers = range(1, count + 1)
-        self._bad = bad or {}
-        self._relays: list[subprocess.Popen[str]] = []
         self._prefix = f"disknav-{os.getpid()}"
         self._log = log
         self._processes: list[subprocess.Popen[str]] = []
@@ -130,39 +115,13 @@ class Hosts:
             name = self._name(host)
             _ip("netns", "add", name)
             _ip("-n", name, "link", "set", "lo", "up")
-            if host in self._bad:
-                self._relay(host, self._bad[host])
-            else:
-                peer = ["peer", "name", f"port{host}", "netns", switch]
-                _ip("-n", name, "link", "add", "eth0", "type", "veth", *peer)
+            peer = ["peer", "name", f"port{host}", "netns", switch]
+            _ip("-n", name, "link", "add", "eth0", "type", "veth", *peer)
             _ip("-n", switch, "link", "set", f"port{host}", "master", "switch", "up")
             _ip("-n", name, "addr", "add", f"{self.address(host)}/24", "dev", "eth0")
             _ip("-n", name, "link", "set", "eth0", "up")
-        for relay in self._relays:
-            assert relay.stdin is not None
-            relay.stdin.write("go\n")
-            relay.stdin.flush()
-
-    def _relay(self, host: int, link: Bad) -> None:
-        """In place of a cable, two devices with a program between them."""
-        command = [
-            sys.executable,
-            "-m",
-            "tests.system.hosts.testbed.relay",
-            str(link.delay),
-            str(link.loss),
-        ]
-        relay = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self._relays.append(relay)
-        assert relay.stdout is not None
-        ours, theirs = relay.stdout.readline().split()
-        _ip("link", "set", ours, "netns", self._name(host), "name", "eth0")
-        _ip("link", "set", theirs, "netns", self._name(0), "name", f"port{host}")
 
     def _remove(self) -> None:
-        for relay in self._relays:
-            relay.kill()
-            relay.wait()
         for host in (0, *self._numbers):
             left = ["ip", "netns", "pids", self._name(host)]  # whatever its parent did not take along
             for pid in subprocess.run(left, capture_output=True, text=True, check=False).stdout.split():
