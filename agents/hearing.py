@@ -45,8 +45,14 @@ class PeerInbox:
         self._awaited: set[int] = set()
         self._open = False  # whether the tick's State is out and its Command is not
 
-    def open(self, tick: Tick) -> None:
-        """A tick begins: hear the peers that it names, and what was late."""
+    def open(self, tick: Tick, place: Vector | None = None) -> None:
+        """A tick begins: hear the peers that it names, and what was late.
+
+        Args:
+            tick: from the coordinator.
+            place: of this robot, m, if it is known.
+        """
+        self._link.locate(tick.tick, place)
         self._attend(tick)
         self._tick = tick.tick
         self._awaited = set(self._since)

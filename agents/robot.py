@@ -97,7 +97,7 @@ class Robot:
             self._filter.lines.hear(tick.grants, self.hearing.neighbours.radii)
             self.hearing.neighbours.attend(self._filter.lines.peers)
         self._filter.locate(self.tick, self._estimate, blind=self._blind)
-        self.hearing.open(tick)
+        self.hearing.open(tick, self._estimate.position)
         if self._mover is not None:
             self._move_parts(self._mover, self._ordered)
         return self._state()

@@ -27,6 +27,7 @@ class Purpose(IntEnum):
     STUDY = 5
     CONTROL = 6
     ODOMETRY = 7
+    RADIO = 8
 
 
 _MASK = (1 << 64) - 1

@@ -1,22 +1,27 @@
 """Injected link faults: what happens to a peer's State between its arrival and its being heard.
 
-States really travel robot to robot; delay, jitter, loss, duplication and partitions are added where
-they are received. Each draw is keyed by (seed, receiver, tick of the State) with a column per
-sender, so the order of arrival changes nothing.
+States really travel robot to robot; delay, jitter, loss, duplication, partitions and what a wireless network
+does are added where they are received. Each draw is keyed by (seed, receiver, tick of the State) with a
+column per sender, and those of `agents.peers.radio` by robot and tick: the order of arrival changes nothing.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections import defaultdict
+from math import dist
 
 import numpy as np
 
+from agents.peers.radio import Radio
 from agents.peers.state import PeerState
 from protocol.draws import Purpose, generator
+from protocol.messages import Vector
 from protocol.scenario.model import Link as LinkFaults
-from protocol.scenario.model import Partition, Scenario
+from protocol.scenario.model import Partition, Scenario, span_of
 
-_KEPT = 8  # ticks of draws that are remembered; any other can be drawn again
+_KEPT = 8  # ticks of draws and places that are remembered; any other can be drawn again
+_DRAWS = 6  # for each State, and as many again where the network is wireless
 
 
 class Link:
@@ -37,7 +42,13 @@ class Link:
         self._column = {peer: column for column, peer in enumerate(drawn)}
         self._draws: dict[int, np.ndarray] = {}
         self._newest: dict[int, PeerState] = {}  # by sender
-        self._early: list[PeerState] = []  # without faults: those that this robot's own tick is behind
+        self._early: list[PeerState] = []  # those that this robot's own tick is behind
+        self._radios: dict[int, Radio] = {}  # by robot
+        self._turns: tuple[int, list[float]] = (-1, [])  # of the newest tick, in their order
+        self._places: dict[int, Vector] = {}  # of this robot, m, by tick
+        faults = scenario.link
+        self._is_wireless = any(each is not None for each in (faults.capacity, faults.burst, faults.distance))
+        self._rows = _DRAWS * (1 + self._is_wireless)
         self._waiting: defaultdict[int, list[PeerState]] = defaultdict(list)  # by the tick when they are due
 
     def is_news(self, state: PeerState) -> bool:
@@ -58,19 +69,26 @@ class Link:
         self._newest[state.robot] = state
         return True
 
+    def locate(self, tick: int, place: Vector | None) -> None:
+        """This robot is at `place`, m, as `tick` opens, if that is known."""
+        if place is not None and self._faults.distance is not None:
+            self._places[tick] = place
+            if len(self._places) > _KEPT:
+                del self._places[next(iter(self._places))]
+
     def put(self, state: PeerState) -> None:
         """A peer's State has arrived; it will be heard at the tick that the faults leave it."""
-        if self.ideal:
-            self._early.append(state)
-            return
-        for tick in self._due(state):
-            self._waiting[tick].append(state)
+        self._early.append(state)
 
     def take(self, tick: int) -> list[PeerState]:
         """All States due up to and including `tick`, by due tick, then by sender and age; without faults
         as they came, which for each sender is by age too."""
+        early = self._take_early(tick)
         if self.ideal:
-            return self._take_early(tick)
+            return early
+        for state in early:
+            for due in self._due(state):
+                self._waiting[due].append(state)
         taken: list[PeerState] = []
         for due in sorted([each for each in self._waiting if each <= tick]):
             taken += sorted(self._waiting.pop(due), key=_by_sender)
@@ -88,18 +106,63 @@ class Link:
         faults = self._faults
         loss, duplicate, *spread = self._drawn_for(state.robot, state.tick)
         time = state.tick * self._scenario.time.step
-        if loss < faults.loss or any(_parted(p, time, self._robot, state.robot) for p in faults.partition):
+        late = self._wireless(state, spread[4:]) if self._is_wireless else 0.0
+        if (
+            late is None
+            or loss < faults.loss
+            or any(_parted(p, time, self._robot, state.robot) for p in faults.partition)
+        ):
             self.lost += 1
             return []
-        due = [self._delayed(state.tick, spread[0], spread[1])]
+        due = [self._delayed(state, late, spread[0], spread[1])]
         if duplicate < faults.duplicate:
-            due.append(self._delayed(state.tick, spread[2], spread[3]))
+            due.append(self._delayed(state, late, spread[2], spread[3]))
         return due
 
-    def _delayed(self, tick: int, delay: float, jitter: float) -> int:
-        bounds = self._faults.delay
-        low, high = bounds if isinstance(bounds, tuple) else (bounds, bounds)
-        return tick + self._scenario.ticks(low + delay * (high - low) + jitter * self._faults.jitter)
+    def _delayed(self, state: PeerState, late: float, delay: float, jitter: float) -> int:
+        low, high = span_of(self._faults.delay)
+        sent = self._radio(state.robot).back(state.tick) if self._faults.roaming else state.tick
+        due = sent + self._scenario.ticks(late + low + delay * (high - low) + jitter * self._faults.jitter)
+        return self._radio(self._robot).back(due) if self._faults.roaming else due
+
+    def _wireless(self, state: PeerState, draws: list[float]) -> float | None:
+        """Delay, s, by distance, medium, and the radios of sender and receiver; None if the State is lost."""
+        faults, late = self._faults, 0.0
+        if (
+            faults.distance is not None
+            and (place := self._places.get(state.tick)) is not None
+            and state.placed
+        ):
+            beyond = max(0.0, dist(place, (state.x, state.y)) - faults.distance.free)
+            late += beyond * faults.distance.delay
+            if draws[0] < beyond * faults.distance.loss:
+                return None
+        if faults.capacity is not None:
+            wait = self._turn(state) / faults.capacity
+            if wait > self._scenario.time.step:  # the sender's next State takes its place
+                return None
+            late += wait
+        if faults.burst is not None:
+            low, high = span_of(faults.burst.delay)
+            for robot, loss, delay in ((state.robot, draws[1], draws[2]), (self._robot, draws[3], draws[4])):
+                if self._radio(robot).is_bad(state.tick):
+                    late += low + delay * (high - low)
+                    if loss < faults.burst.loss:
+                        return None
+        return late
+
+    def _turn(self, state: PeerState) -> int:
+        """How many States of a tick the medium has carried with this one: 1 for the first."""
+        if state.tick != self._turns[0]:
+            turns = sorted(self._radio(robot).turn(state.tick) for robot in self._scenario.ids)
+            self._turns = state.tick, turns
+        return 1 + bisect_left(self._turns[1], self._radio(state.robot).turn(state.tick))
+
+    def _radio(self, robot: int) -> Radio:
+        radio = self._radios.get(robot)
+        if radio is None:
+            radio = self._radios[robot] = Radio(self._scenario, robot)
+        return radio
 
     def _drawn_for(self, peer: int, tick: int) -> list[float]:
         column = self._column.get(peer)
@@ -107,13 +170,13 @@ class Link:
             drawn: list[float] = self._drawn(tick)[:, column].tolist()
             return drawn
         source = generator(self._scenario.seed, Purpose.LINK, self._robot, tick, peer)
-        return list(source.random(6).tolist())
+        return list(source.random(self._rows).tolist())
 
     def _drawn(self, tick: int) -> np.ndarray:
         drawn = self._draws.get(tick)
         if drawn is None:
             source = generator(self._scenario.seed, Purpose.LINK, self._robot, tick)
-            drawn = self._draws[tick] = source.random((6, len(self._column)))
+            drawn = self._draws[tick] = source.random((self._rows, len(self._column)))
             if len(self._draws) > _KEPT:
                 del self._draws[next(iter(self._draws))]
         return drawn

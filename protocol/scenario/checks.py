@@ -22,7 +22,7 @@ from protocol.scenario.body import (
     Preset,
     ros_name,
 )
-from protocol.scenario.model import ACTIONS, Order, RobotSpec, Scenario
+from protocol.scenario.model import ACTIONS, Order, RobotSpec, Scenario, span_of
 from protocol.scenario.places import Sound, fits, inside, obstacle, placed
 from protocol.scenario.tables import Finding, Steps, written
 
@@ -50,6 +50,7 @@ def checked(scenario: Scenario, malformed: Collection[Steps]) -> list[Finding]:
         *_map(scenario),
         *_carriers(scenario, sound),
         *_times(scenario),
+        *_gaps(scenario),
         *_texts(scenario),
         *_bodies(scenario, sound),
         *_bases(scenario, sound),
@@ -88,6 +89,12 @@ def _times(scenario: Scenario) -> Iterator[Finding]:
     places: list[tuple[Steps, float | tuple[float, float]]] = [
         *((("sensing", n, "delay"), sensing.delay) for n, sensing in enumerate(scenario.sensing)),
         (("link", "delay"), scenario.link.delay),
+        *((("link", "burst", "delay"), burst.delay) for burst in (scenario.link.burst,) if burst is not None),
+        *(
+            (("link", "roaming", "gap"), roaming.gap)
+            for roaming in (scenario.link.roaming,)
+            if roaming is not None
+        ),
     ]
     for steps, delay in places:
         if isinstance(delay, tuple):
@@ -97,6 +104,12 @@ def _times(scenario: Scenario) -> Iterator[Finding]:
             yield steps, f"must be at least 0, is {delay:g}"
         elif delay > _LARGEST_SPAN:
             yield steps, f"must be at most {_LARGEST_SPAN:g}, is {delay:g}"
+
+
+def _gaps(scenario: Scenario) -> Iterator[Finding]:
+    roaming = scenario.link.roaming
+    if roaming is not None and (longest := max(span_of(roaming.gap))) > roaming.every:
+        yield ("link", "roaming", "gap"), f"{longest:g} s is longer than `every`, {roaming.every:g} s"
 
 
 def _texts(scenario: Scenario) -> Iterator[Finding]:

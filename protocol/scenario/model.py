@@ -202,6 +202,37 @@ class Partition:
 
 
 @dataclass(frozen=True, slots=True)
+class Burst:
+    """Each robot's radio has good and bad times at random, as Gilbert and Elliott have it; a State suffers
+    from a bad time of its sender and from one of its receiver."""
+
+    good: Positive = 10.0  # s, mean length of a good time
+    bad: Positive = 0.5  # s, mean length of a bad one
+    delay: Span = 0.0  # s, added by each radio in a bad time
+    loss: Probability = 0.0  # that a radio in a bad time loses a State
+
+
+@dataclass(frozen=True, slots=True)
+class Roaming:
+    """Each robot's radio changes its access point now and then; States wait for the end of the gap."""
+
+    every: Positive = 60.0  # s, with one gap in each, at a random time
+    gap: Span = 0.5  # s
+
+
+@dataclass(frozen=True, slots=True)
+class Distance:
+    """What States suffer in addition for each metre between two robots beyond `free`."""
+
+    free: NonNegative = 0.0  # m
+    delay: NonNegative = 0.0  # s/m
+    loss: NonNegative = 0.0  # 1/m, probability
+
+
+Wireless = Literal["good-wifi", "crowded-2.4ghz", "roaming"]
+
+
+@dataclass(frozen=True, slots=True)
 class Link:
     """How States travel between every two robots. A random delay reorders by itself."""
 
@@ -210,6 +241,24 @@ class Link:
     loss: Probability = 0.0  # that a State is lost
     duplicate: Probability = 0.0  # that a State arrives twice
     partition: Annotated[tuple[Partition, ...], Meta(max_length=50_000)] = ()
+    capacity: Positive | None = None  # States per second of all robots together: a shared medium
+    burst: Burst | None = None
+    roaming: Roaming | None = None
+    distance: Distance | None = None
+    preset: Wireless | None = None  # for what is left at its default
+
+    def __post_init__(self) -> None:
+        for key, value in WIRELESS.get(self.preset or "", {}).items():
+            if getattr(self, key) in (0.0, None):
+                object.__setattr__(self, key, value)
+
+
+# Half of a measured round trip is one way; a State crosses the radios of its sender and of its receiver.
+WIRELESS: dict[str, dict[str, tuple[float, float] | Burst | Roaming]] = {  # sources: docs/guides/networks.md
+    "good-wifi": {"delay": (0.0, 0.02), "burst": Burst(9.0, 1.0, (0.0, 0.125))},
+    "crowded-2.4ghz": {"delay": (0.0, 0.04), "burst": Burst(9.0, 1.0, (0.05, 0.125))},
+    "roaming": {"roaming": Roaming(14.0, (1.2, 4.7))},
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -420,6 +469,11 @@ class Scenario:
             if sensing.robots is None or robot in sensing.robots:
                 return sensing
         return Sensing()
+
+
+def span_of(span: float | tuple[float, float]) -> tuple[float, float]:
+    """Low and high end of a span, s."""
+    return span if isinstance(span, tuple) else (span, span)
 
 
 def gain_for_fleet(k: float, robots: int, present: int) -> float:

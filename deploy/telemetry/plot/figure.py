@@ -61,7 +61,9 @@ class Heard:
         rows = []
         for tick, states in groupby(self._recording.said(State), attrgetter("tick")):
             said = [state for state in states if state.robot in newest]
+            places = {state.robot: state.position for state in said}
             for robot, link in self._links.items():
+                link.locate(tick, places.get(robot))
                 for state in said:
                     if state.robot != robot:
                         link.put(addressed_to(robot, state, self._radii[state.robot]))

@@ -2,13 +2,17 @@
 
 from dataclasses import replace
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.peers.link import Link
+from agents.peers.radio import Radio
 from agents.peers.state import PeerState
+from deploy.library.load import load
+from deploy.run.local import LocalFleet
+from protocol.scenario.model import Burst, Distance, Partition, Roaming, RobotSpec, Scenario
 from protocol.scenario.model import Link as LinkFaults
-from protocol.scenario.model import Partition, RobotSpec, Scenario
 
 ROBOTS = tuple(RobotSpec(i, 0.01, (0.05 * i, 0.0), (0.05 * i, 0.1)) for i in (1, 2, 3, 4))
 SCENARIO = Scenario(robots=ROBOTS, seed=5)
@@ -57,7 +61,10 @@ def test_a_partition_separates_groups_while_it_lasts() -> None:
 
 @given(st.randoms(use_true_random=False), st.integers(0, 2**63 - 1))
 def test_the_order_of_arrival_changes_nothing(random, seed: int) -> None:
-    faults = LinkFaults(delay=(0.0, 1.0), jitter=0.3, loss=0.3, duplicate=0.3)
+    wireless = {"capacity": 70.0, "burst": Burst(1.0, 1.0, 0.1, 0.3), "roaming": Roaming(2.0, 0.5)}
+    faults = LinkFaults(
+        delay=(0.0, 1.0), jitter=0.3, loss=0.3, duplicate=0.3, **(wireless if seed % 2 else {})
+    )
     states = [state(robot, tick) for tick in range(20) for robot in (2, 3, 4)]
     shuffled = states.copy()
     random.shuffle(shuffled)
@@ -70,6 +77,70 @@ def test_the_order_of_arrival_changes_nothing(random, seed: int) -> None:
         return [link.take(tick) for tick in range(60)]
 
     assert timeline(states) == timeline(shuffled)
+
+
+def test_a_burst_of_either_radio_holds_up_and_loses_what_passes_it() -> None:
+    burst = Burst(good=1.0, bad=1.0, delay=0.5, loss=0.5)
+    link = Link(replace(SCENARIO, link=LinkFaults(burst=burst)), 1)
+    for tick in range(8000):
+        link.put(state(2, tick))
+    delays = [tick - each.tick for tick in range(8100) for each in link.take(tick)]
+    assert {*delays} == {0, 10, 20}  # bad are none, one and both, each half of the time
+    assert delays.count(0) / 8000 == pytest.approx(0.25, abs=0.06)
+    assert delays.count(10) / 8000 == pytest.approx(0.5 * 0.5, abs=0.06)
+    assert delays.count(20) / 8000 == pytest.approx(0.25 * 0.25, abs=0.04)
+    assert link.lost == 8000 - len(delays)
+
+
+def test_states_wait_for_the_end_of_a_gap_of_sender_or_receiver() -> None:
+    scenario = replace(SCENARIO, link=LinkFaults(roaming=Roaming(10.0, 1.0)))
+    link, radios = Link(scenario, 1), [Radio(scenario, robot) for robot in (1, 2)]
+    for tick in range(1000):
+        link.put(state(2, tick))
+    found = {each.tick: tick for tick in range(1200) for each in link.take(tick)}
+    for tick in range(1000):
+        assert found[tick] == radios[0].back(radios[1].back(tick))
+    assert link.lost == 0
+
+
+def test_a_medium_carries_as_many_states_as_stated_in_turns() -> None:
+    """40 per second are two a tick: of three peers and the robot itself, half of all States."""
+    link = Link(replace(SCENARIO, link=LinkFaults(capacity=40.0)), 1)
+    for tick in range(1000):
+        for robot in (2, 3, 4):
+            link.put(state(robot, tick))
+    delays = [(each.robot, tick - each.tick) for tick in range(1100) for each in link.take(tick)]
+    assert {delay for _, delay in delays} == {1}  # 25 ms or 50 ms
+    for robot in (2, 3, 4):
+        assert sum(each == robot for each, _ in delays) == pytest.approx(500, abs=60)
+
+
+def test_delay_and_loss_grow_with_the_distance() -> None:
+    faults = LinkFaults(distance=Distance(free=1.0, delay=0.05, loss=0.2))
+    for metres, share in ((1, 1.0), (3, 0.6), (5, 0.2)):
+        link, delays = Link(replace(SCENARIO, link=faults), 1), []
+        for tick in range(2000):
+            link.locate(tick, (float(metres), 0.0))
+            link.put(state(2, tick))
+            delays += [tick - each.tick for each in link.take(tick)]
+        assert {*delays} == {metres - 1}
+        assert len(delays) / 2000 == pytest.approx(share, abs=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
+def test_nothing_touches_in_a_bad_network(seed: int) -> None:
+    settings = [
+        "link.preset=roaming",
+        "link.capacity=60",
+        "link.burst={good = 0.5, bad = 0.5, delay = [0.0, 0.5], loss = 0.7}",
+        "link.distance.loss=1.0",
+        "control.law=reciprocal",
+        "time.limit=15.0",
+    ]
+    report = LocalFleet(load("random-6", settings, seed)).execute()
+    assert report["collisions"] == 0
+    assert max(report["path_lengths"].values()) > 0.05
 
 
 def test_what_is_said_again_is_no_news() -> None:

@@ -16,8 +16,10 @@ from protocol.scenario.file import document_of, parse_document, parse_toml, writ
 from protocol.scenario.model import (
     ADDITIONS,
     Actuation,
+    Burst,
     Carrying,
     Control,
+    Distance,
     Link,
     Network,
     Obstacle,
@@ -25,6 +27,7 @@ from protocol.scenario.model import (
     Part,
     Partition,
     ProcessFault,
+    Roaming,
     RobotSpec,
     Scenario,
     Sensing,
@@ -86,7 +89,19 @@ def scenarios(draw: st.DrawFn) -> Scenario:
         draw(laws),
         draw(st.lists(sensing, max_size=3).map(tuple)),
         draw(
-            st.builds(Link, spans, nonnegative, shares, shares, st.lists(partitions, max_size=2).map(tuple))
+            st.builds(
+                Link,
+                spans,
+                nonnegative,
+                shares,
+                shares,
+                st.lists(partitions, max_size=2).map(tuple),
+                st.none() | positive,
+                st.none() | st.builds(Burst, positive, positive, spans, shares),
+                st.none() | st.builds(Roaming, st.just(1e6), spans),
+                st.none() | st.builds(Distance, nonnegative, nonnegative, nonnegative),
+                st.sampled_from((None, "good-wifi", "crowded-2.4ghz", "roaming")),
+            )
         ),
         draw(st.lists(faults, max_size=3).map(tuple)),
         Actuation(draw(st.floats(0, 0.3))),
