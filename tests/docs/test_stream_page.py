@@ -13,7 +13,7 @@ import msgspec
 import pytest
 
 from deploy.processes.router import listening
-from deploy.software.stream_page import PAGE, page
+from tests.docs.stream_page import PAGE, page
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
@@ -23,7 +23,7 @@ from tests.protocol.sample_messages import ONE
 
 
 def test_page_is_current():
-    assert PAGE.read_text() == page(), "run `python -m deploy.software.stream_page`"
+    assert PAGE.read_text() == page(), "run `python -m tests.docs.stream_page`"
 
 
 @pytest.mark.parametrize("name", STREAMS)
