@@ -174,7 +174,7 @@ def _grid(rows: Mapping[str, str]) -> Table:
 
 
 def _check(recording: Recording) -> str:
-    from deploy.telemetry.recording.trajectory import trajectory
+    from deploy.telemetry.recording.replay import trajectory
 
     try:
         found = trajectory(recording)

@@ -97,7 +97,7 @@ def run(
     from deploy.library.load import load
     from deploy.processes.hosts.table import read_hosts
     from deploy.run.execute import Extras, execute
-    from deploy.telemetry.recording.rotation import rotation
+    from deploy.telemetry.recording.writer import rotation
 
     clock: Mode = mode or ("realtime" if keep else "lockstep")
     _check_options({**locals(), "mode": clock})

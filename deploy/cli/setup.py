@@ -211,7 +211,7 @@ def calibrate(
     require()  # before what needs it
     from deploy.calibrate import Calibration, Driver, bounds, square, statements
     from deploy.library.load import load
-    from protocol.bus.loop import drive
+    from protocol.bus.bus import drive
     from protocol.bus.zenoh import ZenohBus
 
     options.refuse_bases(secure)

@@ -80,7 +80,7 @@ def read(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Sc
 
     Args:
         name: a file, else a library name.
-        settings: `path.to.key=VALUE`, see `protocol.scenario.settings`.
+        settings: `path.to.key=VALUE`, see `protocol.scenario.file`.
         seed: over the scenario's; a library scenario draws its random starts from it.
 
     Raises:

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from deploy.processes.scheduling import ORDINARY, Scheduling
-from deploy.telemetry.recording.rotation import ONE_FILE, Rotation
+from deploy.processes.spawn import ORDINARY, Scheduling
+from deploy.telemetry.recording.writer import ONE_FILE, Rotation
 from protocol.bus.connection import Connection
 from protocol.scenario.model import Scenario
 from world.shell.failure_detector import GATHERING

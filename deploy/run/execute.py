@@ -19,7 +19,7 @@ from deploy.run.options import RunOptions
 from deploy.run.result import INTERRUPTED, Result, complete, unjudged
 from deploy.telemetry.monitor.watcher import Attachment, Watcher
 from deploy.telemetry.plot.draw import check, draw
-from deploy.telemetry.recording.rotation import ONE_FILE
+from deploy.telemetry.recording.writer import ONE_FILE
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import UsageError
 from protocol.process.log import LOG

@@ -13,11 +13,10 @@ from typing import Any
 
 from deploy.processes import table
 from deploy.processes.supervisor import Exit, Usage
-from deploy.run.assembly import Assembly
+from deploy.run.assembly import Assembly, Topology, places
 from deploy.run.launcher import Launcher
 from deploy.run.options import RunOptions
 from deploy.run.result import INTERRUPTED, Report, read_report, unjudged
-from deploy.run.topology import Topology, places
 from protocol.bus.bus import Event, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode

@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
-from deploy.security.access import access_control
-from deploy.security.roster import MONITOR, OPERATOR, ROUTER, Roster, read, router_role
+from deploy.security.roster import MONITOR, OPERATOR, ROUTER, Roster, access_control, read, router_role
 from protocol.bus.connection import AUTHORITY, Connection, Credentials, credentials, key_file
 from protocol.endpoint import DEFAULT_PORT, Endpoint
 from protocol.errors import CertificateError, UsageError

@@ -14,7 +14,7 @@ from matplotlib.ticker import FormatStrFormatter, MaxNLocator, NullLocator
 from deploy.studies.panels import HOLLOW, Curve, heading, legend, panels, plain_numbers, runs
 from deploy.studies.peers.chart import peers
 from deploy.studies.study import Row
-from deploy.telemetry.plot.style import FAINT, INK, RC, colour
+from deploy.telemetry.plot.workspace import FAINT, INK, RC, colour
 
 _SCALE = {
     "nrl_mean": "nrl",

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, MaxNLocator, NullLocator
 
 from deploy.studies.study import Row
-from deploy.telemetry.plot.style import colour, dash, marker
+from deploy.telemetry.plot.workspace import colour, dash, marker
 
 WIDTH = 7.2  # inches, what an A4 page has room for
 HOLLOW = "white"

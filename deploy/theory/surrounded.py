@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from agents.law.obstacles import Attraction
-from agents.parts.layout import Layout
+from agents.parts.grid import Layout
 from agents.parts.planner import Planner
 from deploy.theory.check import finite
 from deploy.theory.configurations import Barrier, barriers

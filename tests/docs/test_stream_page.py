@@ -13,12 +13,12 @@ import msgspec
 import pytest
 
 from deploy.processes.router import listening
-from tests.docs.stream_page import PAGE, page
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
 from protocol.keys import ROBOT_STREAMS, robot_key, world_key
 from protocol.streams import STREAMS
+from tests.docs.stream_page import PAGE, page
 from tests.protocol.sample_messages import ONE
 
 

@@ -13,8 +13,7 @@ from typing import Any
 from deploy.processes.fork_server import FAULT
 from deploy.processes.hosts.ssh import BEAT, SshSpawner
 from deploy.processes.hosts.table import HostsTable
-from deploy.processes.scheduling import ORDINARY, Scheduling
-from deploy.processes.spawn import Exited, News, Spawner
+from deploy.processes.spawn import ORDINARY, Exited, News, Scheduling, Spawner
 from protocol.errors import ProcessError
 from protocol.process.log import LOG
 

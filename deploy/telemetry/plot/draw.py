@@ -65,7 +65,7 @@ def draw(
 
     from deploy.telemetry.plot.animation import Format, animate
     from deploy.telemetry.plot.figure import figure
-    from deploy.telemetry.plot.style import RC
+    from deploy.telemetry.plot.workspace import RC
 
     with matplotlib.rc_context(RC), writing(target, _WHAT):
         if target.suffix in ANIMATIONS:

@@ -14,7 +14,7 @@ from msgspec import structs
 
 from agents.law import GuardedLaw, View
 from agents.law.choice import MOST
-from agents.peers.far_field import FarField
+from agents.peers.far import FarField
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from agents.robot import Robot

@@ -8,10 +8,9 @@ from random import Random
 
 import pytest
 
-from agents.parts.grid import Grid, Reach
-from agents.parts.layout import Layout
+from agents.parts.grid import Grid, Layout, Reach
+from agents.parts.perception import Traffic, Traveller
 from agents.parts.planner import Planner
-from agents.parts.traffic import Traffic, Traveller
 from deploy.library.load import load
 from protocol.geometry import ConvexPolygon, Disk
 from protocol.scenario.model import Carrying, Obstacle, Part, RobotSpec, Scenario, Workspace

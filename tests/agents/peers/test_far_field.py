@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from agents.law.gradient import Slice
-from agents.peers.far_field import NOTHING, far_field
+from agents.peers.far import NOTHING, far_field
 from agents.peers.state import Peer
 
 OWN, PLACE, GOAL, WORKSPACE = 0.04, (0.1, -0.2), (0.5, 0.3), 3.0

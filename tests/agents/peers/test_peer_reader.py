@@ -11,8 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.peers.reader import PeerReader
-from agents.peers.state import PeerState, addressed_to
+from agents.peers.state import PeerReader, PeerState, addressed_to
 from protocol.codec import decode, encode
 from protocol.errors import MessageError
 from protocol.keys import robot_key

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from agents.peers.roster import KnownRoster, has_ended
+from agents.peers.neighbours import KnownRoster, has_ended
 from protocol.geometry import Disk
 from protocol.messages import Member, Roster, Thing
 

@@ -99,7 +99,7 @@ def draw(found: Sequence[Row], path: Path) -> None:
     """The same as a picture: k against goal set, logarithmic."""
     import matplotlib.pyplot as plt
 
-    from deploy.telemetry.plot.style import COLOURS, RC
+    from deploy.telemetry.plot.workspace import COLOURS, RC
 
     ordered = sorted(found, key=lambda row: (row.robots, row.certified or np.inf))
     with plt.rc_context(RC):

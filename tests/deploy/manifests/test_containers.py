@@ -19,7 +19,7 @@ from deploy.manifests import render
 from deploy.manifests.render import Plan, write
 from deploy.run.operator import probed_key
 from deploy.security.roster import Roster
-from protocol.bus.loop import PERIOD, Heartbeat
+from protocol.bus.bus import PERIOD, Heartbeat
 from protocol.errors import UsageError
 from protocol.scenario.file import parse_toml, write_toml
 from protocol.scenario.model import Order, RobotSpec

@@ -13,7 +13,7 @@ import psutil
 import pytest
 
 from deploy.library.load import load
-from deploy.processes.scheduling import Scheduling, core_of, require_realtime
+from deploy.processes.spawn import Scheduling, core_of, require_realtime
 from deploy.processes.table import RECORDER
 from deploy.run.fleet import Fleet
 from deploy.run.options import Mode, RunOptions

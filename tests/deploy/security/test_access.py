@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deploy.processes.router import router_config
-from deploy.security.access import access_control
-from deploy.security.roster import Home, Roster
+from deploy.security.roster import Home, Roster, access_control
 from protocol.bus.connection import Connection
 from protocol.errors import CertificateError
 from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, parse, robot_key, robot_token, world_key, world_token

@@ -19,7 +19,7 @@ from deploy.studies.panels import HOLLOW, plain_numbers, runs
 from deploy.studies.peers.chart import peers
 from deploy.studies.peers.study import LAWS, NAMES, places
 from deploy.studies.study import Row
-from deploy.telemetry.plot.style import RC
+from deploy.telemetry.plot.workspace import RC
 
 
 def contest_row(scenario: str, late: float, law: str, came: int, touched: int = 0, **over: Any) -> Row:

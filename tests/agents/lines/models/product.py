@@ -27,7 +27,7 @@ _LINES = [
     )
 ]
 _ROBOT = [
-    "agents.peers.roster",
+    "agents.peers.neighbours",
     "agents.estimate",
     "agents.lines.safe_velocity",
     "agents.bodies",

@@ -16,7 +16,7 @@ from PIL import Image
 from deploy.library.load import load
 from deploy.telemetry.plot.draw import check, draw, until
 from deploy.telemetry.plot.figure import Heard, delayed_sensing, faulty_link, measurement_ages
-from deploy.telemetry.plot.style import COLOURS, colour, dash
+from deploy.telemetry.plot.workspace import COLOURS, colour, dash
 from deploy.telemetry.recording.reader import Recording, read
 from protocol.errors import UsageError
 from protocol.messages import Sense, Tick

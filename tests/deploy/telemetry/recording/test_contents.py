@@ -12,8 +12,7 @@ from mcap.records import Channel, Chunk, Message
 from mcap.stream_reader import StreamReader
 from mcap.writer import Writer
 
-from deploy.telemetry.recording.contents import Contents
-from deploy.telemetry.recording.reader import read
+from deploy.telemetry.recording.reader import Contents, read
 from protocol.errors import RecordingError, UsageError
 
 

@@ -9,10 +9,8 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 from deploy.run.local import LocalFleet
-from deploy.telemetry.recording.contents import Contents
-from deploy.telemetry.recording.reader import read
-from deploy.telemetry.recording.replay import export
-from deploy.telemetry.recording.trajectory import trajectory
+from deploy.telemetry.recording.reader import Contents, read
+from deploy.telemetry.recording.replay import export, trajectory
 from deploy.telemetry.recording.writer import RecordingFile
 from deploy.telemetry.scene.fleet import TOPICS
 from deploy.telemetry.scene.ros import NAME

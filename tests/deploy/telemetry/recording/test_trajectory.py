@@ -17,8 +17,7 @@ from deploy.telemetry.plot.animation import animate
 from deploy.telemetry.plot.draw import until
 from deploy.telemetry.plot.figure import figure
 from deploy.telemetry.recording.reader import Recording, Truths, read
-from deploy.telemetry.recording.replay import export, verify
-from deploy.telemetry.recording.trajectory import participants
+from deploy.telemetry.recording.replay import export, participants, verify
 from protocol.errors import RecordingError
 from protocol.messages import State
 from protocol.scenario.model import Order, RobotSpec, Scenario

@@ -21,7 +21,7 @@ _OWN_SET = "agents.lines.own_set"
 _PAIR = "protocol.kernel.pair"
 _PLANT = "world.plants.integrator"
 _ROBOT = "protocol.kernel.robot"
-_ROSTER = "agents.peers.roster"
+_ROSTER = "agents.peers.neighbours"
 _TANGENT = "agents.lines.tangent"
 
 ITSELF = (
