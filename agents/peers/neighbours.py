@@ -7,9 +7,9 @@ from typing import NamedTuple, final
 
 from agents.peers.far import NOTHING, FarPicture
 from agents.peers.state import Peer, PeerState
+from protocol.codec import keeps_newest
 from protocol.geometry import Shape
 from protocol.messages import Member, PartPlace, Roster, Thing
-from protocol.process.newest import keeps_newest
 from protocol.scenario.model import RobotSpec
 
 

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from deploy.cli import options
-from deploy.output import json_output
-from deploy.output.exit_status import EXIT_ARRIVED, EXIT_OTHERWISE
+from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE, check_json, is_standard_output, write_json
 
 if TYPE_CHECKING:
     from deploy.theory.certify.prove import Outcome
@@ -72,8 +71,8 @@ def certify(
     from protocol.errors import UsageError
 
     _check_options(verify is not None, starts is not None, locals())
-    json_output.check(json_file)
-    silent = quiet or json_output.is_standard_output(json_file)
+    check_json(json_file)
+    silent = quiet or is_standard_output(json_file)
     read_scenario = None if scenario is None else read(scenario, setting or [])
     if verify is not None:
         from deploy.theory.certify.certificate import Goals, fetch
@@ -117,7 +116,7 @@ def _statistics(
     from dataclasses import asdict, replace
 
     from deploy.library.load import load
-    from deploy.output.progress import bar
+    from deploy.output import bar
     from deploy.theory.certify.certificate import Goals
     from deploy.theory.exact_flow import failing_fraction
 
@@ -134,7 +133,7 @@ def _status(proven: bool) -> int:
 
 
 def _say(text: str, data: dict[str, object], json_file: Path | None, silent: bool) -> None:
-    json_output.write_json(data, json_file)
+    write_json(data, json_file)
     if not silent:
         print(text)
 

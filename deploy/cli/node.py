@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 import typer
 
 from deploy.cli import options
-from deploy.output.exit_status import EXIT_ARRIVED
+from deploy.output import EXIT_ARRIVED
 from deploy.security.membership import Membership
 from deploy.security.roster import WORLD, robot_role
 from protocol.errors import UsageError

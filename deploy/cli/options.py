@@ -14,7 +14,7 @@ from protocol.errors import UsageError
 
 def _names(typed: str) -> list[tuple[str, str]]:
     """Names of the library that begin as what was typed, for the shell's completion; files come with it."""
-    from deploy.library.names import catalogue
+    from deploy.library.load import catalogue
 
     found = [(entry.name.removesuffix("N"), entry.text) for entry in catalogue()]
     found += [(path.as_posix(), "scenario file") for path in sorted(Path().glob(f"{typed}*.toml"))]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from deploy.cli import options
-from deploy.output import json_output
+from deploy.output import check_json, is_standard_output, write_json
 from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name, restarts
 from deploy.run.result import exit_status, kept_status, show
 from deploy.security.membership import Membership
@@ -124,7 +124,7 @@ def run(
         realtime_priority,
     )
     begin(LAUNCHER, how.run, log)
-    silent = quiet or json_output.is_standard_output(json_file)
+    silent = quiet or is_standard_output(json_file)
     if keep and not silent:
         typer.echo(f"run {how.run} at {how.router or how.listen or 'its hosts'}; Ctrl-C stops it", err=True)
     tell = (lambda _: None) if silent else show
@@ -182,7 +182,7 @@ def check(
     from deploy.theory.check import render, report, to_json
     from deploy.theory.surrounded import surrounded, theorem_for
 
-    json_output.check(json_file)
+    check_json(json_file)
     valid = load(scenario, setting or [], seed)
     shown: RenderableType
     if theorem_for(valid)[0] == "Karagoz-Bozma-Koditschek":
@@ -191,8 +191,8 @@ def check(
     else:
         among = surrounded(valid)
         plain, shown = among.to_json(), among.render()
-    json_output.write_json(plain, json_file)
-    if not json_output.is_standard_output(json_file):
+    write_json(plain, json_file)
+    if not is_standard_output(json_file):
         from rich.console import Console
 
         Console().print(shown)

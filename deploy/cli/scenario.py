@@ -23,7 +23,7 @@ def list_() -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from deploy.library.names import catalogue
+    from deploy.library.load import catalogue
 
     table = Table("name", "robots", "what it shows", box=None, header_style="bold", pad_edge=False)
     for entry in catalogue():
@@ -68,7 +68,7 @@ def new(
     disknav scenario new swap --robots 8 --jitter 0.005;
     disknav scenario new figure-3d --seed 9
     """
-    from deploy.library.names import generate
+    from deploy.library.load import generate
 
     wanted = {"robots": robots, "density": density, "unequal": unequal, "jitter": jitter}
     given = {key: value for key, value in wanted.items() if value is not None}
@@ -119,7 +119,7 @@ def schema() -> None:
 
 
 def _write(scenario: Scenario, output: Path | None) -> None:
-    from deploy.output.target import writing
+    from deploy.output import writing
     from protocol.scenario.file import write_toml
 
     text = write_toml(scenario).encode()  # TOML is UTF-8 whatever the terminal's encoding

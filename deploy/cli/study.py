@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from deploy.cli import options
-from deploy.output.json_output import is_standard_output
+from deploy.output import is_standard_output
 from deploy.run.options import Transport
 from deploy.studies.study import StudyName
 

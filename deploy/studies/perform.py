@@ -12,11 +12,9 @@ from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from deploy.output.exit_status import EXIT_ARRIVED, EXIT_OTHERWISE
-from deploy.output.json_output import check as check_json
-from deploy.output.json_output import is_standard_output, write_json
+from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE, check_json, is_standard_output, write_json
 from deploy.run.options import Transport
-from deploy.software.provenance import provenance
+from deploy.software import provenance
 from deploy.studies.arrival import arrival
 from deploy.studies.delay import delay
 from deploy.studies.execution import Outcome, RunLog, execute
@@ -178,9 +176,10 @@ def perform(request: Request) -> int:
     }
     write_json(document, request.target)
     if request.plot is not None and outcome.rows:
-        from deploy.studies.charts import draw_study
+        from deploy.studies.charts import CHARTS, draw_study
+        from deploy.studies.peers import chart
 
-        draw_study(study.name, outcome.rows, request.plot)
+        draw_study(CHARTS.get(study.name, chart.peers), outcome.rows, request.plot)
     if not quiet:
         Console(width=None if sys.stdout.isatty() else _PAPER).print(table(study, outcome.rows))
     return _status(study, outcome, request.file)

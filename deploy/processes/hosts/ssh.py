@@ -35,7 +35,7 @@ from deploy.processes.spawn import (
     Store,
     decode_news,
 )
-from deploy.software.provenance import SOFTWARE, code_digest
+from deploy.software import SOFTWARE, code_digest
 from protocol.codec import DAMAGED
 from protocol.errors import ProcessError
 from protocol.process.log import LOG, Line, Speaker, lines, words

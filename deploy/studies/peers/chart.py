@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from deploy.studies.panels import HOLLOW, heading, legend, panels, plain_numbers, runs
+from deploy.studies.charts import HOLLOW, heading, legend, panels, plain_numbers, runs
 from deploy.studies.peers.study import NAMES
 from deploy.studies.study import Row
 from deploy.telemetry.plot.workspace import FAINT, INK, colour, marker

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from deploy.output.target import check_target, writing
+from deploy.output import check_target, writing
 from deploy.telemetry.recording.reader import Recording, Truths, read
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library

@@ -13,7 +13,7 @@ import numpy as np
 from mcap.writer import Writer
 from numpy.typing import NDArray
 
-from deploy.output.target import writing
+from deploy.output import writing
 from deploy.telemetry.recording.reader import Recording
 from deploy.telemetry.recording.writer import LIBRARY
 from deploy.telemetry.scene import ros

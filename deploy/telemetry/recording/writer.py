@@ -17,7 +17,7 @@ from typing import Any, cast
 import msgspec
 from mcap.writer import Writer
 
-from deploy.output.target import check_target
+from deploy.output import check_target
 from deploy.telemetry.recording.form import schema, to_object
 from deploy.telemetry.scene.fleet import DRAWN, TOPICS, FleetScene, Picture
 from protocol.codec import Reader

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
-from deploy.output.progress import bar
+from deploy.output import bar
 from deploy.theory.certify.certificate import Certificate, Goals
 from deploy.theory.certify.prove import prove
-from deploy.theory.configurations import random_configuration
+from deploy.theory.exact_flow import random_configuration
 from deploy.theory.function import Array, Problem
 from deploy.theory.tuning import automatic_k
 from protocol.draws import Purpose, generator

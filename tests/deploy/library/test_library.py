@@ -13,8 +13,7 @@ from typer.testing import CliRunner
 
 from deploy.cli.scenario import app
 from deploy.library.figures import GOAL_SETS, figure_3, tightness
-from deploy.library.load import load
-from deploy.library.names import build, catalogue, generate
+from deploy.library.load import build, catalogue, generate, load
 from deploy.library.random_instances import random_instance, random_starts
 from deploy.library.swaps import circle, head_on, swap
 from protocol.errors import ScenarioError, UsageError

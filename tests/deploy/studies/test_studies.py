@@ -12,11 +12,12 @@ import pytest
 from rich.console import Console
 
 from deploy.library.swaps import swap
-from deploy.software.provenance import provenance
+from deploy.software import provenance
 from deploy.studies.arrival import arrival, crowd, room
-from deploy.studies.charts import draw_study
+from deploy.studies.charts import CHARTS, draw_study
 from deploy.studies.execution import RunLog, execute
 from deploy.studies.experiments import PERIOD, TOLERANCE, paper_flow, tuning
+from deploy.studies.peers import chart
 from deploy.studies.peers.study import LAWS, peers
 from deploy.studies.perform import Request, perform, table
 from deploy.studies.robustness import Conditions, grid, robustness
@@ -45,7 +46,7 @@ def test_a_small_study_from_runs_to_picture(name: str, tmp_path: Path) -> None:
     text = StringIO()
     Console(file=text, width=200).print(table(study, result.rows))
     assert all(line in text.getvalue() for line in study.summary(result.rows))
-    draw_study(study.name, result.rows, tmp_path / "study.svg")
+    draw_study(CHARTS[study.name], result.rows, tmp_path / "study.svg")
     assert (tmp_path / "study.svg").read_text().startswith("<?xml")
 
 
@@ -131,7 +132,7 @@ def test_peers_meet_the_same_scenarios(tmp_path: Path) -> None:
     assert study.sound(rows)
     by_law = {row["law"]: row for row in rows}
     assert by_law["orca"]["arrived"] == by_law["barrier"]["arrived"] == 1
-    draw_study(study.name, rows, tmp_path / "peers.svg")
+    draw_study(chart.peers, rows, tmp_path / "peers.svg")
 
 
 def head_on_apart(seed: int) -> Scenario:

@@ -21,8 +21,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from deploy.run.local import LocalFleet
 from deploy.telemetry.monitor.snapshot import Source
-from deploy.telemetry.monitor.web.application import FrameStream
-from deploy.telemetry.monitor.web.server import Server, serve_in_thread
+from deploy.telemetry.monitor.web import FrameStream, Server, serve_in_thread
 from protocol.bus.local import LocalNetwork
 from protocol.errors import UsageError
 from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, served, watch_local

@@ -1,8 +1,13 @@
-"""What `disknav setup doctor` looks at: this installation and machine, and how to get what is missing."""
+"""Which software runs, and on what: its compiled modules, its digest, and what `disknav setup doctor` finds.
+
+What is compiled (`make compile`: modules of robots and world, by mypyc, beside their sources) does the same
+to the last bit, several times faster; where nothing is, the sources run.
+"""
 
 from __future__ import annotations
 
 import ctypes
+import hashlib
 import os
 import platform
 import re
@@ -10,12 +15,96 @@ import resource
 import shutil
 import sys
 from collections.abc import Iterator
+from functools import cache
+from importlib.machinery import EXTENSION_SUFFIXES
 from importlib.metadata import PackageNotFoundError, requires, version
-from typing import Literal, NamedTuple
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
 
-from deploy.software.compiled import compiled
 from disknav import ownership
+from protocol.errors import UsageError
 from protocol.process.installation import ROOT, how_to_install, is_checkout
+
+SOFTWARE = ("protocol", "agents", "world", "deploy")  # all of it
+
+
+def compiled(root: Path = ROOT) -> list[Path]:
+    """Sources that have a compiled twin which this Python loads instead."""
+    return [
+        source
+        for package in SOFTWARE
+        for source in sorted((root / package).rglob("*.py"))
+        if source.with_suffix(EXTENSION_SUFFIXES[0]).exists()
+    ]
+
+
+def check_compiled(root: Path = ROOT) -> None:
+    """Find out whether what would run is what the sources say.
+
+    Raises:
+        UsageError: a source is newer than its compiled twin; names it and says what to do.
+    """
+    for source in compiled(root):
+        twin = source.with_suffix(EXTENSION_SUFFIXES[0])
+        if twin.stat().st_mtime < source.stat().st_mtime:
+            name = source.relative_to(root)
+            raise UsageError(
+                f"{name} has changed since it was compiled: run `make compile`, or remove {twin}"
+            )
+
+
+_PACKAGES = ("disknav", "eclipse-zenoh", "numpy", "msgspec", "pyrvo", "daqp")
+_CODE = ("protocol", "agents", "world", "deploy/library", "deploy/theory", "deploy/studies")
+
+
+def provenance(seed: int, transport: str, jobs: int) -> dict[str, Any]:
+    """Where the figures of a study come from; a package that is not installed has None for its version."""
+    import psutil  # only here
+
+    return {
+        "versions": {"python": platform.python_version(), **{name: _version(name) for name in _PACKAGES}},
+        "code_sha256": code_digest(),
+        "seed": seed,
+        "transport": transport,
+        "jobs": jobs,
+        "machine": {
+            "system": f"{platform.system()} {platform.release()}",
+            "processor": _processor(),
+            "cores": os.cpu_count(),
+            "memory_gb": round(psutil.virtual_memory().total / 2**30, 1),
+        },
+    }
+
+
+@cache
+def code_digest(folders: tuple[str, ...] = _CODE) -> str:
+    """SHA-256 over all sources in `folders` (if not given: what results depend on), with their paths."""
+    digest = hashlib.sha256()
+    for path in _sources(folders):
+        digest.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
+def _sources(folders: tuple[str, ...]) -> Iterator[Path]:
+    for folder in folders:
+        yield from sorted((ROOT / folder).rglob("*.py"))
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def _processor() -> str:
+    information = Path("/proc/cpuinfo")
+    if information.exists():
+        for line in information.read_text().splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
+
 
 Level = Literal["good", "note", "bad"]
 _EXTRA = re.compile(r"([\w.-]+).*;\s*extra\s*==\s*['\"](\w+)['\"]")

@@ -1,30 +1,40 @@
-"""The live page: its routes, and the stream of snapshots to each viewer."""
+"""The live page: its routes, the stream of snapshots to each viewer, its server on a thread of its own."""
 
 from __future__ import annotations
 
 import asyncio
+import socket as socketlib
+import threading
 import time
 from hmac import compare_digest
 from pathlib import Path
+from secrets import token_urlsafe
 from typing import Any
 from urllib.parse import urlsplit
 
 import msgspec
-from starlette.applications import Starlette
-from starlette.datastructures import MutableHeaders
-from starlette.middleware import Middleware
-from starlette.middleware.trustedhost import TrustedHostMiddleware
-from starlette.routing import Mount, WebSocketRoute
-from starlette.staticfiles import StaticFiles
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
-from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from deploy.telemetry.monitor.snapshot import Source, Steerable
 from protocol.codec import DAMAGED
-from protocol.errors import MessageError
+from protocol.errors import MessageError, UsageError
 from protocol.operations import Outcome, read_operation, read_steer
+from protocol.process.installation import missing_library
 from protocol.scenario.model import Operation
 
+try:
+    import uvicorn
+    from starlette.applications import Starlette
+    from starlette.datastructures import MutableHeaders
+    from starlette.middleware import Middleware
+    from starlette.middleware.trustedhost import TrustedHostMiddleware
+    from starlette.routing import Mount, WebSocketRoute
+    from starlette.staticfiles import StaticFiles
+    from starlette.types import ASGIApp, Message, Receive, Scope, Send
+    from starlette.websockets import WebSocket, WebSocketDisconnect
+except ModuleNotFoundError as error:
+    raise missing_library("the live page", error.name or str(error), "web") from error
+
+HOST = "127.0.0.1"
 FRAME_PERIOD = 0.05  # s
 _REST = 0.01  # s between two looks at least
 
@@ -40,7 +50,6 @@ class FrameStream:
         self._frame = b""
         self._number = 0
         self._epoch = -1
-        self._overview = b""
         self._fresh = asyncio.Condition()
         self._viewers = 0
         self._looking: asyncio.Task[None] | None = None
@@ -198,3 +207,52 @@ async def _operate(socket: WebSocket, source: Steerable, operation: Operation) -
 
 async def _tell(socket: WebSocket, kind: str, **content: Any) -> None:
     await socket.send_text(msgspec.json.encode({"kind": kind, **content}).decode())
+
+
+class Server:
+    """A running server.
+
+    Attributes:
+        address: where the page is, such as `http://127.0.0.1:8000`.
+        link: the same with the token of this server: who opens it may steer. Browsers keep what follows `#`
+            to themselves.
+    """
+
+    def __init__(self, server: uvicorn.Server, listener: socketlib.socket, token: str) -> None:
+        host, port = listener.getsockname()[:2]
+        self.address = f"http://{host}:{port}"
+        self.link = f"{self.address}/#{token}"
+        self._server = server
+        self._thread = threading.Thread(
+            target=server.run, kwargs={"sockets": [listener]}, name="live page", daemon=True
+        )
+        self._thread.start()
+
+    def close(self) -> None:
+        """Say good-bye to all viewers and stop; may be called twice."""
+        self._server.should_exit = True
+        self._thread.join()
+
+
+def serve_in_thread(source: Steerable, port: int | None = None) -> Server:
+    """Serve the live page of `source` on 127.0.0.1, on a free port unless told which.
+
+    Raises:
+        UsageError: the port is taken.
+    """
+    listener = _listener(port)
+    token = token_urlsafe(16)
+    app = application(source, [HOST, "localhost"], token)
+    config = uvicorn.Config(
+        app, log_level="error", access_log=False, timeout_graceful_shutdown=1, lifespan="off"
+    )
+    return Server(uvicorn.Server(config), listener, token)
+
+
+def _listener(port: int | None) -> socketlib.socket:
+    try:
+        return socketlib.create_server((HOST, port or 0), backlog=64)
+    except (OSError, OverflowError) as error:
+        raise UsageError(
+            f"--port {port}: {error}; name another port, or none and a free one is taken"
+        ) from error

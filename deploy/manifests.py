@@ -1,4 +1,4 @@
-"""What is to run, and the files of each orchestrator: the templates beside this module, filled in."""
+"""Files by which Docker Compose, Kubernetes or systemd runs a secured fleet: templates, filled in."""
 
 from __future__ import annotations
 

@@ -10,8 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from deploy.output.json_output import check, is_standard_output, write_json
-from deploy.output.target import writing
+from deploy.output import check_json, is_standard_output, write_json, writing
 from protocol.errors import UsageError
 from protocol.scenario.file import parse_toml
 from tests.forks import Forks
@@ -20,14 +19,14 @@ from tests.forks import Forks
 def test_what_cannot_be_written_is_refused_beforehand(tmp_path: Path) -> None:
     for target in (tmp_path / "missing" / "result.json", tmp_path):
         with pytest.raises(UsageError, match="cannot write JSON to"):
-            check(target)
+            check_json(target)
 
 
 def test_looking_leaves_nothing_behind_and_spoils_nothing(tmp_path: Path) -> None:
     new, old = tmp_path / "new.json", tmp_path / "old.json"
     old.write_text("kept")
     for target in (new, old, Path("-"), Path("/dev/null"), None):
-        check(target)
+        check_json(target)
     assert not new.exists()
     assert old.read_text() == "kept"
 

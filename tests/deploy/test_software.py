@@ -17,11 +17,12 @@ from agents.law.gradient import Slice
 from agents.peers.state import Peer
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from deploy.software import compiled
+from deploy.software import check_compiled, compiled
 from protocol.errors import UsageError
+from protocol.process.installation import ROOT
 from tests.interpreted import interpreted
 
-_TWINS = pytest.mark.skipif(not compiled.compiled(), reason="nothing is compiled: `make compile`")
+_TWINS = pytest.mark.skipif(not compiled(), reason="nothing is compiled: `make compile`")
 _SCENARIOS = ("figure-1", "delay-6", "swap-6")
 
 
@@ -47,7 +48,7 @@ def test_the_law_is_the_same_to_the_last_bit(seed: int) -> None:
 def test_trajectories_are_those_of_the_sources(tmp_path: Path) -> None:
     for package in ("protocol", "agents", "world", "deploy"):
         shutil.copytree(
-            compiled.ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("*.so", "__pycache__")
+            ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("*.so", "__pycache__")
         )
     script = (
         "import json, sys; from deploy.library.load import load; from deploy.run.local import LocalFleet\n"
@@ -75,8 +76,8 @@ def test_an_old_twin_is_refused(tmp_path: Path) -> None:
     for path in (source, twin):
         path.touch()
     os.utime(source, (1.0, 1.0))
-    compiled.check(tmp_path)
+    check_compiled(tmp_path)
     os.utime(source, (2e9, 2e9))
     os.utime(twin, (1e9, 1e9))
     with pytest.raises(UsageError, match=r"agents/law\.py has changed since it was compiled"):
-        compiled.check(tmp_path)
+        check_compiled(tmp_path)
