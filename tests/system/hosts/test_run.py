@@ -33,8 +33,7 @@ from protocol.messages import Clock
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import ProcessFault
 from tests.deploy.processes.ports import free_ports
-from tests.deploy.processes.test_scheduling import needs_realtime, policies
-from tests.deploy.processes.test_spawn import gone
+from tests.deploy.processes.test_spawn import gone, needs_realtime, policies
 from tests.deploy.processes.test_titles import title
 from tests.forks import Forks
 from tests.system.hosts.testbed.ssh_server import ROOT, Server, needs_sshd, ssh_server
