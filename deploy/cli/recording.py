@@ -216,7 +216,7 @@ def _publish(recording: Recording, router: str | None, run: str | None, speed: f
 
 
 def _show(recording: Recording, run: str | None, speed: float) -> None:
-    from deploy.telemetry.monitor.player import Player
+    from deploy.telemetry.monitor.watcher import Player
     from deploy.telemetry.monitor.web import serve_in_thread
 
     heard = ((entry.time, entry.message) for entry in recording.entries)

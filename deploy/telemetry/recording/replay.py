@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from deploy.output import writing
 from deploy.telemetry.recording.reader import Recording
 from deploy.telemetry.recording.writer import LIBRARY
-from deploy.telemetry.scene import ros
 from deploy.telemetry.scene.drawing import WORLD, frame
+from deploy.telemetry.scene.fleet import TF, TF_DEFINITION, Frames
 from protocol.bus.bus import Bus, Publish
 from protocol.codec import encode
 from protocol.errors import RecordingError
@@ -236,17 +236,17 @@ def export(recording: Recording, path: Path) -> None:
         UsageError: it cannot be written.
     """
     step, truths = recording.scenario.time.step, recording.truths
-    frames: dict[tuple[int, ...], ros.Frames] = {}
+    frames: dict[tuple[int, ...], Frames] = {}
     with writing(path, "write ROS 2 messages"), path.open("wb") as file:
         writer: Any = Writer(file)  # partly untyped
         writer.start("ros2", LIBRARY)
-        schema = writer.register_schema(ros.NAME, "ros2msg", ros.DEFINITION.encode())
+        schema = writer.register_schema(TF, "ros2msg", TF_DEFINITION)
         channel = writer.register_channel("/tf", "cdr", schema)
         for tick, positions in zip(truths.ticks.tolist(), truths.positions, strict=True):
             time, there = round(tick * step * 1e9), ~np.isnan(positions[:, 0])
             robots = tuple(truths.robots[there].tolist())
             if robots not in frames:
-                frames[robots] = ros.Frames(WORLD, [frame(robot) for robot in robots])
+                frames[robots] = Frames(WORLD, [frame(robot) for robot in robots])
             data = frames[robots].message(time, positions[there].tolist())
             writer.add_message(channel, time, data, time)
         writer.finish()

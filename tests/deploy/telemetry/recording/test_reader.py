@@ -22,8 +22,7 @@ from deploy.run.local import LocalFleet
 from deploy.telemetry.recording.reader import Contents, read
 from deploy.telemetry.recording.replay import export, trajectory
 from deploy.telemetry.recording.writer import RecordingFile
-from deploy.telemetry.scene.fleet import TOPICS
-from deploy.telemetry.scene.ros import NAME
+from deploy.telemetry.scene.fleet import TF, TOPICS
 from protocol.bus.bus import Sample
 from protocol.codec import decode, encode
 from protocol.errors import RecordingError, UsageError
@@ -171,7 +170,7 @@ def test_a_recording_holds_a_scene_that_follows_the_truth(recorded):
     assert len(frames) >= len(ticks) // 2
     for frame in frames:
         row = ticks.index(round(frame.log_time / 1e9 / 0.05))
-        moved = store.deserialize_cdr(frame.data, NAME).transforms
+        moved = store.deserialize_cdr(frame.data, TF).transforms
         told = [(each.transform.translation.x, each.transform.translation.y) for each in moved]
         assert told == [tuple(place) for place in found.truths.positions[row].tolist()]
         assert [each.child_frame_id for each in moved] == ["robot_1", "robot_2", "robot_7"]
@@ -182,10 +181,10 @@ def test_ros_tools_open_what_is_exported(recorded, tmp_path):
     export(read(path), tmp_path / "ros.mcap")
     with AnyReader([tmp_path / "ros.mcap"]) as bag:
         (connection,) = bag.connections
-        assert (connection.topic, connection.msgtype) == ("/tf", NAME)
+        assert (connection.topic, connection.msgtype) == ("/tf", TF)
         times = [time for _, time, _ in bag.messages()]
         *_, (_, _, last) = bag.messages()
-        final = bag.deserialize(last, NAME).transforms[1].transform.translation
+        final = bag.deserialize(last, TF).transforms[1].transform.translation
     assert times == [tick * 50_000_000 for tick in range(report["ticks"] + 1)]
     assert [final.x, final.y] == read(path).truths.positions[-1][1].tolist()
 

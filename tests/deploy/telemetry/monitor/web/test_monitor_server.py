@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import importlib
 import json
 import re
 import socket
+import sys
 import time
 import urllib.error
 import urllib.request
@@ -215,6 +217,7 @@ def test_a_server_that_is_closed_is_gone() -> None:
 
 
 def test_without_the_web_libraries_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "uvicorn", None)
+    monkeypatch.setitem(sys.modules, "uvicorn", None)
+    monkeypatch.delitem(sys.modules, "deploy.telemetry.monitor.web")
     with pytest.raises(UsageError, match=r"uvicorn.*pip install .*\[web\]"):
-        serve_in_thread(watch_local(LocalNetwork(), "r"))
+        importlib.import_module("deploy.telemetry.monitor.web")
