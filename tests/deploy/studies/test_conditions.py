@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from deploy.studies.charts import CHARTS, draw_study
-from deploy.studies.delay import against, delay
+from deploy.studies.conditions import against, delay
 from deploy.studies.execution import RunLog, execute
 
 
@@ -31,7 +31,7 @@ def test_rows_have_both_paces_and_what_delay_costs(tmp_path: Path) -> None:
     assert rows[0]["ratio"] == 1.0
     assert rows[1]["ratio"] == rows[1]["time_mean"] / rows[0]["time_mean"] > 1.0
     assert len(study.summary(rows)) == 2
-    assert all(set(study.columns) <= set(row) for row in rows)
+    assert all(set(study.columns.split()) <= set(row) for row in rows)
     draw_study(CHARTS[study.name], rows, tmp_path / "delay.svg")
 
 
