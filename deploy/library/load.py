@@ -14,10 +14,19 @@ from typing import NamedTuple
 from agents.law import View, choose
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
-from deploy.library.among_things import beads, blocks, boxes, forest, sphere_world
+from deploy.library.encounters import (
+    beads,
+    blocks,
+    boxes,
+    circle,
+    forest,
+    head_on,
+    sphere_world,
+    swap,
+    turtlebots,
+)
 from deploy.library.figures import TIGHTNESS, admissible, crash, delay_6, figure_1, figure_2, figure_3
 from deploy.library.random_instances import PAPER_DENSITY, in_turn, parts, random_instance
-from deploy.library.swaps import circle, head_on, swap, turtlebots
 from deploy.theory.tuning import gain_for
 from protocol.draws import checked_seed
 from protocol.errors import ScenarioError, UsageError

@@ -210,16 +210,22 @@ class Spawner:
         ProcessError: the fork server is gone; its own words are on standard error.
     """
 
-    def __init__(self, modules: Sequence[str] = MODULES, run: str = "", logs: Path | None = None) -> None:
+    def __init__(
+        self,
+        modules: Sequence[str] = MODULES,
+        run: str = "",
+        logs: Path | None = None,
+        lives: Iterator[int] | None = None,
+    ) -> None:
         """Start the fork server, with `modules` imported, without waiting for it; titles name the `run`.
 
-        Processes log to files in the folder `logs`.
+        Processes log to files in the folder `logs`. `lives` are numbers that no other process has or had.
         """
         ours, theirs = socket.socketpair()
         with theirs:
             self._server = self._serve(theirs, modules, run, logs)
         self._channel: Channel[Request, Any] = Channel(ours.detach())
-        self._lives = count(1)
+        self._lives = count(1) if lives is None else lives
         self.gone = False  # the fork server ended by itself, and this was said once
 
     def _serve(

@@ -25,6 +25,7 @@ from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.process.log import LOG
 from protocol.process.signals import STOP
+from protocol.scenario.model import Event as ProcessEvent
 from protocol.scenario.model import Scenario
 
 Watcher = Callable[[Clock], None]
@@ -204,17 +205,8 @@ class Fleet:
     def runs(self, robot: int) -> bool:
         return table.robot_name(robot) in self._supervisor.running()
 
-    def kill(self, robot: int) -> None:
-        self._supervisor.kill(table.robot_name(robot))
-
-    def pause(self, robot: int) -> None:
-        self._supervisor.pause(table.robot_name(robot))
-
-    def resume(self, robot: int) -> None:
-        self._supervisor.resume(table.robot_name(robot))
-
-    def restart(self, robot: int) -> None:
-        self._supervisor.restart(table.robot_name(robot))
+    def act(self, robot: int, event: ProcessEvent) -> None:
+        getattr(self._supervisor, event)(table.robot_name(robot))
 
     def welcome(self, robot: int) -> bool:
         self._assembly.start_newcomer(robot)

@@ -29,6 +29,7 @@ from protocol.keys import everything, world_key
 from protocol.messages import Clock
 from protocol.process.log import LOG
 from protocol.process.signals import STOP
+from protocol.scenario.model import Event as ProcessEvent
 from protocol.scenario.model import Scenario
 from world.shell.node import WorldNode
 from world.shell.persistence.journal import Journal
@@ -197,6 +198,10 @@ class LocalFleet:
         """As `Processes`."""
         bus = self.robots.get(robot)
         return bus is not None and bus.node is not None
+
+    def act(self, robot: int, event: ProcessEvent) -> None:
+        """As `Processes`."""
+        getattr(self, event)(robot)
 
     def kill(self, robot: int) -> None:
         """End a robot's node at once; its token goes."""

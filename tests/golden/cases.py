@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial
 
+from deploy.library.encounters import swap
 from deploy.library.load import catalogue, load, resolved
-from deploy.library.swaps import swap
 from protocol.scenario.model import Scenario
 
 _COUNTED = (

@@ -18,8 +18,8 @@ from agents.peers.far import FarField
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from agents.robot import Robot
+from deploy.library.encounters import swap
 from deploy.library.load import load
-from deploy.library.swaps import swap
 from deploy.run.local import LocalFleet
 from protocol.messages import LARGEST, State
 from protocol.scenario.model import Scenario

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from deploy.cli.scenario import app
+from deploy.library.encounters import circle, head_on, swap
 from deploy.library.figures import GOAL_SETS, figure_3, tightness
 from deploy.library.load import build, catalogue, generate, load
 from deploy.library.random_instances import random_instance, random_starts
-from deploy.library.swaps import circle, head_on, swap
 from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.file import parse_toml, validated, write_toml
 from protocol.scenario.model import Scenario

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from deploy.library.swaps import swap
+from deploy.library.encounters import swap
 from deploy.software import provenance
 from deploy.studies.charts import CHARTS, draw_study
 from deploy.studies.conditions import Conditions, arrival, crowd, grid, robustness, room
