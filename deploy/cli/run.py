@@ -1,27 +1,21 @@
-"""`disknav run` and `disknav check`: a scenario from start to verdict, and what the theory says of it."""
+"""`disknav run`: a scenario from start to verdict."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from deploy.cli import options
-from deploy.output import check_json, is_standard_output, write_json
+from deploy.output import is_standard_output
 from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name, restarts
 from deploy.run.result import exit_status, kept_status, show
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
 from protocol.process.log import LAUNCHER, begin
 from protocol.process.signals import STOP
-
-if TYPE_CHECKING:
-    from rich.console import RenderableType
-
-    from deploy.theory.check import Certified
-    from protocol.scenario.model import Scenario
 
 _KEPT = "on-failure:1000"  # restarts of a fleet that stays up
 
@@ -164,48 +158,3 @@ def _print_files(result: Mapping[str, Any], plot: Path | None, json_file: Path |
     files += [(what, str(target)) for what, target in (("picture", drawn), ("result", json_file)) if target]
     for what, target in files:
         console.print(f"{what}: {target}", highlight=False)
-
-
-def check(
-    scenario: options.Scenario,
-    seed: options.Seed = None,
-    setting: options.Settings = None,
-    json_file: options.Json = None,
-) -> None:
-    """Validate a scenario and evaluate the theory: whether its goals are admissible, and the required k.
-
-    Example: disknav check figure-2
-
-    Exit status: 0 valid (whatever the theory states), 2 invalid.
-    """
-    from deploy.library.load import load
-    from deploy.theory.check import render, report, to_json
-    from deploy.theory.surrounded import surrounded, theorem_for
-
-    check_json(json_file)
-    valid = load(scenario, setting or [], seed)
-    shown: RenderableType
-    if theorem_for(valid)[0] == "Karagoz-Bozma-Koditschek":
-        found = report(valid, _certificate(scenario, valid))
-        plain, shown = to_json(found), render(found)
-    else:
-        among = surrounded(valid)
-        plain, shown = among.to_json(), among.render()
-    write_json(plain, json_file)
-    if not is_standard_output(json_file):
-        from rich.console import Console
-
-        Console().print(shown)
-
-
-def _certificate(name: str, scenario: Scenario) -> Certified | None:
-    """What lies beside the scenario."""
-    from deploy.theory.certify.certificate import ProofError, path_for, stored
-    from deploy.theory.check import Certified
-
-    path = str(path_for(name))
-    try:
-        found = stored(name, scenario)
-    except ProofError as error:
-        return Certified(path, None, str(error))
-    return None if found is None else Certified(path, found.proven)

@@ -1,7 +1,8 @@
-"""`disknav certify`: prove by computation from which k on a scenario's goal is the only minimum."""
+"""What a scenario's theory says, what is proved of it, and what is measured: check, certify and study."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,10 +11,62 @@ import typer
 
 from deploy.cli import options
 from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE, check_json, is_standard_output, write_json
+from deploy.run.options import Transport
+from deploy.studies.study import StudyName
 
 if TYPE_CHECKING:
+    from rich.console import RenderableType
+
     from deploy.theory.certify.prove import Outcome
     from deploy.theory.certify.replay import Replay
+    from deploy.theory.check import Certified
+    from protocol.scenario.model import Scenario
+
+
+def check(
+    scenario: options.Scenario,
+    seed: options.Seed = None,
+    setting: options.Settings = None,
+    json_file: options.Json = None,
+) -> None:
+    """Validate a scenario and evaluate the theory: whether its goals are admissible, and the required k.
+
+    Example: disknav check figure-2
+
+    Exit status: 0 valid (whatever the theory states), 2 invalid.
+    """
+    from deploy.library.load import load
+    from deploy.theory.check import render, report, to_json
+    from deploy.theory.surrounded import surrounded, theorem_for
+
+    check_json(json_file)
+    valid = load(scenario, setting or [], seed)
+    shown: RenderableType
+    if theorem_for(valid)[0] == "Karagoz-Bozma-Koditschek":
+        found = report(valid, _certificate(scenario, valid))
+        plain, shown = to_json(found), render(found)
+    else:
+        among = surrounded(valid)
+        plain, shown = among.to_json(), among.render()
+    write_json(plain, json_file)
+    if not is_standard_output(json_file):
+        from rich.console import Console
+
+        Console().print(shown)
+
+
+def _certificate(name: str, scenario: Scenario) -> Certified | None:
+    """What lies beside the scenario."""
+    from deploy.theory.certify.certificate import ProofError, path_for, stored
+    from deploy.theory.check import Certified
+
+    path = str(path_for(name))
+    try:
+        found = stored(name, scenario)
+    except ProofError as error:
+        return Certified(path, None, str(error))
+    return None if found is None else Certified(path, found.proven)
+
 
 _MINUTES = 10.0
 
@@ -156,3 +209,77 @@ def _verified(checked: Replay) -> str:
     if checked.proven is None:
         return f"{checked.scenario}: nothing verified"
     return f"{checked.scenario}: verified for every k >= {checked.proven:g} ({checked.boxes:,} boxes)"
+
+
+def study(
+    name: Annotated[StudyName, typer.Argument(help="Name of the study.")],
+    runs: Annotated[
+        int | None, typer.Option("--runs", min=1, help="Runs per cell; each study has its own default.")
+    ] = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option("--jobs", "-j", min=1, help="Parallel runs; by default one per core."),
+    ] = None,
+    shard: Annotated[
+        str | None,
+        typer.Option(
+            metavar="I/N", help="Only every N-th run from the I-th on, to share a study between machines."
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the first run; the others count up.")] = 0,
+    setting: options.Settings = None,
+    transport: Annotated[
+        Transport | None, typer.Option(help="Real processes (routed, mesh) or one process (local).")
+    ] = None,
+    law: Annotated[
+        list[str] | None,
+        typer.Option(metavar="MODULE:CLASS", help="peers: another law to compare; repeatable."),
+    ] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(metavar="TEXT", help="peers: only scenarios whose names contain this text; repeatable."),
+    ] = None,
+    json_file: options.Json = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw the rows: .png, .svg or .pdf.")] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Discard the results of an earlier call.")] = False,
+    quiet: options.Quiet = False,
+) -> None:
+    """Run a study and print its table: the paper's experiments, faults, late states, peers, fleet sizes.
+
+    Every finished run is kept in FILE.runs.jsonl beside the --json FILE; the same command goes on from
+    there after Ctrl-C or a crash, unless the code or the settings have changed.
+
+    Examples: disknav study tightness --json tightness.json --plot tightness.png;
+    disknav study tuning --runs 5 --transport local;
+    disknav study peers --law courtesy.py:Courtesy --only "swap 1"
+
+    With [b]--shard I/N[/b] N machines share a study. The parts' FILE.runs.jsonl, one after the other in one,
+    are that of the whole: the same command without --shard then makes the table of all runs.
+
+    Exit status: 0 done, 1 done but something touched that must not, 2 invalid, 3 fault, 130 interrupted.
+    """
+    from deploy.studies.perform import Request, perform
+    from deploy.studies.study import Shard
+
+    if name != "peers":
+        options.refuse({"--law": law, "--only": only}, f"study {name} has no laws beside each other")
+    if name == "scale":
+        options.refuse({"--jobs": jobs}, "study scale measures speed: one run at a time")
+    if json_file is None or is_standard_output(json_file):
+        options.refuse({"--fresh": fresh}, "only --json FILE keeps what was measured")
+    request = Request(
+        name=name,
+        runs=runs,
+        jobs=jobs or os.cpu_count() or 1,
+        seed=seed,
+        settings=tuple(setting or ()),
+        transport=transport,
+        shard=Shard() if shard is None else Shard.parse(shard),
+        target=json_file,
+        plot=plot,
+        fresh=fresh,
+        quiet=quiet,
+        laws=tuple(law or ()),
+        only=tuple(only or ()),
+    )
+    raise typer.Exit(perform(request))
