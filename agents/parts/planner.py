@@ -227,10 +227,6 @@ class Planner:
         """Whether all can get to their goals once everybody has done what it is about to do."""
         return self.orders.exists(layout.settled, [position, *layout.robots])
 
-    def barred(self, layout: Layout) -> list[int]:
-        """Parts at whose goals something stands for good."""
-        return [part for part in self._parts if self._places.is_barred(part, layout)]
-
     def leads_on(self, part: int, layout: Layout, position: Vector) -> bool:
         """Whether they can if a robot brings this part there next."""
         return self.orders.leads_on(part, layout.settled, position, layout.robots)

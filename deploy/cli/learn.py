@@ -91,7 +91,7 @@ def certify(
     ] = None,
     out: Annotated[
         Path | None,
-        options.out("The certificate, or where to go on; SCENARIO.certificate.json unless given.", "--file"),
+        options.out("The certificate, or where to go on; SCENARIO.certificate.json unless given."),
     ] = None,
     setting: options.Settings = None,
     starts: Annotated[

@@ -50,10 +50,8 @@ def show(
 def new(
     kind: Annotated[str, typer.Argument(help="random, swap, or any library name.")],
     seed: Annotated[int, typer.Option(min=0, help="Seed of all random values.")] = 0,
-    out: Annotated[
-        Path | None, options.out("Scenario file to write; standard output unless given.", "--output")
-    ] = None,
-    robots: Annotated[int | None, options.robots(1, "--count")] = None,
+    out: Annotated[Path | None, options.out("Scenario file to write; standard output unless given.")] = None,
+    robots: Annotated[int | None, options.robots(1)] = None,
     density: Annotated[
         float | None, typer.Option(help="Disk area over workspace area, up to 0.35 (random).")
     ] = None,
@@ -86,10 +84,8 @@ def import_(
             dir_okay=False,
         ),
     ],
-    out: Annotated[
-        Path | None, options.out("Scenario file to write; standard output unless given.", "--output")
-    ] = None,
-    robots: Annotated[int, options.robots(1, "--count")] = 5,
+    out: Annotated[Path | None, options.out("Scenario file to write; standard output unless given.")] = None,
+    robots: Annotated[int, options.robots(1)] = 5,
     radius: Annotated[float, typer.Option(min=1e-3, help="Radius of the robots, m (maps, MovingAI).")] = 0.2,
     seed: Annotated[int, typer.Option(min=0, help="Seed of all random values (maps).")] = 0,
     obstacles: Annotated[Path | None, typer.Option(help="World file with obstacles (LSC-DR).")] = None,

@@ -117,7 +117,7 @@ def deploy(
         Literal["compose", "kubernetes", "systemd"], typer.Argument(help="Orchestrator.")
     ],
     scenario: options.Scenario,
-    out: Annotated[Path, options.out("Folder to make.", "--output", metavar="FOLDER")],
+    out: Annotated[Path, options.out("Folder to make.", metavar="FOLDER")],
     run: options.FreshRun = None,
     mode: options.ModeOption = "realtime",
     seed: options.Seed = None,

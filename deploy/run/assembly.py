@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from contextlib import ExitStack, closing, suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from functools import partial
 from pathlib import Path
@@ -37,13 +37,39 @@ def places(hosts: HostsTable) -> dict[str, str]:
     return {**routers, "world": hosts.world_host.name, **robots}
 
 
-@dataclass(frozen=True)
-class MultiHost:
-    """A connection for everybody; those of processes on other hosts come with copies of their keys."""
+class Routed:
+    """All are clients of the router at `endpoint`, each with what proves its role."""
 
-    hosts: HostsTable
-    membership: Membership
-    spawners: HostSpawners
+    def __init__(self, endpoint: Endpoint, membership: Membership) -> None:
+        self.membership, self.endpoint = membership, endpoint
+
+    def world(self) -> Connection:
+        """The world's connection."""
+        return self._client(WORLD, self.endpoint)
+
+    def robot(self, robot: int) -> Connection:
+        """A robot's connection."""
+        return self._client(robot_role(robot), self.endpoint)
+
+    def observer(self) -> Connection:
+        """Connection of what only watches."""
+        return self._client(MONITOR, self.endpoint)
+
+    def viewer(self) -> Connection:
+        """Connection of what watches, and gives orders if the operator's key is there."""
+        return self._client(self.membership.viewer, self.endpoint)
+
+    def _client(self, role: str, endpoint: Endpoint) -> Connection:
+        return self.membership.client(role, (endpoint,))
+
+
+class MultiHost(Routed):
+    """All are clients of the router of their host; those on other hosts come with copies of their keys."""
+
+    def __init__(self, hosts: HostsTable, membership: Membership, spawners: HostSpawners) -> None:
+        self.hosts, self.spawners = hosts, spawners
+        self.membership = membership
+        super().__init__(self._router_of(hosts.world_host), membership)
 
     def router(self, host: Host) -> Connection:
         """The router of a host: linked with those of all hosts before it in the table."""
@@ -56,21 +82,12 @@ class MultiHost:
 
     def world(self) -> Connection:
         """The world's connection."""
-        host = self.hosts.world_host
-        return self._moved(self.membership.client(WORLD, (self._router_of(host),)), host)
+        return self._moved(super().world(), self.hosts.world_host)
 
     def robot(self, robot: int) -> Connection:
         """A robot's connection; raises UsageError for one that is on no host of the table."""
         host = self.hosts.host_of(robot)
-        return self._moved(self.membership.client(robot_role(robot), (self._router_of(host),)), host)
-
-    def observer(self) -> Connection:
-        """Connection of somebody here who only watches, to the world's router."""
-        return self.membership.client(MONITOR, (self._router_of(self.hosts.world_host),))
-
-    def viewer(self) -> Connection:
-        """Connection of who watches, and gives orders if the operator's key is there."""
-        return self.membership.client(self.membership.viewer, (self._router_of(self.hosts.world_host),))
+        return self._moved(self._client(robot_role(robot), self._router_of(host)), host)
 
     def _router_of(self, host: Host) -> Endpoint:
         return Endpoint.at(self.membership.protocol, host.address, host.port)
@@ -86,30 +103,6 @@ class MultiHost:
         return replace(
             connection, credentials=Credentials(*(f"{folder}/{Path(path).name}" for path in paths))
         )
-
-
-@dataclass(frozen=True)
-class Routed:
-    """All are clients of the router at `endpoint`, each with what proves its role."""
-
-    endpoint: Endpoint
-    membership: Membership = field(default_factory=Membership)
-
-    def world(self) -> Connection:
-        """The world's connection."""
-        return self.membership.client(WORLD, (self.endpoint,))
-
-    def robot(self, robot: int) -> Connection:
-        """A robot's connection."""
-        return self.membership.client(robot_role(robot), (self.endpoint,))
-
-    def observer(self) -> Connection:
-        """Connection of somebody who only watches."""
-        return self.membership.client(MONITOR, (self.endpoint,))
-
-    def viewer(self) -> Connection:
-        """Connection of who watches, and gives orders if the operator's key is there."""
-        return self.membership.client(self.membership.viewer, (self.endpoint,))
 
 
 @dataclass(frozen=True)
@@ -149,7 +142,7 @@ class Mesh:
         return Endpoint(f"unixsock-stream/{self.folder / name}")
 
 
-Topology = Routed | Mesh | MultiHost
+Topology = Routed | Mesh
 
 
 _START = 30.0  # s for a process to say that it is ready
@@ -282,9 +275,7 @@ class Assembly:
         for host in multi_host.hosts.hosts:
             connection, vital = multi_host.router(host), host is multi_host.hosts.world_host
             restarts, scheduling = self._options.restarts, self._scheduling
-            self.supervisor.start(
-                [table.linked_router(connection, host.name, restarts, scheduling, vital=vital)]
-            )
+            self.supervisor.start([table.router(connection, restarts, scheduling, host.name, vital=vital)])
             self.supervisor.report(table.router_name(host.name), _START)
         return multi_host
 

@@ -12,7 +12,6 @@ from protocol.bus.connection import AUTHORITY, Connection, Credentials, credenti
 from protocol.endpoint import DEFAULT_PORT, Endpoint
 from protocol.errors import CertificateError, UsageError
 from protocol.keys import checked_run
-from protocol.process.installation import missing_library
 
 
 @dataclass(frozen=True)
@@ -108,10 +107,8 @@ class Membership:
     def _credentials(self, role: str) -> Credentials | None:
         if self.directory is None:
             return None
-        try:
-            from deploy.security.keystore import inspect
-        except ModuleNotFoundError as error:
-            raise missing_library("a certificate", "cryptography", "secure") from error
+        from deploy.security.keystore import inspect
+
         found = credentials(self.directory, role)
         inspect(found, role)
         return found

@@ -108,7 +108,7 @@ chmod 755 env/bin/disknav
 cat > guested.toml <<"EOF"
 SCENARIO_TOML
 EOF
-env/bin/disknav setup deploy systemd guested.toml --run yard --wait 60 --output yard
+env/bin/disknav setup deploy systemd guested.toml --run yard --wait 60 --out yard
 """
 
 
