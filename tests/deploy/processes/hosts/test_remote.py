@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from deploy.processes.spawn import Exited, News, Report, Start, Started, Store, decode_news
-from deploy.software.provenance import SOFTWARE, code_digest
+from deploy.software import SOFTWARE, code_digest
 from tests.deploy.processes.test_spawn import gone
 from tests.system.hosts.testbed.ssh_server import ROOT
 

@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 from rosbags.typesys import Stores, get_typestore
 
-from deploy.telemetry.scene import ros
-from deploy.telemetry.scene.fleet import TOPICS, FleetScene, Picture
+from deploy.telemetry.scene.fleet import TF, TOPICS, FleetScene, Frames, Picture
 from protocol import messages
 from protocol.messages import Clock, GoalStatus, Health, Member, Roster, Standing, Tick, Truth
 from protocol.scenario.model import Obstacle, Order, RobotSpec, Scenario
@@ -117,7 +116,7 @@ def drawn_robots(scene: FleetScene) -> list[str]:
 
 def frames(scene: FleetScene) -> dict[str, float]:
     """Where frames are in x, m."""
-    read: Any = STORE.deserialize_cdr(scene.picture("/tf").data, ros.NAME)
+    read: Any = STORE.deserialize_cdr(scene.picture("/tf").data, TF)
     return {each.child_frame_id: each.transform.translation.x for each in read.transforms}
 
 
@@ -180,7 +179,7 @@ def test_strangers_and_times_that_nobody_can_tell_change_nothing() -> None:
     ),
 )
 def test_transforms_are_read_by_ros_as_written(time: int, places: dict[str, tuple[float, float]]) -> None:
-    message = STORE.deserialize_cdr(ros.Frames("world", [*places]).message(time, places.values()), ros.NAME)
+    message = STORE.deserialize_cdr(Frames("world", [*places]).message(time, places.values()), TF)
     read = {each.child_frame_id: each for each in message.transforms}  # type: ignore[attr-defined]
     found = {
         name: (each.transform.translation.x, each.transform.translation.y) for name, each in read.items()
