@@ -14,10 +14,10 @@ from mcap.writer import Writer
 from numpy.typing import NDArray
 
 from deploy.output import writing
+from deploy.telemetry.drawing import WORLD, frame
 from deploy.telemetry.recording.reader import Recording
 from deploy.telemetry.recording.writer import LIBRARY
-from deploy.telemetry.scene.drawing import WORLD, frame
-from deploy.telemetry.scene.fleet import TF, TF_DEFINITION, Frames
+from deploy.telemetry.scene import TF, TF_DEFINITION, Frames
 from protocol.bus.bus import Bus, Publish
 from protocol.codec import encode
 from protocol.errors import RecordingError

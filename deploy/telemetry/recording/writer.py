@@ -19,7 +19,7 @@ from mcap.writer import Writer
 
 from deploy.output import check_target
 from deploy.telemetry.recording.form import schema, to_object
-from deploy.telemetry.scene.fleet import DRAWN, TOPICS, FleetScene, Picture
+from deploy.telemetry.scene import DRAWN, TOPICS, FleetScene, Picture
 from protocol.codec import Reader
 from protocol.errors import KeyGrammarError, MessageError, RecordingError, UsageError
 from protocol.keys import Address, parse

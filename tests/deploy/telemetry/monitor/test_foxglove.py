@@ -17,7 +17,7 @@ from websockets.typing import Subprotocol
 from deploy.run.local import LocalFleet
 from deploy.telemetry.monitor.foxglove import FoxgloveServer
 from deploy.telemetry.monitor.watcher import Watcher
-from deploy.telemetry.scene.fleet import TOPICS, measures
+from deploy.telemetry.scene import TOPICS, measures
 from protocol.errors import UsageError
 from protocol.messages import Truth
 from protocol.operations import Steer

@@ -22,7 +22,7 @@ from deploy.run.local import LocalFleet
 from deploy.telemetry.recording.reader import Contents, read
 from deploy.telemetry.recording.replay import export, trajectory
 from deploy.telemetry.recording.writer import RecordingFile
-from deploy.telemetry.scene.fleet import TF, TOPICS
+from deploy.telemetry.scene import TF, TOPICS
 from protocol.bus.bus import Sample
 from protocol.codec import decode, encode
 from protocol.errors import RecordingError, UsageError

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 from rosbags.typesys import Stores, get_typestore
 
-from deploy.telemetry.scene.fleet import TF, TOPICS, FleetScene, Frames, Picture
+from deploy.telemetry.scene import TF, TOPICS, FleetScene, Frames, Picture
 from protocol import messages
 from protocol.messages import Clock, GoalStatus, Health, Member, Roster, Standing, Tick, Truth
 from protocol.scenario.model import Obstacle, Order, RobotSpec, Scenario

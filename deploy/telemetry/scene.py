@@ -16,7 +16,7 @@ from typing import Generic, NamedTuple, TypeVar
 
 import msgspec
 
-from deploy.telemetry.scene.drawing import WORLD, Drawing, Json, example, frame, schema, update
+from deploy.telemetry.drawing import WORLD, Drawing, Json, example, frame, schema, update
 from protocol import messages
 from protocol.messages import Clock, GoalStatus, Health, Member, Message, Tick, Truth, Vector
 from protocol.scenario.model import Scenario
