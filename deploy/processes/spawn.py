@@ -18,6 +18,7 @@ import subprocess
 import sys
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from itertools import count
 from multiprocessing.connection import Connection as Channel
 from pathlib import Path
@@ -109,18 +110,25 @@ def _take_turns() -> None:
         ) from error
 
 
-class Start(NamedTuple):
-    """Request: fork a process that calls `entry` ("module:function") with `arguments`.
+@dataclass(frozen=True, slots=True)
+class Process:
+    """One row: what to start, and what its end means."""
 
-    `reports`: the function gets one more argument, a callable that sends text to the supervisor.
-    """
+    name: str  # unique in a fleet, such as `robot-3`
+    entry: str  # "module:function"; it returns the exit status
+    arguments: tuple[Any, ...] = ()  # picklable
+    vital: bool = False  # the fleet cannot go on without it
+    restarts: int = 0  # how many times it is started again by itself after it failed
+    reports: bool = False  # the function takes one more argument: a callable for text to the supervisor
+    scheduling: Scheduling = ORDINARY
+    patience: float = 5.0  # s that it may take to end after SIGTERM; it is killed then
+
+
+class Start(NamedTuple):
+    """Request: fork a process."""
 
     life: int  # names this one process, for ever
-    name: str
-    entry: str
-    arguments: tuple[Any, ...]
-    reports: bool
-    scheduling: Scheduling = ORDINARY
+    process: Process
 
 
 class Signal(NamedTuple):
@@ -246,18 +254,10 @@ class Spawner:
             env=environment(),
         )
 
-    def start(
-        self,
-        name: str,
-        entry: str,
-        arguments: tuple[Any, ...] = (),
-        *,
-        reports: bool = False,
-        scheduling: Scheduling = ORDINARY,
-    ) -> int:
-        """Ask for a process that calls `entry` ("module:function"); returns the number of its life."""
+    def start(self, process: Process) -> int:
+        """Ask for a process; returns the number of its life."""
         life = next(self._lives)
-        self._send(Start(life, name, entry, arguments, reports, scheduling))
+        self._send(Start(life, process))
         return life
 
     def signal(self, life: int, number: int) -> None:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from deploy.processes.spawn import ORDINARY, Scheduling
+from deploy.processes.spawn import ORDINARY, Process, Scheduling
 from deploy.telemetry.recording.writer import ONE_FILE, Rotation
 from protocol.bus.connection import Connection
 from protocol.scenario.model import Scenario
@@ -18,20 +16,6 @@ WORLD = "world"
 _ROUTING = "deploy.processes.router:main"
 _CLOSING = 30.0  # s for the recorder, which yields to all others, to close its file
 _LINKING = 8.0  # s for the routers of all hosts to find each other
-
-
-@dataclass(frozen=True, slots=True)
-class Process:
-    """One row: what to start, and what its end means."""
-
-    name: str  # unique in a fleet, such as `robot-3`
-    entry: str  # "module:function"; it returns the exit status
-    arguments: tuple[Any, ...] = ()  # picklable
-    vital: bool = False  # the fleet cannot go on without it
-    restarts: int = 0  # how many times it is started again by itself after it failed
-    reports: bool = False  # the function takes one more argument: a callable for text to the supervisor
-    scheduling: Scheduling = ORDINARY
-    patience: float = 5.0  # s that it may take to end after SIGTERM; it is killed then
 
 
 def router(

@@ -14,7 +14,7 @@ from deploy.processes import table
 from deploy.processes.hosts.spawners import HostSpawners
 from deploy.processes.hosts.table import Host, HostsTable, check_fit
 from deploy.processes.router import reserved
-from deploy.processes.spawn import Scheduling, Spawner, core_of, require_realtime
+from deploy.processes.spawn import Process, Scheduling, Spawner, core_of, require_realtime
 from deploy.processes.supervisor import Supervisor
 from deploy.run.options import RunOptions
 from deploy.security.membership import Membership
@@ -198,13 +198,13 @@ class Assembly:
             return ""
         return f"; the certificates in {self._options.secure} ended at {self._ends:{_WHEN}}: make new ones"
 
-    def robots(self) -> list[table.Process]:
+    def robots(self) -> list[Process]:
         """The rows of all robots, which are not started yet."""
         ids = self._scenario.ids
         together = len(ids) if self._options.lockstep and self._hosts is None else 0
         return [self._robot(robot, core_of(turn, together)) for turn, robot in enumerate(ids)]
 
-    def _robot(self, robot: int, core: int | None = None) -> table.Process:
+    def _robot(self, robot: int, core: int | None = None) -> Process:
         options, connection = self._options, self.topology.robot(robot)
         scheduling = self._scheduling._replace(core=core)
         return table.robot(connection, options.run, robot, options.restarts, scheduling)

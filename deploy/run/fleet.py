@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from deploy.processes import table
+from deploy.processes.spawn import Process
 from deploy.processes.supervisor import Exit, Usage
 from deploy.run.assembly import Assembly, Topology, places
 from deploy.run.launcher import Launcher
@@ -83,7 +84,7 @@ class Fleet:
             self._stack = stack.pop_all()
         return self
 
-    def _robots(self) -> list[table.Process]:
+    def _robots(self) -> list[Process]:
         return self._assembly.robots()
 
     def __exit__(self, *details: object) -> None:

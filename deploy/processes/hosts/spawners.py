@@ -8,12 +8,11 @@ from collections.abc import Iterator, Mapping
 from itertools import count
 from multiprocessing.connection import wait
 from pathlib import Path
-from typing import Any
 
 from deploy.processes.fork_server import FAULT
 from deploy.processes.hosts.ssh import BEAT, SshSpawner
 from deploy.processes.hosts.table import HostsTable
-from deploy.processes.spawn import ORDINARY, Exited, News, Scheduling, Spawner
+from deploy.processes.spawn import Exited, News, Process, Spawner
 from protocol.errors import ProcessError
 from protocol.process.log import LOG
 
@@ -76,20 +75,12 @@ class HostSpawners:
             return
         self._there[host].store(path.name, path.read_bytes())
 
-    def start(
-        self,
-        name: str,
-        entry: str,
-        arguments: tuple[Any, ...] = (),
-        *,
-        reports: bool = False,
-        scheduling: Scheduling = ORDINARY,
-    ) -> int:
-        """As `Spawner.start`, on the host where `name` belongs."""
-        spawner = self._there.get(self._places.get(name, ""), self._here)
+    def start(self, process: Process) -> int:
+        """As `Spawner.start`, on the host where the process belongs."""
+        spawner = self._there.get(self._places.get(process.name, ""), self._here)
         if not spawner.gone:
             try:
-                life = spawner.start(name, entry, arguments, reports=reports, scheduling=scheduling)
+                life = spawner.start(process)
             except ProcessError as error:
                 self._lose(spawner, error)
             else:
