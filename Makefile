@@ -78,7 +78,7 @@ test: $(READY) $(KERNEL)  ## lint, types, import contracts, the whole suite from
 	$(BIN)/python -m pytest -n 4 --dist worksteal --durations=20 -m 'not alone and not campaign'  # many wait for real time
 	$(BIN)/python -m pytest --durations=5 -m alone $$(grep -rl --include='test_*.py' 'mark\.alone' tests)
 	@$(MAKE) --no-print-directory $(COMPILED)
-	$(BIN)/python -m pytest tests/deploy/software/test_compiled.py
+	$(BIN)/python -m pytest tests/deploy/test_software.py
 
 campaigns: $(READY)  ## what the suite leaves out: planted faults and mutants that random runs and the proof have to find
 	$(BIN)/python -m pytest -n 2 -m campaign

@@ -10,9 +10,8 @@ from typing import Final
 
 from agents.lines.separating_lines import SeparatingLines
 from agents.peers.far import Arrivals, places_of
-from agents.peers.fleet import fleet_of
 from agents.peers.link import Link
-from agents.peers.neighbours import Neighbours
+from agents.peers.neighbours import Neighbours, fleet_of
 from agents.peers.state import PeerState
 from protocol.messages import Summary, Tick, Vector
 from protocol.scenario.model import Scenario

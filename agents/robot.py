@@ -16,7 +16,7 @@ from agents.hearing import PeerInbox
 from agents.law import GuardedLaw, View
 from agents.law.pace import turn_of
 from agents.parts.carrier import PartCarrier
-from agents.peers.roster import KnownRoster, has_ended
+from agents.peers.neighbours import KnownRoster, has_ended
 from agents.peers.state import plausible
 from agents.safety_filter import SafetyFilter
 from protocol.crowd.interest import period

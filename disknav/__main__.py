@@ -7,7 +7,7 @@ import sys
 
 from disknav import ownership
 
-_FAULT = 3  # as in deploy/output/exit_status.py, which may be a stranger's
+_FAULT = 3  # as in deploy/output.py, which may be a stranger's
 
 
 def main() -> None:

@@ -7,9 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from deploy.library.load import catalogue, resolved, try_out
 from deploy.library.load import load as load_named
-from deploy.library.load import resolved, try_out
-from deploy.library.names import catalogue
 from protocol.errors import UsageError
 from protocol.scenario.file import apply_settings, parse_document
 from protocol.scenario.model import Scenario

@@ -21,11 +21,10 @@ from typing import Annotated, NamedTuple
 import msgspec
 from msgspec import Meta
 
-from protocol.codec import DAMAGED
+from protocol.codec import DAMAGED, keeps_newest
 from protocol.errors import MessageError
 from protocol.keys import SESSION
 from protocol.messages import Count, Epoch, GoalStatus, Health, Id, Size
-from protocol.process.newest import keeps_newest
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 

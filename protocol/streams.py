@@ -1,6 +1,6 @@
 """Streams and questions: each declared once, with its type, direction, rate and treatment by the network.
 
-A router's access rules follow from this page (`deploy.security.access`).
+A router's access rules follow from this page (`deploy.security.roster`).
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ from contextlib import closing
 import pytest
 from hypothesis import HealthCheck, settings
 
-from deploy.software import compiled
+from deploy.software import check_compiled
 from protocol.errors import UsageError
 from tests.forks import Forks
 
@@ -26,7 +26,7 @@ gc.disable()  # until all tests are imported, which leaves little garbage
 
 def pytest_configure() -> None:
     try:
-        compiled.check()
+        check_compiled()
     except UsageError as error:
         pytest.exit(str(error), returncode=2)
     # A shell that puts the tests in the background has them, and all that they start, ignore Ctrl-C.

@@ -13,7 +13,7 @@ from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any, NamedTuple
 
-from deploy.software.compiled import compiled
+from deploy.software import compiled
 
 _ROOT = Path(__file__).resolve().parent.parent
 _TWINS = frozenset(".".join(path.relative_to(_ROOT).with_suffix("").parts) for path in compiled())

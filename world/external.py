@@ -8,7 +8,7 @@ from collections.abc import Mapping, Set
 from protocol.errors import UsageError
 from protocol.messages import Command, Report, Sense, Vector
 from protocol.scenario.model import RobotSpec, Scenario
-from protocol.scenario.starts import SHARE, room_at_start
+from protocol.scenario.places import SHARE, room_at_start
 from world.sensing import Sensor
 
 STILL: Vector = (0.0, 0.0)

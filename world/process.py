@@ -10,9 +10,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from protocol.bus.bus import Bus
+from protocol.bus.bus import Bus, Heartbeat, drive
 from protocol.bus.connection import Connection
-from protocol.bus.loop import Heartbeat, drive
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, DisknavError, RunTakenError
 from protocol.keys import checked_run, session_of, world_key, world_token, world_tokens

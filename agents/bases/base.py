@@ -11,7 +11,7 @@ from typing import Protocol
 from protocol.errors import JoinError, UsageError
 from protocol.messages import Command, Sense, Tick, Vector
 from protocol.scenario.model import Scenario
-from protocol.scenario.starts import SHARE, room_at_start
+from protocol.scenario.places import SHARE, room_at_start
 
 
 class Base(Protocol):

@@ -21,7 +21,7 @@ from agents.law.gradient import Gradient, Slice, boundary_radius
 from agents.law.jams import Dispersal, GivingWay, RightOfWay
 from agents.law.late_states import foreseen, late_gain, late_speed
 from agents.law.obstacles import Attraction
-from agents.peers.far_field import NOTHING
+from agents.peers.far import NOTHING
 from agents.peers.state import Peer, PeerState
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario, gain_for_fleet

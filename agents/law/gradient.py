@@ -30,7 +30,7 @@ from mypy_extensions import mypyc_attr
 from agents.law.api import View
 from agents.law.flow import Flow, desired_velocity
 from agents.law.pace import max_rate
-from agents.peers.far_field import NOTHING, FarField
+from agents.peers.far import NOTHING, FarField
 from agents.peers.state import Peer
 from protocol.geometry import Disk, Shape
 from protocol.messages import Vector

@@ -11,11 +11,10 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Final
 
-from agents.parts.layout import Layout
-from agents.parts.perception import Perception, first, traveller
+from agents.parts.grid import Layout
+from agents.parts.perception import Perception, Traffic, Traveller, first, traveller
 from agents.parts.planner import Planner
-from agents.parts.traffic import Traffic, Traveller
-from agents.peers.roster import KnownRoster
+from agents.peers.neighbours import KnownRoster
 from agents.peers.state import PeerState
 from protocol.messages import Claim, Handling, Member, Vector
 from protocol.scenario.model import Part, Scenario

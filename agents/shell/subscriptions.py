@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Final, final
 
-from agents.peers.fleet import fleet_of
-from agents.peers.reader import PeerReader
-from agents.peers.state import plausible
+from agents.peers.neighbours import fleet_of
+from agents.peers.state import PeerReader, plausible
 from protocol.bus.bus import Bus
 from protocol.joining import Admission
 from protocol.keys import robot_key

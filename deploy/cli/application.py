@@ -9,10 +9,9 @@ import typer
 from typer.core import TyperGroup
 
 from deploy.cli import fleet, node, recording, scenario, setup
-from deploy.cli.certify import certify
+from deploy.cli.learn import certify, check, study
 from deploy.cli.monitor import monitor
-from deploy.cli.run import check, run
-from deploy.cli.study import study
+from deploy.cli.run import run
 
 
 class Commands(TyperGroup):

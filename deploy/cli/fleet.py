@@ -11,8 +11,7 @@ import msgspec
 import typer
 
 from deploy.cli import options
-from deploy.output import json_output
-from deploy.output.exit_status import EXIT_OTHERWISE
+from deploy.output import EXIT_OTHERWISE, check_json, is_standard_output, write_json
 from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR
 from protocol.errors import MessageError, UsageError
@@ -56,7 +55,7 @@ def goal(
 
     Exit status: 0 accepted (with --wait: arrived), 1 refused, cancelled or given up, 2 invalid, 3 no answer.
     """
-    json_output.check(json_file)
+    check_json(json_file)
     if not points:
         options.refuse({"--wait": wait}, "nothing is ordered that could end: give points")
     if patrol and wait:
@@ -75,8 +74,8 @@ def goal(
         "text": reply.text,
         "status": None if status is None else msgspec.structs.asdict(status),
     }
-    json_output.write_json(content, json_file)
-    if not json_output.is_standard_output(json_file):
+    write_json(content, json_file)
+    if not is_standard_output(json_file):
         _print_goal(reply, status)
     arrived = status is not None and status.status == "arrived"
     if not reply.accepted or (wait and not arrived):
@@ -200,11 +199,11 @@ def things(
 
     Exit status: 0 listed, 2 invalid, 3 no answer.
     """
-    json_output.check(json_file)
+    check_json(json_file)
     with _operating(run, router, secure) as operator:
         there = operator.operate().things
-    json_output.write_json([msgspec.structs.asdict(thing) for thing in there], json_file)
-    if not json_output.is_standard_output(json_file):
+    write_json([msgspec.structs.asdict(thing) for thing in there], json_file)
+    if not is_standard_output(json_file):
         print("\n".join(map(_line, there)) or "there are no obstacles")
 
 

@@ -20,8 +20,8 @@ def main() -> None:
 
 
 def _run() -> int:
-    from deploy.output.exit_status import EXIT_FAULT, EXIT_INVALID
-    from deploy.software import compiled
+    from deploy.output import EXIT_FAULT, EXIT_INVALID
+    from deploy.software import check_compiled
     from protocol.errors import (
         CertificateError,
         DisknavError,
@@ -40,7 +40,7 @@ def _run() -> int:
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
         if is_checkout():  # what pip unpacks has the times of unpacking
-            compiled.check()
+            check_compiled()
         from deploy.cli.application import app
 
         app()

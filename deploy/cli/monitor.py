@@ -117,7 +117,7 @@ def _export(source: Source, where: str) -> None:
 
 
 def _serve(source: Steerable, port: int | None) -> None:
-    from deploy.telemetry.monitor.web.server import serve_in_thread
+    from deploy.telemetry.monitor.web import serve_in_thread
 
     with closing(serve_in_thread(source, port)) as server:
         print(f"{server.link}  (Ctrl-C ends it)", flush=True)

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 import typer
 
 from deploy.cli import options
-from deploy.output.exit_status import EXIT_ARRIVED
+from deploy.output import EXIT_ARRIVED
 from deploy.security.membership import Membership
 from deploy.security.roster import WORLD, robot_role
 from protocol.errors import UsageError
@@ -103,7 +103,7 @@ def world(
     """
     from deploy.library.load import load
     from deploy.run.result import exit_status
-    from protocol.bus.loop import heartbeat
+    from protocol.bus.bus import heartbeat
     from world.process import main
     from world.shell.persistence.journal import Journal
 
@@ -190,8 +190,7 @@ def host(
     ] = None,
 ) -> None:
     """Start processes for a launcher on another host, by way of standard input and output."""
-    from deploy.processes.scheduling import require_realtime
-    from deploy.processes.spawn import environment
+    from deploy.processes.spawn import environment, require_realtime
 
     if realtime_priority:
         require_realtime()
@@ -203,7 +202,7 @@ def host(
 
 
 def _say(endpoint: str) -> None:
-    from protocol.bus.loop import heartbeat
+    from protocol.bus.bus import heartbeat
 
     LOG.warning(f"listening on {endpoint}")
     if (beat := heartbeat(None)) is not None:

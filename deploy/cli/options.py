@@ -14,7 +14,7 @@ from protocol.errors import UsageError
 
 def _names(typed: str) -> list[tuple[str, str]]:
     """Names of the library that begin as what was typed, for the shell's completion; files come with it."""
-    from deploy.library.names import catalogue
+    from deploy.library.load import catalogue
 
     found = [(entry.name.removesuffix("N"), entry.text) for entry in catalogue()]
     found += [(path.as_posix(), "scenario file") for path in sorted(Path().glob(f"{typed}*.toml"))]
@@ -101,14 +101,14 @@ RealtimePriority = Annotated[
 ]
 
 
-def robots(least: int, *aliases: str) -> Any:
-    """`--robots` or `-n`: how many; `aliases` are names of earlier versions."""
-    return typer.Option("--robots", "-n", *aliases, min=least, max=1000, help="Number of robots.")
+def robots(least: int) -> Any:
+    """`--robots` or `-n`: how many."""
+    return typer.Option("--robots", "-n", min=least, max=1000, help="Number of robots.")
 
 
-def out(help_: str, *aliases: str, metavar: str = "FILE") -> Any:
-    """`--out` or `-o`: where the command puts what it makes; `aliases` are names of earlier versions."""
-    return typer.Option("--out", "-o", *aliases, metavar=metavar, help=help_)
+def out(help_: str, metavar: str = "FILE") -> Any:
+    """`--out` or `-o`: where the command puts what it makes."""
+    return typer.Option("--out", "-o", metavar=metavar, help=help_)
 
 
 def refuse(options: Mapping[str, object], reason: str) -> None:

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from deploy.cli import options
-from deploy.output import json_output
-from deploy.output.progress import bar
+from deploy.output import bar, check_json, is_standard_output, write_json
 from protocol.errors import RecordingError
 from protocol.process.signals import STOP
 
@@ -34,11 +33,11 @@ def info(
     """
     from rich.console import Console, Group
 
-    json_output.check(json_file)
+    check_json(json_file)
     found = _read(recording)
     summary = _summary(found)
-    json_output.write_json({**summary, "streams": dict(found.counts), "result": found.result}, json_file)
-    if not json_output.is_standard_output(json_file):
+    write_json({**summary, "streams": dict(found.counts), "result": found.result}, json_file)
+    if not is_standard_output(json_file):
         Console().print(Group(_grid(summary), _streams(found)))
 
 
@@ -174,7 +173,7 @@ def _grid(rows: Mapping[str, str]) -> Table:
 
 
 def _check(recording: Recording) -> str:
-    from deploy.telemetry.recording.trajectory import trajectory
+    from deploy.telemetry.recording.replay import trajectory
 
     try:
         found = trajectory(recording)
@@ -217,8 +216,8 @@ def _publish(recording: Recording, router: str | None, run: str | None, speed: f
 
 
 def _show(recording: Recording, run: str | None, speed: float) -> None:
-    from deploy.telemetry.monitor.player import Player
-    from deploy.telemetry.monitor.web.server import serve_in_thread
+    from deploy.telemetry.monitor.watcher import Player
+    from deploy.telemetry.monitor.web import serve_in_thread
 
     heard = ((entry.time, entry.message) for entry in recording.entries)
     player = Player(recording.scenario, run or recording.run, heard, speed=speed)

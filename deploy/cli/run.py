@@ -1,27 +1,21 @@
-"""`disknav run` and `disknav check`: a scenario from start to verdict, and what the theory says of it."""
+"""`disknav run`: a scenario from start to verdict."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from deploy.cli import options
-from deploy.output import json_output
+from deploy.output import is_standard_output
 from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name, restarts
 from deploy.run.result import exit_status, kept_status, show
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
 from protocol.process.log import LAUNCHER, begin
 from protocol.process.signals import STOP
-
-if TYPE_CHECKING:
-    from rich.console import RenderableType
-
-    from deploy.theory.check import Certified
-    from protocol.scenario.model import Scenario
 
 _KEPT = "on-failure:1000"  # restarts of a fleet that stays up
 
@@ -97,7 +91,7 @@ def run(
     from deploy.library.load import load
     from deploy.processes.hosts.table import read_hosts
     from deploy.run.execute import Extras, execute
-    from deploy.telemetry.recording.rotation import rotation
+    from deploy.telemetry.recording.writer import rotation
 
     clock: Mode = mode or ("realtime" if keep else "lockstep")
     _check_options({**locals(), "mode": clock})
@@ -124,7 +118,7 @@ def run(
         realtime_priority,
     )
     begin(LAUNCHER, how.run, log)
-    silent = quiet or json_output.is_standard_output(json_file)
+    silent = quiet or is_standard_output(json_file)
     if keep and not silent:
         typer.echo(f"run {how.run} at {how.router or how.listen or 'its hosts'}; Ctrl-C stops it", err=True)
     tell = (lambda _: None) if silent else show
@@ -164,48 +158,3 @@ def _print_files(result: Mapping[str, Any], plot: Path | None, json_file: Path |
     files += [(what, str(target)) for what, target in (("picture", drawn), ("result", json_file)) if target]
     for what, target in files:
         console.print(f"{what}: {target}", highlight=False)
-
-
-def check(
-    scenario: options.Scenario,
-    seed: options.Seed = None,
-    setting: options.Settings = None,
-    json_file: options.Json = None,
-) -> None:
-    """Validate a scenario and evaluate the theory: whether its goals are admissible, and the required k.
-
-    Example: disknav check figure-2
-
-    Exit status: 0 valid (whatever the theory states), 2 invalid.
-    """
-    from deploy.library.load import load
-    from deploy.theory.check import render, report, to_json
-    from deploy.theory.surrounded import surrounded, theorem_for
-
-    json_output.check(json_file)
-    valid = load(scenario, setting or [], seed)
-    shown: RenderableType
-    if theorem_for(valid)[0] == "Karagoz-Bozma-Koditschek":
-        found = report(valid, _certificate(scenario, valid))
-        plain, shown = to_json(found), render(found)
-    else:
-        among = surrounded(valid)
-        plain, shown = among.to_json(), among.render()
-    json_output.write_json(plain, json_file)
-    if not json_output.is_standard_output(json_file):
-        from rich.console import Console
-
-        Console().print(shown)
-
-
-def _certificate(name: str, scenario: Scenario) -> Certified | None:
-    """What lies beside the scenario."""
-    from deploy.theory.certify.certificate import ProofError, path_for, stored
-    from deploy.theory.check import Certified
-
-    path = str(path_for(name))
-    try:
-        found = stored(name, scenario)
-    except ProofError as error:
-        return Certified(path, None, str(error))
-    return None if found is None else Certified(path, found.proven)

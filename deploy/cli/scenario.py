@@ -23,7 +23,7 @@ def list_() -> None:
     from rich.console import Console
     from rich.table import Table
 
-    from deploy.library.names import catalogue
+    from deploy.library.load import catalogue
 
     table = Table("name", "robots", "what it shows", box=None, header_style="bold", pad_edge=False)
     for entry in catalogue():
@@ -50,10 +50,8 @@ def show(
 def new(
     kind: Annotated[str, typer.Argument(help="random, swap, or any library name.")],
     seed: Annotated[int, typer.Option(min=0, help="Seed of all random values.")] = 0,
-    out: Annotated[
-        Path | None, options.out("Scenario file to write; standard output unless given.", "--output")
-    ] = None,
-    robots: Annotated[int | None, options.robots(1, "--count")] = None,
+    out: Annotated[Path | None, options.out("Scenario file to write; standard output unless given.")] = None,
+    robots: Annotated[int | None, options.robots(1)] = None,
     density: Annotated[
         float | None, typer.Option(help="Disk area over workspace area, up to 0.35 (random).")
     ] = None,
@@ -68,7 +66,7 @@ def new(
     disknav scenario new swap --robots 8 --jitter 0.005;
     disknav scenario new figure-3d --seed 9
     """
-    from deploy.library.names import generate
+    from deploy.library.load import generate
 
     wanted = {"robots": robots, "density": density, "unequal": unequal, "jitter": jitter}
     given = {key: value for key, value in wanted.items() if value is not None}
@@ -86,10 +84,8 @@ def import_(
             dir_okay=False,
         ),
     ],
-    out: Annotated[
-        Path | None, options.out("Scenario file to write; standard output unless given.", "--output")
-    ] = None,
-    robots: Annotated[int, options.robots(1, "--count")] = 5,
+    out: Annotated[Path | None, options.out("Scenario file to write; standard output unless given.")] = None,
+    robots: Annotated[int, options.robots(1)] = 5,
     radius: Annotated[float, typer.Option(min=1e-3, help="Radius of the robots, m (maps, MovingAI).")] = 0.2,
     seed: Annotated[int, typer.Option(min=0, help="Seed of all random values (maps).")] = 0,
     obstacles: Annotated[Path | None, typer.Option(help="World file with obstacles (LSC-DR).")] = None,
@@ -119,7 +115,7 @@ def schema() -> None:
 
 
 def _write(scenario: Scenario, output: Path | None) -> None:
-    from deploy.output.target import writing
+    from deploy.output import writing
     from protocol.scenario.file import write_toml
 
     text = write_toml(scenario).encode()  # TOML is UTF-8 whatever the terminal's encoding

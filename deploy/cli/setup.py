@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from deploy.cli import options
-from deploy.output import json_output
-from deploy.output.exit_status import EXIT_ARRIVED, EXIT_OTHERWISE
+from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE, check_json, is_standard_output, write_json
 from deploy.run.options import fresh_run_name
 from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR
@@ -22,7 +21,7 @@ from protocol.scenario.body import Base
 
 if TYPE_CHECKING:
     from deploy.processes.hosts.table import Host
-    from deploy.software.findings import Finding
+    from deploy.software import Finding
 
 app = typer.Typer(
     name="setup", help="Prepare keys, hosts and bases; examine this machine.", no_args_is_help=True
@@ -118,7 +117,7 @@ def deploy(
         Literal["compose", "kubernetes", "systemd"], typer.Argument(help="Orchestrator.")
     ],
     scenario: options.Scenario,
-    out: Annotated[Path, options.out("Folder to make.", "--output", metavar="FOLDER")],
+    out: Annotated[Path, options.out("Folder to make.", metavar="FOLDER")],
     run: options.FreshRun = None,
     mode: options.ModeOption = "realtime",
     seed: options.Seed = None,
@@ -147,7 +146,7 @@ def deploy(
     Example: disknav setup deploy compose figure-1 -o fleet && cd fleet && docker compose up
     """
     from deploy.library.load import load
-    from deploy.manifests.render import Plan, installation, write
+    from deploy.manifests import Plan, installation, write
     from deploy.security.roster import Roster
     from protocol.scenario.file import write_toml
 
@@ -211,7 +210,7 @@ def calibrate(
     require()  # before what needs it
     from deploy.calibrate import Calibration, Driver, bounds, square, statements
     from deploy.library.load import load
-    from protocol.bus.loop import drive
+    from protocol.bus.bus import drive
     from protocol.bus.zenoh import ZenohBus
 
     options.refuse_bases(secure)
@@ -245,12 +244,12 @@ def doctor(json_file: options.Json = None) -> None:
 
     Exit status: 0 fleets run, 1 something is marked with !!.
     """
-    from deploy.software.findings import findings
+    from deploy.software import findings
 
-    json_output.check(json_file)
+    check_json(json_file)
     found = [*findings(), _trial()]
-    json_output.write_json([finding._asdict() for finding in found], json_file)
-    if not json_output.is_standard_output(json_file):
+    write_json([finding._asdict() for finding in found], json_file)
+    if not is_standard_output(json_file):
         _print(found)
     raise typer.Exit(EXIT_OTHERWISE if any(each.level == "bad" for each in found) else EXIT_ARRIVED)
 
@@ -283,7 +282,7 @@ def _trial() -> Finding:
     from deploy.library.load import load
     from deploy.run.fleet import Fleet
     from deploy.run.options import RunOptions
-    from deploy.software.findings import Finding
+    from deploy.software import Finding
     from protocol.errors import DisknavError
 
     try:

@@ -1,16 +1,32 @@
-"""From what a user names to a scenario that can run, its law tried out."""
+"""From what a user names, a file or a name of the library, to a scenario that can run, its law tried out."""
 
 from __future__ import annotations
 
+import re
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from difflib import get_close_matches
+from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 from agents.law import View, choose
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
-from deploy.library.names import build
+from deploy.library.encounters import (
+    beads,
+    blocks,
+    boxes,
+    circle,
+    forest,
+    head_on,
+    sphere_world,
+    swap,
+    turtlebots,
+)
+from deploy.library.figures import TIGHTNESS, admissible, crash, delay_6, figure_1, figure_2, figure_3
+from deploy.library.random_instances import PAPER_DENSITY, in_turn, parts, random_instance
 from deploy.theory.tuning import gain_for
 from protocol.draws import checked_seed
 from protocol.errors import ScenarioError, UsageError
@@ -18,6 +34,145 @@ from protocol.scenario.file import apply_settings, document_of, parse_document, 
 from protocol.scenario.model import Scenario
 from protocol.scenario.tables import Document
 from world.plants.plant import require as require_plant
+
+DEFAULT_SEED = 0
+MAPS = {  # deploy/library/maps
+    "office": "seven rooms on both sides of a corridor",
+    "warehouse": "racks between aisles",
+    "cloister": "a round court with four gates in an octagonal walk",
+}
+
+
+class Entry(NamedTuple):
+    """One name of the library; `N` in it stands for a number of robots."""
+
+    name: str
+    robots: str
+    text: str
+
+
+_Build = Callable[[int], Scenario]
+
+
+def _on_map(name: str, count: int, seed: int) -> Scenario:
+    from deploy.maps.scenario import library_map  # needs libraries of an extra
+
+    return parse_document(library_map(name, count, seed))
+
+
+# the scenario of a seed, how many robots it has, and what it shows
+_FIXED: dict[str, tuple[_Build, str, str]] = {
+    "figure-1": (figure_1, "6", "robot 1 passes between four others that nudge aside"),
+    "figure-2": (figure_2, "3", "goals too close together: they can block each other"),
+    **{
+        f"figure-3{letter}": (
+            partial(figure_3, letter),
+            "6",
+            f"goal set of tightness {tight:.2f}, random starts",
+        )
+        for letter, tight in TIGHTNESS.items()
+    },
+    "head-on": (head_on, "2", "two robots change places, exactly on the saddle"),
+    "admissible": (admissible, "3", "goals for which the paper's guarantee holds"),
+    "delay-6": (delay_6, "6", "figure-3d with 0 to 0.3 s of delay and 10 % loss"),
+    "sphere-world": (sphere_world, "1", "among disks that stand: Koditschek and Rimon's theorem applies"),
+    "crash": (crash, "6", "figure-3c; one robot is killed and started again"),
+}
+# the same of a number, which stands in the name, and a seed
+_COUNTED: dict[str, tuple[Callable[[int, int], Scenario], str, str]] = {
+    "swap": (
+        lambda count, seed: swap(count, seed=seed),
+        "2 to 1000",
+        "robots on a circle change places, exactly on the saddle",
+    ),
+    "circle": (
+        lambda count, seed: circle(count, seed=seed),
+        "2 to 250",
+        "robots of 1.5 m change places on a circle of 200 m, as in RVO2",
+    ),
+    "turtlebots": (turtlebots, "2 to 100", "robots on two wheels each change places on a circle"),
+    "forest": (forest, "1 to 20", "among 40 boxes, as in LSC-DR's forest10"),
+    "blocks": (blocks, "4 to 100", "four groups cross between four blocks, as in RVO2"),
+    "boxes": (boxes, "1 to 100", "random goals among 8 boxes, as in GCBF+"),
+    "beads": (beads, "1 to 100", "in a corridor, where all keep their order"),
+    "in-turn": (in_turn, "1 to 100", "only one robot moves at a time"),
+    "parts": (parts, "3", "robots bring N parts to their goals, taking them up and down"),
+    **{
+        name: (partial(_on_map, name), "1 to 100", f"random goals on a floor plan: {text}")
+        for name, text in MAPS.items()
+    },
+    "random": (random_instance, "1 to 1000", "random starts and goals at the paper's density"),
+}
+_NUMBERED = re.compile(rf"({'|'.join(_COUNTED)})-([1-9][0-9]{{0,5}})")
+
+
+def catalogue() -> list[Entry]:
+    """Every name, in the order in which to show them."""
+    fixed = [Entry(name, robots, text) for name, (_, robots, text) in _FIXED.items()]
+    return fixed + [Entry(f"{name}-N", robots, text) for name, (_, robots, text) in _COUNTED.items()]
+
+
+def suggestions(name: str) -> str:
+    """What may have been meant by a name that does not exist."""
+    known = [entry.name for entry in catalogue()]
+    near = get_close_matches(name, known, 3, 0.5)
+    return f"did you mean {' or '.join(near)}?" if near else f"the library has {', '.join(known)}"
+
+
+def build(name: str, seed: int | None = None) -> Scenario:
+    """The library's scenario of this name; `seed` (0 unless given) determines all that is random in it.
+
+    Raises:
+        UsageError: there is no such name, or this is no seed.
+    """
+    seed = DEFAULT_SEED if seed is None else checked_seed(seed)
+    if name in _FIXED:
+        return _FIXED[name][0](seed)
+    if found := _NUMBERED.fullmatch(name):
+        return _COUNTED[found[1]][0](int(found[2]), seed)
+    raise UsageError(f"no scenario {name!r}; {suggestions(name)}")
+
+
+Options = Mapping[str, float]
+
+_COUNT = 6  # robots, unless given
+
+
+def generate(kind: str, seed: int, options: Options) -> Scenario:
+    """A scenario of `kind`: "random", "swap", or a name of the library.
+
+    Args:
+        options: "robots", "density" and "unequal" for "random", "robots" and "jitter" for "swap".
+
+    Raises:
+        UsageError: no such kind, an option that this kind does not have, or one out of range.
+    """
+    make, known = _KINDS.get(kind, (None, ()))
+    foreign = [f"--{key}" for key in options if key not in known]
+    if foreign:
+        allowed = f"it has {', '.join(f'--{key}' for key in known)}" if known else "it has none"
+        raise UsageError(f"{kind} has no option {', '.join(foreign)}; {allowed}")
+    return build(kind, seed) if make is None else make(seed, options)
+
+
+def _random(seed: int, options: Options) -> Scenario:
+    return random_instance(
+        int(options.get("robots", _COUNT)),
+        seed,
+        density=options.get("density", PAPER_DENSITY),
+        unequal=options.get("unequal", 0.0),
+    )
+
+
+def _swap(seed: int, options: Options) -> Scenario:
+    return swap(int(options.get("robots", _COUNT)), options.get("jitter", 0.0), seed)
+
+
+_KINDS: dict[str, tuple[Callable[[int, Options], Scenario], tuple[str, ...]]] = {
+    "random": (_random, ("robots", "density", "unequal")),
+    "swap": (_swap, ("robots", "jitter")),
+}
+
 
 TRIES = 5  # the quickest counts: others may have waited for the processor
 
@@ -80,7 +235,7 @@ def read(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Sc
 
     Args:
         name: a file, else a library name.
-        settings: `path.to.key=VALUE`, see `protocol.scenario.settings`.
+        settings: `path.to.key=VALUE`, see `protocol.scenario.file`.
         seed: over the scenario's; a library scenario draws its random starts from it.
 
     Raises:

@@ -28,6 +28,7 @@ from typing import Any, NoReturn
 from deploy.processes.spawn import (
     Exited,
     News,
+    Process,
     Report,
     Request,
     Signal,
@@ -47,9 +48,9 @@ _LIBC = ctypes.CDLL(None)
 
 
 def run_forked(
-    start: Start, run: str, report: int | None, lifeline: int, begin_log: Callable[[str], None]
+    process: Process, run: str, report: int | None, lifeline: int, begin_log: Callable[[str], None]
 ) -> NoReturn:
-    """Call what `start` names in this process, which exists for nothing else, and exit.
+    """Call what `process` names in this process, which exists for nothing else, and exit.
 
     Its title is its name and `run`. `report` is the writing end of a pipe for text to the supervisor,
     `lifeline` the reading end of one that ends with the fork server; `begin_log` begins its log, by its
@@ -59,17 +60,17 @@ def run_forked(
     """
     code = FAULT
     try:
-        set_process_title(start.name.replace("-", " ", 1), run)
+        set_process_title(process.name.replace("-", " ", 1), run)
         signal.set_wakeup_fd(-1)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         _close_all_but({report, lifeline})
         _end_with_parent(lifeline)
         os.dup2(2, 1)  # standard output is the command's alone
-        begin_log(start.name)
+        begin_log(process.name)
         LOG.info(f"process {os.getpid()} begins")
-        start.scheduling.apply()  # before there are other threads
-        module, _, function = start.entry.partition(":")
-        arguments = start.arguments
+        process.scheduling.apply()  # before there are other threads
+        module, _, function = process.entry.partition(":")
+        arguments = process.arguments
         if report is not None:
             arguments = (*arguments, Channel(report, readable=False).send)
         code = getattr(importlib.import_module(module), function)(*arguments)
@@ -233,11 +234,11 @@ class _Server:
                     os.kill(pid, request.number)
 
     def _fork(self, start: Start) -> None:
-        reading, writing = os.pipe() if start.reports else (None, None)
+        reading, writing = os.pipe() if start.process.reports else (None, None)
         with STOP.held():  # what reaches the new process before Python is ready in it
             pid = os.fork()
         if pid == 0:
-            run_forked(start, self._run, writing, self._lifeline, self._begin_log)
+            run_forked(start.process, self._run, writing, self._lifeline, self._begin_log)
         if reading is not None and writing is not None:
             os.close(writing)
             self._reports[reading] = (start.life, Channel(reading, writable=False))

@@ -1,4 +1,5 @@
-"""Starts processes, fast and without orphans: the supervisor's side of the fork server, and what they say.
+"""Starts processes, fast and without orphans: the supervisor's side of the fork server, what they say, and
+how the system schedules them.
 
 Measured: 16 processes are up in 0.8 of the time of `multiprocessing`'s own fork server, with 2 MB of
 private memory each beside 4, and in a twelfth of the time of an interpreter for each (22 MB), which is what
@@ -16,6 +17,8 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from itertools import count
 from multiprocessing.connection import Connection as Channel
 from pathlib import Path
@@ -24,22 +27,108 @@ from typing import Annotated, Any, NamedTuple
 import msgspec
 from msgspec import Meta
 
-from deploy.processes.scheduling import ORDINARY, Scheduling
-from protocol.errors import ProcessError
+from protocol.errors import ProcessError, UsageError
+from protocol.process.log import LOG
+
+_LEAST = 2  # robots for each core
+_PRIORITY = 1  # the least that there is, and before all that has none
+
+
+class Scheduling(NamedTuple):
+    """How a process is scheduled, and all threads and processes that it starts; as the system likes unless
+    something else is said.
+
+    core: number of the processor core that it stays on.
+    realtime: it runs before everything without real-time priority, and takes turns with its like (SCHED_RR).
+    """
+
+    core: int | None = None
+    realtime: bool = False
+
+    def apply(self) -> None:
+        """Have this process, which has one thread yet, be scheduled so; Linux only.
+
+        Raises:
+            UsageError: the system refuses real-time priority.
+        """
+        if self.realtime:
+            _take_turns()
+        if self.core is not None:
+            try:
+                os.sched_setaffinity(0, {self.core})
+            except OSError as error:  # a sandbox may refuse it, a container lose the core: then it is slower
+                LOG.info(f"does not stay on core {self.core}: {error}")
+
+
+ORDINARY = Scheduling()
+
+
+def core_of(turn: int, robots: int) -> int | None:
+    """The processor core that a robot's process is to stay on, None where the system had better choose.
+
+    The threads of a robot take turns, and so do robots that wait for each other: left to itself the system
+    moves them to whichever core is idle, away from what the other core's cache holds of them. On two cores
+    beside other work a tick of 16 and 32 robots takes 0.85 of the time so; with 64 on a quiet machine there
+    was no difference (`python -m tests.benchmarks`).
+
+    Args:
+        turn: how many robots of the fleet come before this one.
+        robots: how many there are.
+    """
+    if sys.platform != "linux":
+        return None
+    cores = sorted(os.sched_getaffinity(0))
+    return cores[turn % len(cores)] if robots >= _LEAST * len(cores) else None
+
+
+def require_realtime() -> None:
+    """Find out whether processes may have real-time priority here; this one stays as it is.
+
+    Raises:
+        UsageError: they may not.
+    """
+    with ThreadPoolExecutor(1) as apart:  # each thread has its own priority
+        apart.submit(_take_turns).result()
+
+
+def _take_turns() -> None:
+    """Give this thread real-time priority.
+
+    Without it a fair scheduler lets robots that have to compute at once wait behind each other on one core
+    while another has become idle. What has real-time priority is moved there at once.
+    """
+    if sys.platform != "linux":
+        raise UsageError("--realtime-priority is for Linux only: leave it out")
+    try:
+        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(_PRIORITY))
+    except OSError as error:
+        raise UsageError(
+            f"--realtime-priority: the system refuses real-time priority {_PRIORITY} ({error.strerror}): "
+            f"`ulimit -r` must say {_PRIORITY}, for a login by `rtprio` in /etc/security/limits.conf, in a "
+            f"systemd unit by LimitRTPRIO={_PRIORITY}, in a container by --ulimit rtprio={_PRIORITY} or "
+            f"--cap-add SYS_NICE; or leave the option out"
+        ) from error
+
+
+@dataclass(frozen=True, slots=True)
+class Process:
+    """One row: what to start, and what its end means."""
+
+    name: str  # unique in a fleet, such as `robot-3`
+    entry: str  # "module:function"; it returns the exit status
+    arguments: tuple[Any, ...] = ()  # picklable
+    vital: bool = False  # the fleet cannot go on without it
+    restarts: int = 0  # how many times it is started again by itself after it failed
+    reports: bool = False  # the function takes one more argument: a callable for text to the supervisor
+    scheduling: Scheduling = ORDINARY
+    patience: float = 5.0  # s that it may take to end after SIGTERM; it is killed then
 
 
 class Start(NamedTuple):
-    """Request: fork a process that calls `entry` ("module:function") with `arguments`.
-
-    `reports`: the function gets one more argument, a callable that sends text to the supervisor.
-    """
+    """Request: fork a process."""
 
     life: int  # names this one process, for ever
-    name: str
-    entry: str
-    arguments: tuple[Any, ...]
-    reports: bool
-    scheduling: Scheduling = ORDINARY
+    process: Process
 
 
 class Signal(NamedTuple):
@@ -129,16 +218,22 @@ class Spawner:
         ProcessError: the fork server is gone; its own words are on standard error.
     """
 
-    def __init__(self, modules: Sequence[str] = MODULES, run: str = "", logs: Path | None = None) -> None:
+    def __init__(
+        self,
+        modules: Sequence[str] = MODULES,
+        run: str = "",
+        logs: Path | None = None,
+        lives: Iterator[int] | None = None,
+    ) -> None:
         """Start the fork server, with `modules` imported, without waiting for it; titles name the `run`.
 
-        Processes log to files in the folder `logs`.
+        Processes log to files in the folder `logs`. `lives` are numbers that no other process has or had.
         """
         ours, theirs = socket.socketpair()
         with theirs:
             self._server = self._serve(theirs, modules, run, logs)
         self._channel: Channel[Request, Any] = Channel(ours.detach())
-        self._lives = count(1)
+        self._lives = count(1) if lives is None else lives
         self.gone = False  # the fork server ended by itself, and this was said once
 
     def _serve(
@@ -159,18 +254,10 @@ class Spawner:
             env=environment(),
         )
 
-    def start(
-        self,
-        name: str,
-        entry: str,
-        arguments: tuple[Any, ...] = (),
-        *,
-        reports: bool = False,
-        scheduling: Scheduling = ORDINARY,
-    ) -> int:
-        """Ask for a process that calls `entry` ("module:function"); returns the number of its life."""
+    def start(self, process: Process) -> int:
+        """Ask for a process; returns the number of its life."""
         life = next(self._lives)
-        self._send(Start(life, name, entry, arguments, reports, scheduling))
+        self._send(Start(life, process))
         return life
 
     def signal(self, life: int, number: int) -> None:

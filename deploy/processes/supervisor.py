@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple, Self
 
 import psutil
 
-from deploy.processes.spawn import MAX_NEWS, Exited, News, Report, Spawner, Started
-from deploy.processes.table import Process
+from deploy.processes.spawn import MAX_NEWS, Exited, News, Process, Report, Spawner, Started
 from protocol.errors import ProcessError, StartError
 from protocol.process.signals import STOP
 
@@ -291,13 +290,7 @@ class Supervisor:
         self._lives[process.name] = life
         life.exit_code, life.report, life.told_to_end, life.again = None, None, False, False
         life.began, life.due = time.monotonic(), None
-        life.number = self._spawner.start(
-            process.name,
-            process.entry,
-            process.arguments,
-            reports=process.reports,
-            scheduling=process.scheduling,
-        )
+        life.number = self._spawner.start(process)
         self._by_number[life.number] = life
 
     def _again(self, life: Life) -> None:

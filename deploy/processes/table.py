@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from deploy.processes.scheduling import ORDINARY, Scheduling
-from deploy.telemetry.recording.rotation import ONE_FILE, Rotation
+from deploy.processes.spawn import ORDINARY, Process, Scheduling
+from deploy.telemetry.recording.writer import ONE_FILE, Rotation
 from protocol.bus.connection import Connection
 from protocol.scenario.model import Scenario
 from world.shell.failure_detector import GATHERING
@@ -20,42 +18,21 @@ _CLOSING = 30.0  # s for the recorder, which yields to all others, to close its 
 _LINKING = 8.0  # s for the routers of all hosts to find each other
 
 
-@dataclass(frozen=True, slots=True)
-class Process:
-    """One row: what to start, and what its end means."""
-
-    name: str  # unique in a fleet, such as `robot-3`
-    entry: str  # "module:function"; it returns the exit status
-    arguments: tuple[Any, ...] = ()  # picklable
-    vital: bool = False  # the fleet cannot go on without it
-    restarts: int = 0  # how many times it is started again by itself after it failed
-    reports: bool = False  # the function takes one more argument: a callable for text to the supervisor
-    scheduling: Scheduling = ORDINARY
-    patience: float = 5.0  # s that it may take to end after SIGTERM; it is killed then
-
-
 def router(
     connection: Connection,
     restarts: int = 0,
     scheduling: Scheduling = ORDINARY,
-) -> Process:
-    """The router; it reports the endpoint that it listens on."""
-    return Process(ROUTER, _ROUTING, (connection, 0.0), True, restarts, reports=True, scheduling=scheduling)
-
-
-def linked_router(
-    connection: Connection,
-    host: str,
-    restarts: int = 0,
-    scheduling: Scheduling = ORDINARY,
+    host: str = "",
     *,
     vital: bool = True,
 ) -> Process:
-    """The router of one of several hosts; it reports once it is linked with those that it connects to.
+    """The router, which reports the endpoint that it listens on; that of one of several hosts does so once it
+    is linked with those that it connects to.
 
-    Only that of the world's host is `vital`: with another one the robots behind it are lost, and no more.
+    Of those only that of the world's host is `vital`: with another one the robots behind it are lost, and no
+    more.
     """
-    name, arguments = router_name(host), (connection, _LINKING)
+    name, arguments = router_name(host), (connection, _LINKING if host else 0.0)
     return Process(name, _ROUTING, arguments, vital, restarts, reports=True, scheduling=scheduling)
 
 
@@ -113,8 +90,8 @@ def recorder(
 
 
 def router_name(host: str) -> str:
-    """Name of the row of a host's router, `router-left`."""
-    return f"{ROUTER}-{host}"
+    """Name of the row of a host's router, `router-left`; `router` where there is one for all."""
+    return f"{ROUTER}-{host}" if host else ROUTER
 
 
 def is_router(name: str) -> bool:

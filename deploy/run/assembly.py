@@ -1,9 +1,10 @@
-"""Assembling a fleet: which processes there are, in which order they start, and how each is reached."""
+"""Assembling a fleet: which processes there are, in which order they start, and who connects to whom."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from contextlib import ExitStack, closing, suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 from functools import partial
 from pathlib import Path
@@ -11,14 +12,14 @@ from tempfile import TemporaryDirectory
 
 from deploy.processes import table
 from deploy.processes.hosts.spawners import HostSpawners
-from deploy.processes.hosts.table import check_fit
+from deploy.processes.hosts.table import Host, HostsTable, check_fit
 from deploy.processes.router import reserved
-from deploy.processes.scheduling import Scheduling, core_of, require_realtime
-from deploy.processes.spawn import Spawner
+from deploy.processes.spawn import Process, Scheduling, Spawner, core_of, require_realtime
 from deploy.processes.supervisor import Supervisor
 from deploy.run.options import RunOptions
-from deploy.run.topology import Mesh, MultiHost, Routed, Topology, places
 from deploy.security.membership import Membership
+from deploy.security.roster import MONITOR, WORLD, robot_role
+from protocol.bus.connection import Connection, Credentials
 from protocol.bus.zenoh import ZenohBus
 from protocol.endpoint import Endpoint
 from protocol.errors import DisknavError
@@ -27,6 +28,122 @@ from protocol.scenario.model import Scenario
 from world.process import look_for_others
 from world.shell.admission import AWAY
 from world.shell.persistence.journal import Journal
+
+
+def places(hosts: HostsTable) -> dict[str, str]:
+    """Which host each process of a fleet runs on; what is not named runs where the launcher does."""
+    robots = {table.robot_name(robot): host.name for host in hosts.hosts for robot in host.robots}
+    routers = {table.router_name(host.name): host.name for host in hosts.hosts}
+    return {**routers, "world": hosts.world_host.name, **robots}
+
+
+class Routed:
+    """All are clients of the router at `endpoint`, each with what proves its role."""
+
+    def __init__(self, endpoint: Endpoint, membership: Membership) -> None:
+        self.membership, self.endpoint = membership, endpoint
+
+    def world(self) -> Connection:
+        """The world's connection."""
+        return self._client(WORLD, self.endpoint)
+
+    def robot(self, robot: int) -> Connection:
+        """A robot's connection."""
+        return self._client(robot_role(robot), self.endpoint)
+
+    def observer(self) -> Connection:
+        """Connection of what only watches."""
+        return self._client(MONITOR, self.endpoint)
+
+    def viewer(self) -> Connection:
+        """Connection of what watches, and gives orders if the operator's key is there."""
+        return self._client(self.membership.viewer, self.endpoint)
+
+    def _client(self, role: str, endpoint: Endpoint) -> Connection:
+        return self.membership.client(role, (endpoint,))
+
+
+class MultiHost(Routed):
+    """All are clients of the router of their host; those on other hosts come with copies of their keys."""
+
+    def __init__(self, hosts: HostsTable, membership: Membership, spawners: HostSpawners) -> None:
+        self.hosts, self.spawners = hosts, spawners
+        self.membership = membership
+        super().__init__(self._router_of(hosts.world_host), membership)
+
+    def router(self, host: Host) -> Connection:
+        """The router of a host: linked with those of all hosts before it in the table."""
+        before = self.hosts.hosts[: self.hosts.hosts.index(host)]
+        listen = Endpoint.at(self.membership.protocol, host.listen or host.address, host.port)
+        connection = self.membership.router(
+            (listen,), [self._router_of(other) for other in before], host.name
+        )
+        return self._moved(connection, host)
+
+    def world(self) -> Connection:
+        """The world's connection."""
+        return self._moved(super().world(), self.hosts.world_host)
+
+    def robot(self, robot: int) -> Connection:
+        """A robot's connection; raises UsageError for one that is on no host of the table."""
+        host = self.hosts.host_of(robot)
+        return self._moved(self._client(robot_role(robot), self._router_of(host)), host)
+
+    def _router_of(self, host: Host) -> Endpoint:
+        return Endpoint.at(self.membership.protocol, host.address, host.port)
+
+    def _moved(self, connection: Connection, host: Host) -> Connection:
+        """The same for a process on `host`, which gets the files that this one role needs, and no more."""
+        credentials, folder = connection.credentials, self.spawners.folder(host.name)
+        if credentials is None or folder is None:
+            return connection
+        paths = (credentials.authority, credentials.certificate, credentials.key)
+        for path in paths:
+            self.spawners.store(host.name, Path(path))
+        return replace(
+            connection, credentials=Credentials(*(f"{folder}/{Path(path).name}" for path in paths))
+        )
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """All are peers with a link of their own to each other, over Unix sockets in `folder`.
+
+    Sockets are files named after who listens, so no two fleets and no other program can take one.
+    Each listens, and connects to those before it: the world, then robots in their order.
+    """
+
+    folder: Path
+    robots: tuple[int, ...]
+
+    def world(self) -> Connection:
+        """The world's connection."""
+        return Connection("peer", listen=(self._endpoint("world"),))
+
+    def robot(self, robot: int) -> Connection:
+        """A robot's connection."""
+        before = ["world", *map(str, self.robots[: self.robots.index(robot)])]
+        return Connection("peer", connect=self._endpoints(before), listen=(self._endpoint(str(robot)),))
+
+    def joined(self, robot: int) -> Mesh:
+        """The mesh with another robot, after all others."""
+        return self if robot in self.robots else replace(self, robots=(*self.robots, robot))
+
+    def observer(self) -> Connection:
+        """Connection of somebody who only watches: to everybody, and nobody connects to it."""
+        return Connection("peer", connect=self._endpoints(["world", *map(str, self.robots)]))
+
+    viewer = observer
+
+    def _endpoints(self, names: Iterable[str]) -> tuple[Endpoint, ...]:
+        return tuple(self._endpoint(name) for name in names)
+
+    def _endpoint(self, name: str) -> Endpoint:
+        return Endpoint(f"unixsock-stream/{self.folder / name}")
+
+
+Topology = Routed | Mesh
+
 
 _START = 30.0  # s for a process to say that it is ready
 _SOON = timedelta(days=1)
@@ -81,13 +198,13 @@ class Assembly:
             return ""
         return f"; the certificates in {self._options.secure} ended at {self._ends:{_WHEN}}: make new ones"
 
-    def robots(self) -> list[table.Process]:
+    def robots(self) -> list[Process]:
         """The rows of all robots, which are not started yet."""
         ids = self._scenario.ids
         together = len(ids) if self._options.lockstep and self._hosts is None else 0
         return [self._robot(robot, core_of(turn, together)) for turn, robot in enumerate(ids)]
 
-    def _robot(self, robot: int, core: int | None = None) -> table.Process:
+    def _robot(self, robot: int, core: int | None = None) -> Process:
         options, connection = self._options, self.topology.robot(robot)
         scheduling = self._scheduling._replace(core=core)
         return table.robot(connection, options.run, robot, options.restarts, scheduling)
@@ -158,9 +275,7 @@ class Assembly:
         for host in multi_host.hosts.hosts:
             connection, vital = multi_host.router(host), host is multi_host.hosts.world_host
             restarts, scheduling = self._options.restarts, self._scheduling
-            self.supervisor.start(
-                [table.linked_router(connection, host.name, restarts, scheduling, vital=vital)]
-            )
+            self.supervisor.start([table.router(connection, restarts, scheduling, host.name, vital=vital)])
             self.supervisor.report(table.router_name(host.name), _START)
         return multi_host
 

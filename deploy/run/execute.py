@@ -10,21 +10,47 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from deploy.output import json_output
-from deploy.output.progress import RunProgress
-from deploy.output.target import check_target
+from rich.console import Console
+from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+from deploy.output import check_json, check_target, write_json
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.result import INTERRUPTED, Result, complete, unjudged
 from deploy.telemetry.monitor.watcher import Attachment, Watcher
 from deploy.telemetry.plot.draw import check, draw
-from deploy.telemetry.recording.rotation import ONE_FILE
+from deploy.telemetry.recording.writer import ONE_FILE
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import UsageError
+from protocol.messages import Clock
 from protocol.process.log import LOG
 from protocol.process.signals import STOP, Stopped
 from protocol.scenario.model import Scenario
+
+
+class RunProgress(Progress):
+    """Shows simulated time and clearance while a run goes on; a context manager."""
+
+    def __init__(self, scenario: Scenario, quiet: bool) -> None:
+        console = Console(stderr=True)
+        super().__init__(
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(bar_width=24),
+            TextColumn("{task.fields[figures]}"),
+            TimeElapsedColumn(),
+            console=console,
+            refresh_per_second=5,
+            transient=True,
+            disable=quiet or not console.is_terminal,  # in a file it would be an empty line
+        )
+        self._task = self.add_task(scenario.name, total=scenario.time.limit, figures="starting")
+
+    def watch(self, clock: Clock) -> None:
+        """Take over news from the world."""
+        figures = f"t = {clock.time:5.2f} s   clearance {1000 * clock.clearance:6.2f} mm"
+        self.update(self._task, completed=clock.time, figures=figures)
 
 
 def linger(link: str) -> None:
@@ -41,7 +67,7 @@ def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[str]:
     Raises:
         UsageError: the libraries of the extra `web` are not installed.
     """
-    from deploy.telemetry.monitor.web.server import serve_in_thread
+    from deploy.telemetry.monitor.web import serve_in_thread
 
     source = _watch(fleet, options.run)
     server = serve_in_thread(source)
@@ -108,7 +134,7 @@ def execute(
                 report = unjudged(scenario, None, time.monotonic() - began)
                 report.update(verdict="interrupted", reason=INTERRUPTED)
                 result = complete(report, options, [])
-                json_output.write_json(result, extras.json)
+                write_json(result, extras.json)
                 tell(result)
                 return result
             report = fleet.execute()
@@ -116,7 +142,7 @@ def execute(
             result = complete(report, options, processes, recordings if extras.record else [])
             LOG.info(f"verdict: {result['verdict']} {result['reason']}".rstrip())
             try:
-                json_output.write_json(result, extras.json)  # before anything that may still wait
+                write_json(result, extras.json)  # before anything that may still wait
             except UsageError as error:
                 unwritten = error
             fleet.record(result)
@@ -135,7 +161,7 @@ def execute(
 
 def _check(extras: Extras) -> None:
     """Find out before the run what would fail after it."""
-    json_output.check(extras.json)
+    check_json(extras.json)
     if extras.record is not None:
         check_target(extras.record, "record")
     if extras.plot is not None:

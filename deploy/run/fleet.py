@@ -12,12 +12,12 @@ from pathlib import Path
 from typing import Any
 
 from deploy.processes import table
+from deploy.processes.spawn import Process
 from deploy.processes.supervisor import Exit, Usage
-from deploy.run.assembly import Assembly
+from deploy.run.assembly import Assembly, Topology, places
 from deploy.run.launcher import Launcher
 from deploy.run.options import RunOptions
 from deploy.run.result import INTERRUPTED, Report, read_report, unjudged
-from deploy.run.topology import Topology, places
 from protocol.bus.bus import Event, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
@@ -26,6 +26,7 @@ from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.process.log import LOG
 from protocol.process.signals import STOP
+from protocol.scenario.model import Event as ProcessEvent
 from protocol.scenario.model import Scenario
 
 Watcher = Callable[[Clock], None]
@@ -83,7 +84,7 @@ class Fleet:
             self._stack = stack.pop_all()
         return self
 
-    def _robots(self) -> list[table.Process]:
+    def _robots(self) -> list[Process]:
         return self._assembly.robots()
 
     def __exit__(self, *details: object) -> None:
@@ -205,17 +206,8 @@ class Fleet:
     def runs(self, robot: int) -> bool:
         return table.robot_name(robot) in self._supervisor.running()
 
-    def kill(self, robot: int) -> None:
-        self._supervisor.kill(table.robot_name(robot))
-
-    def pause(self, robot: int) -> None:
-        self._supervisor.pause(table.robot_name(robot))
-
-    def resume(self, robot: int) -> None:
-        self._supervisor.resume(table.robot_name(robot))
-
-    def restart(self, robot: int) -> None:
-        self._supervisor.restart(table.robot_name(robot))
+    def act(self, robot: int, event: ProcessEvent) -> None:
+        getattr(self._supervisor, event)(table.robot_name(robot))
 
     def welcome(self, robot: int) -> bool:
         self._assembly.start_newcomer(robot)

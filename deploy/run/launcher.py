@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from protocol.messages import Clock
-from protocol.scenario.model import ProcessFault, Scenario
+from protocol.scenario.model import Event, ProcessFault, Scenario
 
 
 class Processes(Protocol):
@@ -19,17 +19,8 @@ class Processes(Protocol):
     def runs(self, robot: int) -> bool:
         """Whether its process has not ended, as far as is known."""
 
-    def kill(self, robot: int) -> None:
-        """End it."""
-
-    def pause(self, robot: int) -> None:
-        """Freeze it."""
-
-    def resume(self, robot: int) -> None:
-        """Let it go on, if it is frozen."""
-
-    def restart(self, robot: int) -> None:
-        """End it, and start the next one."""
+    def act(self, robot: int, event: Event) -> None:
+        """Kill it, pause it, let it go on if it is paused, or end it and start the next one."""
 
     def welcome(self, robot: int) -> bool:
         """Start a process for a robot that was added; False if one that is frozen has to end before."""
@@ -67,13 +58,7 @@ class Launcher:
         if fault.event in ("kill", "pause"):
             self._started.discard(robot)  # a robot that is added under its id has a process of its own
         (self._paused.add if fault.event == "pause" else self._paused.discard)(robot)
-        actions = {
-            "kill": processes.kill,
-            "pause": processes.pause,
-            "resume": processes.resume,
-            "restart": processes.restart,
-        }
-        actions[fault.event](robot)
+        processes.act(robot, fault.event)
 
     def removed(self, robot: int) -> None:
         """The process of a robot that was removed has ended."""

@@ -9,11 +9,10 @@ from __future__ import annotations
 import gc
 import json
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import lru_cache, partial
 from pathlib import Path
-from random import Random
 from threading import Lock
 from typing import Any, Final
 
@@ -31,6 +30,7 @@ from protocol.keys import everything, world_key
 from protocol.messages import Clock
 from protocol.process.log import LOG
 from protocol.process.signals import STOP
+from protocol.scenario.model import Event as ProcessEvent
 from protocol.scenario.model import Scenario
 from world.shell.node import WorldNode
 from world.shell.persistence.journal import Journal
@@ -102,10 +102,8 @@ class LocalFleet:
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         watch: is told every Clock.
         record: file to record to.
-        joining: robot ids in the order in which they join, at the start and whenever several join again;
-            increasing unless given. Then robots that are not named come last, and those in decreasing order.
         journal: file of the world's journal (see `Journal.create`); with it the world may die and go on.
-        order: in which messages are heard, see `LocalNetwork`.
+        network: where its nodes meet; one of its own unless given.
 
     Attributes:
         report: of the world, once the run has ended.
@@ -120,11 +118,10 @@ class LocalFleet:
         speed: float = 0.0,
         watch: Watcher | None = None,
         record: Path | None = None,
-        joining: Sequence[int] | None = None,
         journal: Path | None = None,
-        order: Random | None = None,
+        network: LocalNetwork | None = None,
     ) -> None:
-        self.network = LocalNetwork(order)
+        self.network = LocalNetwork() if network is None else network
         self.run = run
         # To read a scenario of 1000 robots takes 2 ms, and half a megabyte: 2 s and 0.5 GB if each did.
         self._read = lru_cache(maxsize=1)(decode_reply)
@@ -136,8 +133,7 @@ class LocalFleet:
         self._recorder = None if self._writer is None else self._hear(self._writer)
         self.robots: dict[int, LocalBus] = {}
         self._paused: dict[int, Node] = {}
-        self._joining = joining
-        for robot in joining or scenario.ids:
+        for robot in sorted(scenario.ids, key=self.turn):
             self.start(robot)
         self.launcher = Launcher(scenario, self, self.turn)
         clock = self.network.connect()
@@ -172,11 +168,9 @@ class LocalFleet:
         if self._past is not None:
             self._past.journal.close()
 
-    def turn(self, robot: int) -> tuple[bool, int]:
+    def turn(self, robot: int) -> Any:
         """When a robot joins, of several that may: those with less first."""
-        if self._joining is None:
-            return False, robot
-        return (False, self._joining.index(robot)) if robot in self._joining else (True, -robot)
+        return robot
 
     def start(self, robot: int) -> Node:
         """Start a robot's node."""
@@ -205,6 +199,10 @@ class LocalFleet:
         """As `Processes`."""
         bus = self.robots.get(robot)
         return bus is not None and bus.node is not None
+
+    def act(self, robot: int, event: ProcessEvent) -> None:
+        """As `Processes`."""
+        getattr(self, event)(robot)
 
     def kill(self, robot: int) -> None:
         """End a robot's node at once; its token goes."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from deploy.processes.hosts.table import HostsTable, exposed
-from deploy.telemetry.recording.rotation import ONE_FILE, Rotation
+from deploy.telemetry.recording.writer import ONE_FILE, Rotation
 from protocol.errors import UsageError
 
 Transport = Literal["routed", "mesh", "local"]

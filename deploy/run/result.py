@@ -10,7 +10,7 @@ from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from deploy.output.exit_status import EXIT_ARRIVED, EXIT_FAULT, EXIT_OTHERWISE
+from deploy.output import EXIT_ARRIVED, EXIT_FAULT, EXIT_OTHERWISE
 from deploy.processes.table import is_router
 from deploy.run.options import RunOptions
 from protocol.errors import MessageError

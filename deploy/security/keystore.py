@@ -11,17 +11,20 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import NamedTuple
 
-from cryptography import x509
-from cryptography.exceptions import InvalidSignature
-from cryptography.hazmat.primitives import hashes, serialization
-from cryptography.hazmat.primitives.asymmetric import ec
-from cryptography.hazmat.primitives.serialization import load_pem_private_key
-from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
-
 from deploy.security.roster import ROSTER, ROUTER, Roster, encoded, router_role
 from protocol.bus.connection import AUTHORITY, Credentials, certificate_file, key_file
 from protocol.errors import CertificateError, UsageError
 from protocol.process.installation import missing_library
+
+try:
+    from cryptography import x509
+    from cryptography.exceptions import InvalidSignature
+    from cryptography.hazmat.primitives import hashes, serialization
+    from cryptography.hazmat.primitives.asymmetric import ec
+    from cryptography.hazmat.primitives.serialization import load_pem_private_key
+    from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
+except ModuleNotFoundError as error:
+    raise missing_library("a certificate", "cryptography", "secure") from error
 
 _SKEW = datetime.timedelta(minutes=10)  # a host's clock may be this much late
 
@@ -133,11 +136,6 @@ def _usage(
 
 
 _LONGEST = 36_500.0  # days
-
-try:
-    from deploy.security.keystore import Authority
-except ModuleNotFoundError as error:
-    raise missing_library("a certificate", "cryptography", "secure") from error
 
 LOOPBACK = ("localhost", "127.0.0.1", "::1")
 

@@ -7,13 +7,11 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
-from deploy.security.access import access_control
-from deploy.security.roster import MONITOR, OPERATOR, ROUTER, Roster, read, router_role
+from deploy.security.roster import MONITOR, OPERATOR, ROUTER, Roster, access_control, read, router_role
 from protocol.bus.connection import AUTHORITY, Connection, Credentials, credentials, key_file
 from protocol.endpoint import DEFAULT_PORT, Endpoint
 from protocol.errors import CertificateError, UsageError
 from protocol.keys import checked_run
-from protocol.process.installation import missing_library
 
 
 @dataclass(frozen=True)
@@ -109,10 +107,8 @@ class Membership:
     def _credentials(self, role: str) -> Credentials | None:
         if self.directory is None:
             return None
-        try:
-            from deploy.security.keystore import inspect
-        except ModuleNotFoundError as error:
-            raise missing_library("a certificate", "cryptography", "secure") from error
+        from deploy.security.keystore import inspect
+
         found = credentials(self.directory, role)
         inspect(found, role)
         return found

@@ -1,16 +1,35 @@
-"""The roster of a run: its name, its robots, its hosts, and the role that each certificate stands for."""
+"""Who takes part in a run, under which roles, and what a router lets each role say and hear.
+
+Everything is denied that no rule allows. What a process sends is checked when it enters a router,
+and only what it subscribed to with leave can come back, so the way out needs one rule for all.
+A declared subscription, query or token must lie within an allowed key expression.
+
+Another host's router may say what those behind it may, and no more: whoever has a host speaks for
+its robots only, whatever its router relays. So nothing is relayed on a detour over a third host.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
 from protocol.codec import DAMAGED
 from protocol.errors import CertificateError
-from protocol.keys import checked_run
+from protocol.keys import (
+    ROBOT_STREAMS,
+    checked_run,
+    every_robot,
+    everything,
+    robot_key,
+    robot_tokens,
+    world_key,
+    world_tokens,
+)
+from protocol.streams import QUESTIONS, STREAMS
 
 ROSTER = "roster.json"
 WORLD, ROUTER, MONITOR, OPERATOR = "world", "router", "monitor", "operator"
@@ -94,3 +113,124 @@ def read(directory: Path) -> Roster:
         raise CertificateError(f"{path} cannot be read as a roster: {error}") from error
     checked_run(roster.run)
     return roster
+
+
+Rule = dict[str, Any]
+
+_PUBLISH = ("put",)
+_SUBSCRIBE = ("declare_subscriber",)
+_ASK = ("query",)
+_SERVE = ("declare_queryable", "reply")
+_ANNOUNCE = ("liveliness_token",)
+_WATCH = ("declare_liveliness_subscriber", "liveliness_query")
+_ALL = (*_PUBLISH, "delete", *_SUBSCRIBE, *_ASK, *_SERVE, *_ANNOUNCE, *_WATCH)
+
+_ADMIN = "@/*/router/**"  # what a router tells of itself, where it does
+
+
+def access_control(roster: Roster, host: str = "") -> dict[str, Any]:
+    """zenoh's `access_control` for the router of `host`, or the only one of this run.
+
+    Subjects are common names of certificates.
+
+    Raises:
+        CertificateError: the run has no such host.
+    """
+    run = roster.run
+    rules = {rule["id"]: rule for role in roster.roles for rule in _rules(run, role)}
+    out = _rule("anybody", "hear", _ALL, [everything(run), _ADMIN], flow="egress")
+    return {
+        "enabled": True,
+        "default_permission": "deny",
+        "rules": [out, *rules.values()],
+        "subjects": [{"id": role, "cert_common_names": [role]} for role in _speakers(roster, host)],
+        "policies": [
+            {
+                "rules": [out["id"], *(rule["id"] for each in roles for rule in _rules(run, each))],
+                "subjects": [role],
+            }
+            for role, roles in _speakers(roster, host).items()
+        ],
+    }
+
+
+def _speakers(roster: Roster, host: str) -> dict[str, tuple[str, ...]]:
+    """Who may be at the other end of a link of this router -> the roles for which it speaks."""
+    clients = (
+        roster.behind(host) if roster.homes else (WORLD, MONITOR, OPERATOR, *map(robot_role, roster.robots))
+    )
+    routers = {router_role(other): roster.behind(other) for other in roster.homes if other != host}
+    return {**routers, **{role: (role,) for role in clients}}
+
+
+def _rules(run: str, role: str) -> Iterator[Rule]:
+    if role == WORLD:
+        yield from _world(run)
+    elif role == MONITOR:
+        yield from _watcher(run, MONITOR, _questions("monitor"))
+    elif role == OPERATOR:
+        yield from _watcher(run, OPERATOR, [*_questions("monitor"), *_questions("operator")])
+        yield _rule(role, "publish", _PUBLISH, [_key(run, name) for name in _published_by("operator")])
+    elif role.startswith("robot-"):
+        yield from _robot(run, int(role.removeprefix("robot-")))
+
+
+def _robot(run: str, robot: int) -> Iterator[Rule]:
+    """A robot writes, asks and announces itself under its own id only."""
+    role = robot_role(robot)
+    own = [_key(run, name, robot) for name in _heard_by("itself")]
+    everybodys = [_key(run, name) for name in _heard_by("robots")]
+    yield _rule(role, "publish", _PUBLISH, [_key(run, name, robot) for name in _published_by("robot")])
+    yield _rule(role, "subscribe", _SUBSCRIBE, [*own, *everybodys])
+    yield _rule(role, "ask", _ASK, [_key(run, name, robot) for name in _questions("itself")])
+    yield _rule(role, "announce", _ANNOUNCE, [robot_tokens(run, robot)])
+    yield _rule(role, "watch", _WATCH, [world_tokens(run)])
+
+
+def _world(run: str) -> Iterator[Rule]:
+    """The world writes what is its own, for every robot, hears commands, answers questions."""
+    yield _rule(WORLD, "publish", _PUBLISH, [_key(run, name) for name in _published_by("world")])
+    yield _rule(WORLD, "subscribe", _SUBSCRIBE, [_key(run, name) for name in _heard_by("world")])
+    yield _rule(WORLD, "serve", _SERVE, [_key(run, question.name) for question in QUESTIONS])
+    yield _rule(WORLD, "ask", _ASK, [world_key(run, "scenario")])  # whether there is another world
+    yield _rule(WORLD, "announce", _ANNOUNCE, [world_tokens(run)])
+    yield _rule(WORLD, "watch", _WATCH, [robot_tokens(run), world_tokens(run)])
+
+
+def _watcher(run: str, role: str, questions: Sequence[str]) -> Iterator[Rule]:
+    """A monitor hears everything and writes nothing; it may ask for the scenario and use the controls. An
+    operator may also send robots elsewhere, and say who and what comes and goes."""
+    yield _rule(role, "subscribe", _SUBSCRIBE, [everything(run)])
+    yield _rule(role, "ask", _ASK, [*(_key(run, name) for name in questions), _ADMIN])
+    yield _rule(role, "watch", _WATCH, [everything(run)])
+
+
+def _published_by(publisher: str) -> list[str]:
+    return [stream.name for stream in STREAMS.values() if stream.publisher == publisher]
+
+
+def _heard_by(hearer: str) -> list[str]:
+    return [stream.name for stream in STREAMS.values() if hearer in stream.heard_by]
+
+
+def _questions(asker: str) -> list[str]:
+    return [question.name for question in QUESTIONS if question.asked_by == asker]
+
+
+def _key(run: str, name: str, robot: int | None = None) -> str:
+    """Key of a stream or question: the world's, or of one robot, or of all."""
+    if name not in ROBOT_STREAMS:
+        return world_key(run, name)
+    return every_robot(run, name) if robot is None else robot_key(run, robot, name)
+
+
+def _rule(
+    role: str, name: str, messages: Sequence[str], keys: Sequence[str], *, flow: str = "ingress"
+) -> Rule:
+    return {
+        "id": f"{role} {name}",
+        "permission": "allow",
+        "flows": [flow],
+        "messages": list(messages),
+        "key_exprs": list(keys),
+    }

@@ -23,13 +23,13 @@ from typing import Any
 import psutil
 
 from agents.shell.node import RobotNode
-from deploy.output.progress import bar
+from deploy.output import bar
 from deploy.processes.fork_server import end_with_pipe
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport
 from deploy.run.result import complete
-from deploy.software.provenance import code_digest
+from deploy.software import code_digest
 from deploy.studies.study import Build, Result, Row, Run, Shard, Study
 from protocol.bus.bus import Event
 from protocol.errors import ProcessError

@@ -1,4 +1,5 @@
-"""The experiments of Karagoz, Bozma, Koditschek: figures 4 and 5, on the flow that the paper has.
+"""The experiments of Karagoz, Bozma, Koditschek, figures 4 and 5, on the flow that the paper has; and what
+the number of robots does.
 
 The law is the paper's own at the common pace, no filter, perfect sensing and links. What remains between
 a sampled fleet and the paper's continuous flow is the period, during which a robot's peers stand
@@ -16,7 +17,10 @@ from functools import partial
 from typing import Any
 
 from deploy.library.figures import TIGHTNESS, figure_3
-from deploy.studies.study import Cell, Result, Row, Study, arrived, deviation, mean
+from deploy.library.load import resolved
+from deploy.library.random_instances import random_instance
+from deploy.run.options import Transport
+from deploy.studies.study import Cell, Result, Row, Study, figures, growth, mean
 from protocol.scenario.model import Scenario
 
 PERIOD = 0.01  # s
@@ -42,29 +46,19 @@ EXACT_TUNING = {
     100.0: 1.18,
     300.0: 1.17,
 }
-
-COLUMNS = {
-    "tight": ".2f",
-    "k": "g",
-    "nrl_mean": ".3f",
-    "nrl_std": ".3f",
-    "arrived": "d",
-    "runs": "d",
-    "paper": ".2f",
-    "exact": ".2f",
-}
+COLUMNS = "tight k nrl_mean nrl_std arrived runs paper exact"
 
 
 def tightness(runs: int = RUNS, seed: int = 0) -> Study:
     """Figure 4: nrl against tightness at k = 60; five goal sets, `runs` random starts each."""
     cells = [_cell(letter, GAIN, runs, seed) for letter in TIGHTNESS]
-    return Study("tightness", cells, partial(_row, "tight", PRINTED_TIGHTNESS, EXACT_TIGHTNESS), COLUMNS)
+    return Study("tightness", cells, COLUMNS, partial(_row, "tight", PRINTED_TIGHTNESS, EXACT_TIGHTNESS))
 
 
 def tuning(runs: int = RUNS, seed: int = 0) -> Study:
     """Figure 5: nrl against k on goal set 3d; the same `runs` random starts for every k."""
     cells = [_cell(GOAL_SET, k, runs, seed) for k in GAINS]
-    return Study("tuning", cells, partial(_row, "k", PRINTED_TUNING, EXACT_TUNING), COLUMNS)
+    return Study("tuning", cells, COLUMNS, partial(_row, "k", PRINTED_TUNING, EXACT_TUNING))
 
 
 def paper_flow(letter: str, k: float, seed: int) -> Scenario:
@@ -89,15 +83,88 @@ def _row(
     labels: Mapping[str, Any],
     results: Sequence[Result],
 ) -> Row:
-    """nrl is over the runs that arrived, as the paper's is."""
-    lengths = [result["nrl"] for result in arrived(results)]
+    """What the paper and the exact flow have at this place of the axis, too."""
+    x = labels[axis]
+    return {**labels, **figures(results), "paper": printed.get(x), "exact": exact.get(x)}
+
+
+# -- what the number of robots does to path, time, speed and memory, on each transport
+
+ROBOTS = (3, 6, 12, 16, 24, 32, 48, 64)
+TRANSPORTS: tuple[Transport, ...] = ("routed", "local")
+_FITTED = {
+    "nrl_mean": "nrl",
+    "time_mean": "simulated time",
+    "ticks_per_second": "ticks per second",
+    "cpu_per_robot_tick_us": "CPU per robot and tick",
+    "memory_mb": "memory",
+}
+
+
+def scale(
+    runs: int = 3,
+    seed: int = 0,
+    robots: Sequence[int] = ROBOTS,
+    transports: Sequence[Transport] = TRANSPORTS,
+) -> Study:
+    """Random instances at the paper's density with the filter on; `runs` for every number of robots."""
+    cells = [
+        Cell({"transport": bus, "robots": count}, partial(instance, count), range(seed, seed + runs), bus)
+        for bus in transports
+        for count in robots
+    ]
+    columns = (
+        "transport robots k runs arrived nrl_mean time_mean ticks_per_second cpu_per_robot_tick_us memory_mb "
+        "memory_per_robot_mb"
+    )
+    return Study("scale", cells, columns, _costs, _growth)
+
+
+def instance(count: int, seed: int) -> Scenario:
+    """`count` robots, random starts and goals, time enough."""
+    drawn = resolved(random_instance(count, seed))
+    return replace(drawn, time=replace(drawn.time, limit=2.0 * LIMIT))
+
+
+def _costs(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
+    """memory: resident, summed over processes, so that what they share counts for each of them."""
+    robots = labels["robots"]
+    own = [process["max_rss_mb"] for result in results for process in _robots(result)]
     return {
         **labels,
-        "nrl_mean": mean(lengths),
-        "nrl_std": deviation(lengths),
-        "arrived": len(lengths),
-        "runs": len(results),
-        "collisions": sum(result["collisions"] > 0 for result in results),
-        "paper": printed.get(labels[axis]),
-        "exact": exact.get(labels[axis]),
+        **figures(results),
+        "k": results[0]["k"],
+        "ticks_per_second": mean([result["ticks_per_second"] for result in results]),
+        "cpu_per_robot_tick_us": mean([1e6 * _cpu(result) / result["ticks"] / robots for result in results]),
+        "memory_mb": mean([_memory(result) for result in results]),
+        "memory_per_robot_mb": mean(own),
     }
+
+
+def _robots(result: Result) -> list[dict[str, Any]]:
+    return [process for process in result["processes"] if process["name"].startswith("robot-")]
+
+
+def _memory(result: Result) -> float:
+    return float(result.get("max_rss_mb") or sum(process["max_rss_mb"] for process in result["processes"]))
+
+
+def _cpu(result: Result) -> float:
+    """CPU of all processes, s; start and end included."""
+    return float(result.get("cpu_s") or sum(process["cpu_s"] for process in result["processes"]))
+
+
+def _growth(rows: Sequence[Row]) -> list[str]:
+    """Growth exponents: least squares over the logarithms, of all rows of one transport."""
+    lines = []
+    for transport in dict.fromkeys(row["transport"] for row in rows):
+        fits = []
+        for name, words in _FITTED.items():
+            points = [
+                (row["robots"], row[name]) for row in rows if row["transport"] == transport and row[name]
+            ]
+            if len({x for x, _ in points}) > 1:
+                exponent = growth([x for x, _ in points], [y for _, y in points])
+                fits.append(f"{words} p^{exponent:+.2f}")
+        lines.append(f"{transport}, p robots: " + ", ".join(fits))
+    return lines

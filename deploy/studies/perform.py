@@ -12,18 +12,13 @@ from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from deploy.output.exit_status import EXIT_ARRIVED, EXIT_OTHERWISE
-from deploy.output.json_output import check as check_json
-from deploy.output.json_output import is_standard_output, write_json
+from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE, check_json, is_standard_output, write_json
 from deploy.run.options import Transport
-from deploy.software.provenance import provenance
-from deploy.studies.arrival import arrival
-from deploy.studies.delay import delay
+from deploy.software import provenance
+from deploy.studies.conditions import arrival, delay, robustness
 from deploy.studies.execution import Outcome, RunLog, execute
-from deploy.studies.experiments import tightness, tuning
+from deploy.studies.experiments import scale, tightness, tuning
 from deploy.studies.peers.study import peers
-from deploy.studies.robustness import robustness
-from deploy.studies.scale import scale
 from deploy.studies.study import Row, Shard, Study, StudyName
 from deploy.telemetry.plot.draw import PICTURES
 from deploy.telemetry.plot.draw import check as check_plot
@@ -38,21 +33,7 @@ _BUILD: dict[StudyName, Callable[..., Study]] = {
     "peers": peers,
     "scale": scale,
 }
-_DEFAULT: dict[StudyName, Transport] = {"tightness": "routed", "tuning": "routed"}
-_ONE_AT_A_TIME: frozenset[StudyName] = frozenset({"scale"})  # its figures are speeds
-
-
-@dataclass(frozen=True)
-class Defaults:
-    """What a study uses unless told otherwise."""
-
-    transport: Transport
-    one_job: bool
-
-
-def defaults(name: StudyName) -> Defaults:
-    """Real processes for the paper's experiments; elsewhere the in-process bus, with the same rows."""
-    return Defaults(_DEFAULT.get(name, "local"), name in _ONE_AT_A_TIME)
+_ON_PROCESSES = ("tightness", "tuning")  # all others on the in-process bus, with the same rows
 
 
 def find(
@@ -77,39 +58,45 @@ def find(
     return _BUILD[name](**arguments)
 
 
-_WORDS = {
-    "nrl_mean": "nrl",
-    "nrl_std": "±",
-    "nrl_error": "± error",
-    "time_mean": "time, s",
-    "time_error": "± error",
-    "limit_mean": "limit",
-    "nrl_ratio": "nrl, paired",
-    "time_ratio": "time, paired",
-    "time_max": "longest, s",
-    "delay": "delay, s",
-    "ratio": "against no delay",
-    "ratio_error": "± error",
-    "noise": "noise, m",
-    "period": "period, s",
-    "min_clearance": "clearance, m",
-    "paper": "paper",
-    "exact": "exact flow",
-    "ticks_per_second": "ticks/s",
-    "cpu_per_robot_tick_us": "CPU, µs/robot/tick",
-    "memory_mb": "memory, MB",
-    "memory_per_robot_mb": "MB/robot",
-    "step_us": "step, µs",
+# of each column: its title, and the format of its numbers
+_COLUMNS = {
+    **{name: (name, "") for name in ("scenario", "law", "setting", "pace", "filter", "transport")},
+    **{name: (name, "d") for name in ("runs", "arrived", "collisions", "robots", "room")},
+    **{name: (name, "g") for name in ("k", "loss", "density")},
+    "tight": ("tight", ".2f"),
+    "nrl_mean": ("nrl", ".3f"),
+    "nrl_std": ("±", ".3f"),
+    "nrl_error": ("± error", ".3f"),
+    "nrl_ratio": ("nrl, paired", ".3f"),
+    "time_mean": ("time, s", ".2f"),
+    "time_error": ("± error", ".2f"),
+    "time_max": ("longest, s", ".1f"),
+    "time_ratio": ("time, paired", ".3f"),
+    "limit_mean": ("limit", ".2f"),
+    "delay": ("delay, s", "g"),
+    "ratio": ("against no delay", ".3f"),
+    "ratio_error": ("± error", ".3f"),
+    "noise": ("noise, m", "g"),
+    "period": ("period, s", "g"),
+    "min_clearance": ("clearance, m", ".2e"),
+    "paper": ("paper", ".2f"),
+    "exact": ("exact flow", ".2f"),
+    "ticks_per_second": ("ticks/s", ".0f"),
+    "cpu_per_robot_tick_us": ("CPU, µs/robot/tick", ".0f"),
+    "memory_mb": ("memory, MB", ".0f"),
+    "memory_per_robot_mb": ("MB/robot", ".1f"),
+    "step_us": ("step, µs", ".0f"),
 }
 
 
 def table(study: Study, rows: Sequence[Row]) -> RenderableType:
     """The rows, and what the study says below them."""
     listing = Table(title=f"study {study.name}", title_justify="left", box=None, header_style="bold")
-    for column, form in study.columns.items():
-        listing.add_column(_WORDS.get(column, column), justify="left" if form == "" else "right")
+    columns = [(name, *_COLUMNS[name]) for name in study.columns.split()]
+    for _, title, form in columns:
+        listing.add_column(title, justify="left" if form == "" else "right")
     for row in rows:
-        listing.add_row(*(_cell(row.get(column), form) for column, form in study.columns.items()))
+        listing.add_row(*(_cell(row.get(name), form) for name, _, form in columns))
     return Group(listing, *(Text(line) for line in study.summary(rows)))
 
 
@@ -151,9 +138,8 @@ def perform(request: Request) -> int:
         UsageError, ScenarioError: what was asked for does not exist or cannot be written.
         ProcessError: a worker or a fleet was lost; the same request goes on from there.
     """
-    usual = defaults(request.name)
-    transport = request.transport or usual.transport
-    jobs = 1 if usual.one_job else request.jobs
+    transport: Transport = request.transport or ("routed" if request.name in _ON_PROCESSES else "local")
+    jobs = 1 if request.name == "scale" else request.jobs  # its figures are speeds
     study = find(
         request.name,
         request.runs,
@@ -178,9 +164,10 @@ def perform(request: Request) -> int:
     }
     write_json(document, request.target)
     if request.plot is not None and outcome.rows:
-        from deploy.studies.charts import draw_study
+        from deploy.studies.charts import CHARTS, draw_study
+        from deploy.studies.peers import chart
 
-        draw_study(study.name, outcome.rows, request.plot)
+        draw_study(CHARTS.get(study.name, chart.peers), outcome.rows, request.plot)
     if not quiet:
         Console(width=None if sys.stdout.isatty() else _PAPER).print(table(study, outcome.rows))
     return _status(study, outcome, request.file)

@@ -57,16 +57,19 @@ class Run:
 class Study:
     """A list of cells with the way to make rows of their results.
 
+    columns: of the printed table, separated by blanks.
     row: from a cell's labels and its results, in the order of seeds, to its row.
-    columns: of the printed table, with their formats.
     summary: lines below the table.
     sound: whether the rows are as they have to be; a collision where none may be is not.
     """
 
     name: str
     cells: Sequence[Cell]
-    row: Callable[[Mapping[str, Any], Sequence[Result]], Row]
-    columns: Mapping[str, str]
+    columns: str
+    row: Callable[[Mapping[str, Any], Sequence[Result]], Row] = lambda labels, results: {
+        **labels,
+        **figures(results),
+    }
     summary: Callable[[Sequence[Row]], list[str]] = lambda _: []
     sound: Callable[[Sequence[Row]], bool] = lambda _: True
 
@@ -151,30 +154,27 @@ def mean(values: Sequence[float]) -> float | None:
     return fmean(values) if values else None
 
 
-def deviation(values: Sequence[float]) -> float | None:
-    """Standard deviation of the sample; None of less than two."""
-    return stdev(values) if len(values) > 1 else None
-
-
 def error(values: Sequence[float]) -> float | None:
     """Standard error of the mean; None of less than two."""
     return stdev(values) / math.sqrt(len(values)) if len(values) > 1 else None
 
 
-def collided(results: Iterable[Result]) -> int:
-    """Runs in which something touched."""
-    return sum(1 for result in results if result.get("collisions"))
-
-
 def figures(results: Sequence[Result]) -> dict[str, Any]:
-    """How many runs, of them those that touched and those that arrived, and mean nrl and time of these."""
+    """What every row says: how many runs, how many touched and how many arrived; nrl and time (s) of these,
+    with deviations and standard errors; and the smallest clearance (m) of all runs."""
     came = arrived(results)
+    nrl, time = [result["nrl"] for result in came], [result["sim_time"] for result in came]
     return {
         "runs": len(results),
-        "collisions": collided(results),
+        "collisions": sum(1 for result in results if result.get("collisions")),
         "arrived": len(came),
-        "nrl_mean": mean([result["nrl"] for result in came]),
-        "time_mean": mean([result["sim_time"] for result in came]),
+        "nrl_mean": mean(nrl),
+        "nrl_std": stdev(nrl) if len(nrl) > 1 else None,
+        "nrl_error": error(nrl),
+        "time_mean": mean(time),
+        "time_error": error(time),
+        "time_max": max(time, default=None),
+        "min_clearance": min((result.get("min_clearance", math.inf) for result in results), default=None),
     }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from rich.console import Group, RenderableType
@@ -12,12 +12,14 @@ from rich.table import Table
 from rich.text import Text
 
 from agents.law.obstacles import Attraction
-from agents.parts.layout import Layout
+from agents.law.passages import gaps as passages
+from agents.law.passages import separating
+from agents.parts.grid import Layout
 from agents.parts.planner import Planner
 from deploy.theory.check import finite
-from deploy.theory.configurations import Barrier, barriers
 from deploy.theory.tuning import Door, crowd, doors, gain_for
 from protocol.geometry import ROOM, Disk, obstructed
+from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks, gaps
 from world.judge.measures import Goals, tight
@@ -82,6 +84,35 @@ _ORDER = {
     True: "Parts find their way to their goals one after another; only tests say how often all do.",
     False: "No order was found in which parts find their way to their goals: some must be put aside first.",
 }
+
+
+class Barrier(NamedTuple):
+    """Obstacles that separate a robot's goal from its start, other robots and all parts away.
+
+    Of all ways there the widest is `width` (m) wide where it is narrowest, at (x, y), m.
+    """
+
+    robot: int
+    width: float
+    x: float
+    y: float
+
+
+def barriers(scenario: Scenario) -> list[Barrier]:
+    """Robots whose goals no controller reaches while all obstacles stand; an exact decision."""
+    room, obstacles = scenario.workspace.shape, [thing.shape for thing in scenario.obstacles]
+    found = []
+    near = passages(room, obstacles, 2.0 * max(spec.radius for spec in scenario.robots))
+    for spec in scenario.robots:
+        closed = [gap for gap in near if gap.width < 2.0 * spec.radius]
+        gap = separating(obstacles, closed, spec.start, spec.goal)
+        if gap is not None:
+            found.append(Barrier(spec.id, gap.width, *_middle(gap.begin, gap.end)))
+    return found
+
+
+def _middle(a: Vector, b: Vector) -> Vector:
+    return 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])
 
 
 @dataclass(frozen=True)

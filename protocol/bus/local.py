@@ -10,7 +10,6 @@ import re
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
-from random import Random
 
 from protocol.bus.bus import Event, Node, Presence, Publish, Request, Sample
 from protocol.errors import BusError
@@ -20,15 +19,9 @@ _LONGEST_SLEEP = 0.1
 
 
 class LocalNetwork:
-    """Where local buses meet.
+    """Where local buses meet. All buses are next in turn, and each is told all in the order of sending."""
 
-    Args:
-        order: draws who is next, and what it is told next; for each key that is in the order in which it was
-            said, as on any network. All buses in turn, and each in the order of sending, unless given.
-    """
-
-    def __init__(self, order: Random | None = None) -> None:
-        self.order = order
+    def __init__(self) -> None:
         self._buses: list[LocalBus] = []
         self.listeners: list[LocalBus] = []  # subscribers to patterns
         self._ready: deque[LocalBus] = deque()
@@ -50,13 +43,15 @@ class LocalNetwork:
             if not self._ready:
                 self._wait()
                 continue
-            if self.order is not None:
-                self._ready.rotate(self.order.randrange(len(self._ready)))
-            bus = self._ready.popleft()
+            bus = self.next_of(self._ready)
             bus.drain()
             node = bus.node
             if node is not None and not node.finished and node.deadline <= (now := time.monotonic()):
                 node.wake(now)
+
+    def next_of(self, ready: deque[LocalBus]) -> LocalBus:
+        """Take out whose events are delivered next."""
+        return ready.popleft()
 
     def _wait(self) -> None:
         nodes = [bus.node for bus in self._buses if bus.node is not None and not bus.node.finished]
@@ -114,8 +109,8 @@ class LocalBus:
         self.node: Node | None = None
         self.announced: list[str] = []
         self.served: list[re.Pattern[str]] = []
-        self._network = network
-        self._inbox: deque[Event] = deque()
+        self.network = network
+        self.inbox: deque[Event] = deque()
         self.keys: set[str] = set()
         self._patterns: list[re.Pattern[str]] = []
         self._watches: list[re.Pattern[str]] = []
@@ -124,7 +119,7 @@ class LocalBus:
         return self.foreign(key)
 
     def foreign(self, key: str) -> Publish:
-        network = self._network
+        network = self.network
         route, watchers = network.route(key), list[LocalBus]()
         generation = -1
 
@@ -143,23 +138,23 @@ class LocalBus:
         return publish
 
     def is_heard(self, key: str) -> bool:
-        return bool(self._network.route(key) or self._network.watchers(key))
+        return bool(self.network.route(key) or self.network.watchers(key))
 
     def subscribe(self, *key_expressions: str) -> None:
         for each in key_expressions:
             if "*" in each:
                 if not self._patterns:
-                    self._network.listeners.append(self)
+                    self.network.listeners.append(self)
                 self._patterns.append(_pattern(each))
-                self._network.generation += 1
-            elif self not in (route := self._network.route(each)):
+                self.network.generation += 1
+            elif self not in (route := self.network.route(each)):
                 route.append(self)
                 self.keys.add(each)
 
     def unsubscribe(self, key: str) -> None:
         if key in self.keys:
             self.keys.discard(key)
-            self._network.route(key).remove(self)
+            self.network.route(key).remove(self)
 
     def expect(self, keys: Iterable[str]) -> None:
         pass
@@ -174,12 +169,12 @@ class LocalBus:
 
     def announce(self, key: str) -> None:
         self.announced.append(key)
-        self._network.tell_presence(key, True, self)
+        self.network.tell_presence(key, True, self)
 
     def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:  # noqa: ARG002
         """In one thread no other node can act while this waits: answers come at once or never."""
         replies: list[bytes] = []
-        for server in self._network.servers(key):
+        for server in self.network.servers(key):
             if server.node is not None:
                 server.node.handle(Request(key, payload, replies.append))
         if not replies:
@@ -188,14 +183,14 @@ class LocalBus:
 
     def tokens(self, key_expression: str) -> list[str]:
         pattern = _pattern(key_expression)
-        return [key for key in self._network.tokens() if pattern.fullmatch(key)]
+        return [key for key in self.network.tokens() if pattern.fullmatch(key)]
 
     def receive(self, timeout: float) -> Event | None:  # noqa: ARG002
-        return self._inbox.popleft() if self._inbox else None
+        return self.inbox.popleft() if self.inbox else None
 
     def close(self) -> None:
-        self._network.leave(self)
-        self._inbox.clear()
+        self.network.leave(self)
+        self.inbox.clear()
         self.node = None
 
     def hears(self, key: str) -> bool:
@@ -208,33 +203,16 @@ class LocalBus:
 
     def put(self, event: Event) -> None:
         """Something happened that this participant asked for."""
-        if not self._inbox:
-            self._network.notify(self)
-        self._inbox.append(event)
+        if not self.inbox:
+            self.network.notify(self)
+        self.inbox.append(event)
 
     def drain(self) -> None:
-        """Let the node handle everything that is there now; one thing of it if an order is drawn."""
-        node, inbox, order = self.node, self._inbox, self._network.order
-        if order is not None:
-            if node is not None and inbox:
-                node.handle(_drawn(inbox, order))
-            if self.node is not None and inbox:
-                self._network.notify(self)
-            return
+        """Let the node handle everything that is there now."""
+        node, inbox = self.node, self.inbox
         while node is not None and inbox:
             node.handle(inbox.popleft())
             node = self.node
-
-
-def _drawn(inbox: deque[Event], order: Random) -> Event:
-    """Take out the first event of any key."""
-    first: dict[str, int] = {}
-    for place, event in enumerate(inbox):
-        first.setdefault(event.key, place)
-    place = order.choice(list(first.values()))
-    drawn = inbox[place]
-    del inbox[place]
-    return drawn
 
 
 def _pattern(key_expression: str) -> re.Pattern[str]:

@@ -94,18 +94,6 @@ class StopSignal:
         if wake in self._calls:
             self._calls.remove(wake)
 
-    @contextmanager
-    def readable(self) -> Iterator[int]:
-        """A descriptor that a signal makes readable, for a loop that waits on descriptors."""
-        reading, writing = os.pipe()
-        os.set_blocking(writing, False)
-        try:
-            with self.calling(partial(os.write, writing, b"\0")):
-                yield reading
-        finally:
-            os.close(reading)
-            os.close(writing)
-
     def listen(self) -> None:
         """Note the signals that end a process, from now on: for a process that is this software's own.
 

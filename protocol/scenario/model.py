@@ -44,6 +44,7 @@ GainChoice = Annotated[
     Gain | Literal["auto", "certified"], Meta(description='a number, "auto" or "certified"')
 ]
 BodyChoice = Annotated[Preset | Body, Meta(description=f"a table or one of {', '.join(PRESETS)}")]
+Event = Literal["kill", "pause", "resume", "restart"]
 RobotId = Annotated[int, Meta(ge=1, le=999_999_999)]
 
 CELLS = 4.0  # of the grid on which robots plan how to move parts, to the smallest radius
@@ -276,7 +277,7 @@ class ProcessFault:
 
     robot: RobotId
     at: NonNegative  # s of simulated time
-    event: Literal["kill", "pause", "resume", "restart"]
+    event: Event
 
 
 @dataclass(frozen=True, slots=True)

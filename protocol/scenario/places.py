@@ -1,4 +1,5 @@
-"""What must hold of places in a scenario: a room, disks in it that do not overlap, obstacles, and parts.
+"""What must hold of places in a scenario: a room, disks in it that do not overlap, obstacles, and parts; and
+how near to its start a robot outside has to stand.
 
 A check is silent about what is malformed in itself: such a number is NaN. Contact counts as overlap: phi is 1
 there, beta 0.
@@ -6,9 +7,11 @@ there, beta 0.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from math import isfinite
+from typing import Final
 
 from protocol.geometry import ConvexPolygon, Disk, Shape, defect
 from protocol.scenario.model import CELLS, MOST_CELLS, Corners, Obstacle, Point, Scenario
@@ -186,3 +189,26 @@ def _cells(scenario: Scenario, room: Shape | None) -> Iterator[Finding]:
             f"is too large to carry disks of {smallest:g} m in: to plan on a grid of {CELLS:g} cells to a "
             f"radius takes {cells:.2g} of them, at most {MOST_CELLS:.0e} fit; use larger disks or less room",
         )
+
+
+SHARE: Final = 0.99  # of the room, which leaves more than rounding takes
+
+
+def room_at_start(scenario: Scenario, robot: int) -> tuple[float, str]:
+    """How far a robot may be from its start, m, and because of what.
+
+    Half of the gap to another starting disk is the other's; to obstacles and to what encloses the workspace
+    there is all the room.
+    """
+    own = scenario.spec(robot)
+    room, what = -scenario.workspace.shape.distance(*own.start) - own.radius, "the boundary"
+    for other in scenario.robots:
+        if other.id != robot:
+            gap = math.dist(own.start, other.start) - own.radius - other.radius
+            if 0.5 * gap < room:
+                room, what = 0.5 * gap, f"robot {other.id}"
+    for number, shape in scenario.shapes.items():
+        gap = shape.distance(*own.start) - own.radius
+        if gap < room:
+            room, what = gap, f"thing {number}"
+    return room, what

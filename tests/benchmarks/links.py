@@ -115,7 +115,7 @@ def _tables(scenario: Scenario, run: str, hosts: Hosts, count: int) -> dict[int,
         before = tuple(_router(hosts, other) for other in range(1, host))
         here = Connection("client", (_router(hosts, host),), timeout=_START)
         router = Connection("router", before, (_router(hosts, host),))
-        rows[host] = [table.linked_router(router, str(host))]
+        rows[host] = [table.router(router, host=str(host))]
         rows[host] += [table.world(here, run, scenario, True)] * (host == 1)
         rows[host] += [table.robot(here, run, robot) for robot in scenario.ids if at[robot] == host]
     return rows

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
-from deploy.studies.delay import LIMIT, PACES, PLACES, Pace
+from deploy.studies.conditions import LIMIT, PACES, PLACES, Pace
 from deploy.studies.study import Build
 from protocol.scenario.model import WIRELESS, Link
 

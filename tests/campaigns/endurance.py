@@ -20,8 +20,8 @@ from typing import NamedTuple
 
 import psutil
 
+from deploy.library.encounters import swap
 from deploy.library.load import resolved
-from deploy.library.swaps import swap
 from deploy.run.fleet import ENOUGH, Fleet
 from deploy.run.options import RunOptions
 from protocol.scenario.model import Journey, Order, Scenario

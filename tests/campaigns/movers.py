@@ -1,7 +1,7 @@
 """Random instances of robots that carry parts to their goals: how many end with all parts in place.
 
 Counted are instances for which there is an order in which one part after another finds its way to its goal
-(`agents.parts.orders`). With `kill` one robot dies for good as soon as it carries a part. That instance is
+(`agents.parts.planner`). With `kill` one robot dies for good as soon as it carries a part. That instance is
 counted apart if, by where everything is at that instant and nothing else, the dead robot's disk lies on the
 goal of a part, which can then never get there; or if the same search finds no order for the survivors, the
 dead robot and its part standing there.
@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from agents.parts.layout import Layout
+from agents.parts.grid import Layout
 from agents.parts.planner import Planner
 from deploy.library.load import load
 from deploy.run.local import LocalFleet

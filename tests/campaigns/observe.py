@@ -11,10 +11,12 @@ from typing import Any, NamedTuple
 
 from deploy.run.local import LocalFleet
 from protocol.bus.bus import Event, Sample
+from protocol.bus.local import LocalNetwork
 from protocol.codec import decode
 from protocol.keys import every_robot, world_key
 from protocol.messages import Clock, Command, Health, State
 from protocol.scenario.model import Scenario
+from tests.drawn_order import DrawnNetwork, ReorderedFleet
 from tests.skipped_waits import skipped_waits
 
 PATIENCE = 120.0  # s, skipped waits included, that a run may take; the world itself gives up sooner
@@ -69,7 +71,12 @@ def observe(scenario: Scenario, joining: Sequence[int] | None = None, *, busy: i
     """
     watch = Watch(busy)
     with skipped_waits():
-        fleet = LocalFleet(scenario, joining=joining, order=Random(busy) if busy else None)
+        network = DrawnNetwork(Random(busy)) if busy else LocalNetwork()
+        fleet = (
+            ReorderedFleet(scenario, joining, network=network)
+            if joining
+            else LocalFleet(scenario, network=network)
+        )
         watch.begin(fleet)
         fleet.network.run(lambda: fleet.world.finished or watch.enough())
         fleet.world.interrupt(_CUT, f"has not ended within {PATIENCE:g} s")

@@ -24,7 +24,7 @@ _CHAIN = (
     *("protocol.kernel.pair", "protocol.kernel.robot", "agents.lines.bond", "agents.lines.negotiation"),
     "agents.lines.separating_lines",
     *(
-        "agents.peers.roster",
+        "agents.peers.neighbours",
         "agents.peers.link",
         "agents.safety_filter",
         "agents.hearing",

@@ -15,7 +15,7 @@ import disknav
 from deploy.library.load import read
 from deploy.run.options import restarts
 from deploy.security.membership import Membership
-from deploy.telemetry.recording.rotation import rotation
+from deploy.telemetry.recording.writer import rotation
 from disknav.orders import Orders
 from protocol.draws import checked_seed
 from protocol.endpoint import Endpoint

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from deploy.library.load import load, resolved
-from deploy.library.names import catalogue
-from deploy.library.swaps import swap
+from deploy.library.encounters import swap
+from deploy.library.load import catalogue, load, resolved
 from protocol.scenario.model import Scenario
 
 _COUNTED = ("swap-2", "swap-3", "swap-6", "random-1", "random-6", "random-12", "boxes-4", "beads-5")

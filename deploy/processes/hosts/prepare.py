@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tarfile
 import time
-from pathlib import Path, PurePosixPath
+from pathlib import PurePosixPath
 
 import msgspec
 
@@ -19,10 +19,10 @@ from deploy.processes.hosts.remote import Facts
 from deploy.processes.hosts.ssh import ssh_command
 from deploy.processes.hosts.table import Host
 from deploy.processes.spawn import environment
-from deploy.software.findings import Finding
-from deploy.software.provenance import SOFTWARE, code_digest
+from deploy.software import SOFTWARE, Finding, code_digest
 from protocol.codec import DAMAGED
 from protocol.errors import ProcessError, UsageError
+from protocol.process.installation import ROOT
 
 _PATIENCE = 20.0  # s for a host to answer
 _SPAN = 2.0  # s between two looks at its clock
@@ -159,7 +159,6 @@ def _finding(what: str, text: str, *, fine: bool) -> Finding:
     return Finding(what, "good" if fine else "bad", text)
 
 
-_ROOT = Path(__file__).parents[3]
 _SOURCES = ("disknav", "protocol", "agents", "world", "deploy")
 _BUILD = ("pyproject.toml", "hatch_build.py", "compile.py", "Makefile", "README.md", "LICENSE")
 _INSTALLING = 1800.0  # s; compiling takes minutes on a small computer
@@ -174,7 +173,7 @@ def install(host: Host) -> PurePosixPath:
         UsageError: this is no checkout, or the table does not say where to.
         ProcessError: something there failed; its own words are on standard error.
     """
-    if not (_ROOT / "pyproject.toml").is_file():
+    if not (ROOT / "pyproject.toml").is_file():
         raise UsageError("what is copied is a checkout, and this is none: run this from one")
     command = PurePosixPath(host.command)
     if not command.is_absolute() or command.parts[-2:] != ("bin", "disknav"):
@@ -211,7 +210,7 @@ def _archive() -> bytes:
     written = io.BytesIO()
     with tarfile.open(fileobj=written, mode="w:gz") as archive:
         for name in (*_SOURCES, *_BUILD):
-            archive.add(_ROOT / name, name, filter=_kept)
+            archive.add(ROOT / name, name, filter=_kept)
     return written.getvalue()
 
 

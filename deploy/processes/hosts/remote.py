@@ -26,7 +26,7 @@ import msgspec
 
 from deploy.processes.fork_server import serve
 from deploy.processes.spawn import MODULES, Store
-from deploy.software.provenance import SOFTWARE, code_digest
+from deploy.software import SOFTWARE, code_digest
 from protocol.process import log
 
 GREETING = "disknav-host"  # then a digest of the code, and the folder

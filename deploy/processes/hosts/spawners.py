@@ -8,13 +8,11 @@ from collections.abc import Iterator, Mapping
 from itertools import count
 from multiprocessing.connection import wait
 from pathlib import Path
-from typing import Any
 
 from deploy.processes.fork_server import FAULT
 from deploy.processes.hosts.ssh import BEAT, SshSpawner
 from deploy.processes.hosts.table import HostsTable
-from deploy.processes.scheduling import ORDINARY, Scheduling
-from deploy.processes.spawn import Exited, News, Spawner
+from deploy.processes.spawn import Exited, News, Process, Spawner
 from protocol.errors import ProcessError
 from protocol.process.log import LOG
 
@@ -47,12 +45,13 @@ class HostSpawners:
         realtime: bool = False,
     ) -> None:
         self._places = places
-        self._here = Spawner(run=run, logs=logs)
+        self._numbers = count(1)  # of lives, on all hosts
+        self._here = Spawner(run=run, logs=logs, lives=self._numbers)
         there = [host for host in table.hosts if host.ssh]
-        self._there = {host.name: SshSpawner(host, run, logs, realtime=realtime) for host in there}
-        self._numbers = count(1)
-        self._numbers_of: dict[tuple[Spawner, int], int] = {}  # a spawner's own number -> ours
-        self._lives: dict[int, tuple[Spawner, int]] = {}  # the reverse, of those that have not ended
+        self._there = {
+            host.name: SshSpawner(host, run, logs, self._numbers, realtime=realtime) for host in there
+        }
+        self._lives: dict[int, Spawner] = {}  # of those that have not ended
         self._own: deque[News] = deque()  # of processes on hosts that are lost
 
     @property
@@ -76,38 +75,28 @@ class HostSpawners:
             return
         self._there[host].store(path.name, path.read_bytes())
 
-    def start(
-        self,
-        name: str,
-        entry: str,
-        arguments: tuple[Any, ...] = (),
-        *,
-        reports: bool = False,
-        scheduling: Scheduling = ORDINARY,
-    ) -> int:
-        """As `Spawner.start`, on the host where `name` belongs."""
-        spawner = self._there.get(self._places.get(name, ""), self._here)
-        number = next(self._numbers)
-        try:
-            life = 0
-            if not spawner.gone:
-                life = spawner.start(name, entry, arguments, reports=reports, scheduling=scheduling)
-        except ProcessError as error:
-            self._lose(spawner, error)
-        if spawner.gone:
-            self._own.append(Exited(number, FAULT, 0.0, 0.0, f"{self._name(spawner)} is lost"))
-            return number
-        self._lives[number] = spawner, life
-        self._numbers_of[spawner, life] = number
-        return number
+    def start(self, process: Process) -> int:
+        """As `Spawner.start`, on the host where the process belongs."""
+        spawner = self._there.get(self._places.get(process.name, ""), self._here)
+        if not spawner.gone:
+            try:
+                life = spawner.start(process)
+            except ProcessError as error:
+                self._lose(spawner, error)
+            else:
+                self._lives[life] = spawner
+                return life
+        life = next(self._numbers)
+        self._own.append(Exited(life, FAULT, 0.0, 0.0, f"{self._name(spawner)} is lost"))
+        return life
 
     def signal(self, life: int, number: int) -> None:
         """As `Spawner.signal`."""
         if life not in self._lives:
             return
-        spawner, own = self._lives[life]
+        spawner = self._lives[life]
         try:
-            spawner.signal(own, number)
+            spawner.signal(life, number)
         except ProcessError as error:
             self._lose(spawner, error)
 
@@ -120,7 +109,7 @@ class HostSpawners:
         for spawner in spawners.values():
             try:
                 for news in spawner.news(0.0):
-                    yield self._renumbered(spawner, news)
+                    yield self._checked(spawner, news)
             except ProcessError as error:
                 self._lose(spawner, error)
         while self._own:
@@ -136,13 +125,12 @@ class HostSpawners:
     def _all(self) -> list[Spawner]:
         return [self._here, *self._there.values()]
 
-    def _renumbered(self, spawner: Spawner, news: News) -> News:
-        number = self._numbers_of.get((spawner, news.life))
-        if number is None:
+    def _checked(self, spawner: Spawner, news: News) -> News:
+        if self._lives.get(news.life) is not spawner:
             raise ProcessError(f"{self._name(spawner)} reports a process that it was not asked for")
         if isinstance(news, Exited):
-            del self._numbers_of[spawner, news.life], self._lives[number]
-        return type(news)(number, *(getattr(news, name) for name in news.__struct_fields__[1:]))
+            del self._lives[news.life]
+        return news
 
     def _name(self, spawner: Spawner) -> str:
         return next((f"host {name}" for name, each in self._there.items() if each is spawner), "this host")
@@ -154,8 +142,6 @@ class HostSpawners:
         LOG.error(error)
         spawner.gone = True
         spawner.hang_up()
-        for number, (of, own) in list(self._lives.items()):
-            if of is not spawner:
-                continue
-            del self._numbers_of[of, own], self._lives[number]
-            self._own.append(Exited(number, FAULT, 0.0, 0.0, str(error)))
+        for life in [life for life, of in self._lives.items() if of is spawner]:
+            del self._lives[life]
+            self._own.append(Exited(life, FAULT, 0.0, 0.0, str(error)))

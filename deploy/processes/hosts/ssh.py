@@ -35,7 +35,7 @@ from deploy.processes.spawn import (
     Store,
     decode_news,
 )
-from deploy.software.provenance import SOFTWARE, code_digest
+from deploy.software import SOFTWARE, code_digest
 from protocol.codec import DAMAGED
 from protocol.errors import ProcessError
 from protocol.process.log import LOG, Line, Speaker, lines, words
@@ -196,7 +196,15 @@ class SshSpawner(Spawner):
         ProcessError: there is no ssh here; or from any method, the host is gone.
     """
 
-    def __init__(self, host: Host, run: str, logs: Path | None = None, *, realtime: bool = False) -> None:
+    def __init__(
+        self,
+        host: Host,
+        run: str,
+        logs: Path | None = None,
+        lives: Iterator[int] | None = None,
+        *,
+        realtime: bool = False,
+    ) -> None:
         """Reach `host`; what is said there is relayed to the terminal, and to its file in `logs`.
 
         `realtime`: it is to refuse if it allows no real-time priority.
@@ -204,7 +212,7 @@ class SshSpawner(Spawner):
         self.host, self._realtime = host, realtime
         self.folder = ""  # on the host, for files; known once it has greeted
         self._beat = 0.0
-        super().__init__(run=run, logs=logs)
+        super().__init__(run=run, logs=logs, lives=lives)
         self._frames = Frames(self._channel.fileno(), MAX_NEWS, _STALL)
         with socket.socket(fileno=os.dup(self._channel.fileno())) as ours:  # an option of both descriptors
             ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, struct.pack("ll", int(_STALL), 0))

@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from deploy.studies.panels import HOLLOW, heading, legend, panels, plain_numbers, runs
+from deploy.studies.charts import HOLLOW, heading, legend, panels, plain_numbers, runs
 from deploy.studies.peers.study import NAMES
 from deploy.studies.study import Row
-from deploy.telemetry.plot.style import FAINT, INK, colour, marker
+from deploy.telemetry.plot.workspace import FAINT, INK, colour, marker
 
 _LANES = 0.8  # of a row
 _GAP = 0.5  # of a row, between delays

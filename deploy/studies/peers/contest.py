@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from deploy.studies.study import Result, Row, Study, arrived, collided, error, mean, untouched
+from deploy.studies.study import Result, Row, Study, arrived, error, figures, mean, untouched
 from protocol.scenario.model import Scenario
 
 REFERENCE = "reciprocal + lines"  # what all others are paired with
@@ -122,15 +122,13 @@ def _came(attempt: Attempt) -> dict[int, Result]:
 
 
 def row(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
-    """nrl and time, with their standard errors, are over the runs in which all arrived and nothing touched.
+    """Beside the figures of every study:
 
     limit: time over the least that it can take. reached: runs in which all arrived, touching or not.
     step_us: CPU of a robot a tick, decoding of what it heard included, on the in-process bus; None
     elsewhere.
     """
-    came = arrived(results)
-    nrl, time = [each["nrl"] for each in came], [each["sim_time"] for each in came]
-    limit = [each["sim_time"] / each["least_time"] for each in came if each.get("least_time")]
+    limit = [each["sim_time"] / each["least_time"] for each in arrived(results) if each.get("least_time")]
     steps = [
         1e6 * result["robots_cpu_s"] / (result["ticks"] * len(result["robots"]))
         for result in results
@@ -138,15 +136,9 @@ def row(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
     ]
     return {
         **labels,
+        **figures(results),
         "setting": ", ".join(form.format(labels[key]) for key, form in _SCANNED.items() if key in labels),
-        "runs": len(results),
-        "arrived": len(came),
-        "collisions": collided(results),
         "reached": sum(set(each.get("robots", (0,))) <= set(each.get("arrived", ())) for each in results),
-        "nrl_mean": mean(nrl),
-        "nrl_error": error(nrl),
-        "time_mean": mean(time),
-        "time_error": error(time),
         "limit_mean": mean(limit),
         "limit_error": error(limit),
         "step_us": mean(steps),

@@ -17,11 +17,10 @@ from pathlib import Path
 from typing import Any, Literal
 
 from agents.law.choice import found
-from deploy.library.among_things import blocks, boxes, forest
+from deploy.library.encounters import blocks, boxes, circle, forest, swap
 from deploy.library.figures import figure_3
 from deploy.library.load import resolved, try_out
 from deploy.library.random_instances import PAPER_DENSITY, random_instance
-from deploy.library.swaps import circle, swap
 from deploy.studies.peers.contest import Contest, row, sound, summary
 from deploy.studies.study import Build, Cell
 from protocol.errors import UsageError
@@ -146,22 +145,10 @@ SCANS: dict[Group, dict[str, Scan]] = {
     },
     "boxes": {"orca": {"horizon": (0.5, 1.0, 2.0)}, "barrier": {"gain": (1.0, 2.0, 4.0)}},
 }
-COLUMNS = {
-    "scenario": "",
-    "law": "",
-    "setting": "",
-    "runs": "d",
-    "arrived": "d",
-    "collisions": "d",
-    "nrl_mean": ".3f",
-    "nrl_error": ".3f",
-    "time_mean": ".2f",
-    "time_error": ".2f",
-    "limit_mean": ".2f",
-    "nrl_ratio": ".3f",
-    "time_ratio": ".3f",
-    "step_us": ".0f",
-}
+COLUMNS = (
+    "scenario law setting runs arrived collisions nrl_mean nrl_error time_mean time_error limit_mean "
+    "nrl_ratio time_ratio step_us"
+)
 
 
 def peers(
@@ -204,7 +191,7 @@ def peers(
         for law, control in (LAWS | own).items()
         for setting in settings(law, place.group)
     ]
-    return Contest("peers", cells, row, COLUMNS, summary, sound)
+    return Contest("peers", cells, COLUMNS, row, summary, sound)
 
 
 def _chosen(where: Sequence[Place], only: Sequence[str]) -> list[Place]:

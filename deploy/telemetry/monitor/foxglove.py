@@ -9,7 +9,7 @@ from queue import SimpleQueue
 from foxglove import Capability, Channel, Context, Schema, start_server
 from foxglove.websocket import ChannelView, Client, ServerListener
 
-from deploy.telemetry.scene.fleet import DRAWN, TOPICS, FleetScene, Picture
+from deploy.telemetry.scene import DRAWN, TOPICS, FleetScene, Picture
 from protocol.errors import UsageError
 from protocol.messages import Message
 from protocol.scenario.model import Scenario

@@ -12,8 +12,7 @@ from typing import Any
 
 import msgspec
 
-from deploy.telemetry.scene.cast import Cast
-from deploy.telemetry.scene.thinned import Thinned
+from deploy.telemetry.scene import Cast, Thinned
 from protocol.codec import DAMAGED
 from protocol.messages import Clock, GoalStatus, Health, Line, Message, Thing, Truth, Vector
 from protocol.operations import Steering

@@ -14,10 +14,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 from matplotlib.text import Text
 
-from deploy.telemetry.plot.style import INK, colour, dash
-from deploy.telemetry.plot.workspace import MANY, frame
+from deploy.telemetry.plot.workspace import INK, MANY, colour, dash, frame
 from deploy.telemetry.recording.reader import Recording
-from deploy.telemetry.recording.trajectory import Participant, participants
+from deploy.telemetry.recording.replay import Participant, participants
 from protocol.errors import UsageError
 
 Progress = Callable[[float], None]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from deploy.output.target import check_target, writing
+from deploy.output import check_target, writing
 from deploy.telemetry.recording.reader import Recording, Truths, read
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
@@ -65,7 +65,7 @@ def draw(
 
     from deploy.telemetry.plot.animation import Format, animate
     from deploy.telemetry.plot.figure import figure
-    from deploy.telemetry.plot.style import RC
+    from deploy.telemetry.plot.workspace import RC
 
     with matplotlib.rc_context(RC), writing(target, _WHAT):
         if target.suffix in ANIMATIONS:

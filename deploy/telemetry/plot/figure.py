@@ -12,8 +12,7 @@ from matplotlib.figure import Figure, SubFigure
 
 from agents.peers.link import Link
 from agents.peers.state import addressed_to
-from deploy.telemetry.plot.style import HANDLERS, INK, colour, curves, dash, disks
-from deploy.telemetry.plot.workspace import MANY, draw_workspace
+from deploy.telemetry.plot.workspace import HANDLERS, INK, MANY, colour, curves, dash, disks, draw_workspace
 from deploy.telemetry.recording.reader import Recording
 from protocol.messages import State, Tick
 from protocol.scenario.model import Link as LinkFaults

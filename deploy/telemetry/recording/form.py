@@ -78,9 +78,7 @@ def _form(message: type[msgspec.Struct]) -> Form:
     described = inspect.type_info(message)
     assert isinstance(described, inspect.StructType)
     fields = {field.name: _of(field.type) for field in described.fields}
-    # A recording from before a field was added is still read.
-    defaults = {field.name: field.default for field in described.fields if not field.required}
-    return _record(message.__name__, fields, defaults)
+    return _record(message.__name__, fields)
 
 
 def _of(described: inspect.Type) -> Form:
@@ -145,7 +143,7 @@ def _array(item: Form) -> Form:
     )
 
 
-def _record(name: str, fields: dict[str, Form], defaults: Mapping[str, Any] = _NONE) -> Form:
+def _record(name: str, fields: dict[str, Form]) -> Form:
     """An object with one property a field."""
 
     def to_json(value: str) -> str:
@@ -154,11 +152,10 @@ def _record(name: str, fields: dict[str, Form], defaults: Mapping[str, Any] = _N
 
     def from_json(content: Content) -> list[Any]:
         return [
-            absent[each] if each in absent and each not in content else field.from_json(content[each])
+            None if field.optional and each not in content else field.from_json(content[each])
             for each, field in fields.items()
         ]
 
-    absent = {each: None for each, field in fields.items() if field.optional} | dict(defaults)
     properties = {each: field.schema for each, field in fields.items()}
     required = [each for each, field in fields.items() if not field.optional]
     objects = {name: _object(name, tuple(fields))}

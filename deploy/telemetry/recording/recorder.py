@@ -12,12 +12,10 @@ from collections.abc import Callable, Iterable, Iterator
 from math import inf
 from pathlib import Path
 
-from deploy.telemetry.recording.rotation import Rotation, next_free
-from deploy.telemetry.recording.writer import RecordingWriter
+from deploy.telemetry.recording.writer import RecordingWriter, Rotation, next_free
 from protocol import joining
-from protocol.bus.bus import Bus, Event, Presence, Sample
+from protocol.bus.bus import Bus, Event, Presence, Sample, follow
 from protocol.bus.connection import Connection
-from protocol.bus.loop import follow
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.errors import BusError, MessageError

@@ -1,29 +1,171 @@
-"""A recording played again: verified, published on a bus, or exported for ROS 2 tools."""
+"""A recording played again: its trajectory recomputed, published on a bus, or exported for ROS 2 tools."""
 
 from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterator
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Sequence, Set
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from mcap.writer import Writer
+from numpy.typing import NDArray
 
-from deploy.output.target import writing
+from deploy.output import writing
+from deploy.telemetry.drawing import WORLD, frame
 from deploy.telemetry.recording.reader import Recording
-from deploy.telemetry.recording.trajectory import Trajectory, trajectory
 from deploy.telemetry.recording.writer import LIBRARY
-from deploy.telemetry.scene import ros
-from deploy.telemetry.scene.drawing import WORLD, frame
+from deploy.telemetry.scene import TF, TF_DEFINITION, Frames
 from protocol.bus.bus import Bus, Publish
 from protocol.codec import encode
 from protocol.errors import RecordingError
 from protocol.keys import parse, robot_key, world_key
-from protocol.messages import Result
+from protocol.messages import Command, Result, Tick, Vector
 from protocol.process.signals import STOP
 from protocol.streams import STREAMS
+from world.judge.trajectory import TrajectoryDigest
+
+
+class Participant(NamedTuple):
+    """A robot that was there for some of the time.
+
+    Attributes:
+        robot: its id.
+        radius: m.
+        goal: m, where the scenario says; None for who was added by an operator, for no message says it.
+        path: m, shape (n, 2), by recorded tick; NaN where its disk was not there.
+    """
+
+    robot: int
+    radius: float
+    goal: Vector | None
+    path: np.ndarray
+
+    @property
+    def known(self) -> np.ndarray:
+        """The part of its path in which it was there."""
+        known: np.ndarray = self.path[~np.isnan(self.path[:, 0])]
+        return known
+
+
+def participants(recording: Recording) -> list[Participant]:
+    """In the order of ids."""
+    scenario, truths = recording.scenario, recording.truths
+    specs = {spec.id: spec for spec in (*scenario.newcomers, *scenario.robots)}
+    robots: list[int] = truths.robots.tolist()
+    radii = _announced(recording, set(robots).difference(specs))
+    return [
+        Participant(
+            robot,
+            specs[robot].radius if robot in specs else radii.get(robot, 0.0),
+            specs[robot].goal if robot in specs else None,
+            truths.positions[:, index],
+        )
+        for index, robot in enumerate(robots)
+    ]
+
+
+def _announced(recording: Recording, robots: set[int]) -> dict[int, float]:
+    """Radii of robots that operators added, by the roster that others were told, m."""
+    radii: dict[int, float] = {}
+    for tick in recording.said(Tick) if robots else ():
+        members = () if tick.roster is None else tick.roster.members
+        radii.update({each.robot: each.radius for each in members if each.robot in robots})
+        if len(radii) == len(robots):
+            break
+    return radii
+
+
+class _Plane(NamedTuple):
+    """Where each disk is that is there, m."""
+
+    robots: tuple[int, ...]
+    places: Sequence[Vector] | NDArray[np.float64]
+
+
+class Trajectory(NamedTuple):
+    """Its SHA-256 as in the result, and how many of its ticks had to be worked out from odometry."""
+
+    sha256: str
+    restored: int
+
+    @property
+    def remark(self) -> str:
+        """What has to be said of it; empty if every tick was recorded."""
+        return f" ({self.restored} ticks worked out from odometry)" if self.restored else ""
+
+
+def trajectory(recording: Recording) -> Trajectory:
+    """Recompute the trajectory up to the last tick known.
+
+    Raises:
+        RecordingError: a tick is missing that cannot be worked out either, or in which robots came or went.
+    """
+    if recording.preceding:
+        raise RecordingError(
+            f"{recording.path} goes on from {recording.preceding}: name the file with which the run begins"
+        )
+    known = _known(recording)
+    missing = set(range(max(known))).difference(known)
+    moves = _Moves(recording, missing) if missing else None
+    digest = TrajectoryDigest(())
+    here = _Plane((), [])
+    for tick in range(max(known) + 1):
+        there = moves.follow(here, tick) if moves and tick in missing else known[tick]
+        if there.robots != here.robots:
+            if tick - 1 in missing:
+                raise RecordingError(
+                    f"{recording.path}: robots came or went before tick {tick}, and the truth of the tick "
+                    f"before was not recorded, so the trajectory cannot be checked; record it with less load"
+                )
+            digest.set_fleet(there.robots)
+        digest.add([tick], np.array([there.places]))
+        here = there
+    return Trajectory(digest.hexdigest(), len(missing))
+
+
+def _known(recording: Recording) -> dict[int, _Plane]:
+    """Positions by tick; those of the last are in the result, too."""
+    truths, result = recording.truths, recording.result or {}
+    known: dict[int, _Plane] = {}
+    for tick, positions in zip(truths.ticks.tolist(), truths.positions, strict=True):
+        there = ~np.isnan(positions[:, 0])
+        known[tick] = _Plane(tuple(truths.robots[there].tolist()), positions[there])
+    final = {int(robot): tuple(place) for robot, place in result.get("positions", {}).items()}
+    if final and "ticks" in result:
+        robots = tuple(sorted(final))
+        known.setdefault(result["ticks"], _Plane(robots, [final[robot] for robot in robots]))
+    return known
+
+
+class _Moves:
+    """What each robot did during the tick before each of some ticks."""
+
+    def __init__(self, recording: Recording, ticks: Set[int]) -> None:
+        self._path = recording.path
+        self._said: defaultdict[int, dict[int, Vector]] = defaultdict(dict)
+        self._commanded: dict[tuple[int, int], Vector] = {}
+        for _, _, message in recording.entries.of(Tick, Command):
+            if isinstance(message, Command) and message.tick + 1 in ticks:
+                self._commanded[message.robot, message.tick] = message.velocity
+            elif isinstance(message, Tick) and message.tick in ticks and message.sense is not None:
+                self._said[message.tick][message.robot] = message.sense.displacement
+
+    def follow(self, before: _Plane, tick: int) -> _Plane:
+        """Where all are at the start of `tick`; whoever is told nothing and commanded nothing stood still."""
+        after = []
+        for robot, (x, y) in zip(before.robots, before.places, strict=True):
+            move, velocity = self._said[tick].get(robot), self._commanded.get((robot, tick - 1))
+            if move is None and velocity is not None:
+                raise RecordingError(
+                    f"{self._path}: the truth of tick {tick} was not recorded, nor what robot {robot} did "
+                    f"before it, so the trajectory cannot be checked; record on a machine with less load"
+                )
+            dx, dy = move or (0.0, 0.0)
+            after.append((x + dx, y + dy))
+        return _Plane(before.robots, after)
 
 
 class Published(NamedTuple):
@@ -94,17 +236,17 @@ def export(recording: Recording, path: Path) -> None:
         UsageError: it cannot be written.
     """
     step, truths = recording.scenario.time.step, recording.truths
-    frames: dict[tuple[int, ...], ros.Frames] = {}
+    frames: dict[tuple[int, ...], Frames] = {}
     with writing(path, "write ROS 2 messages"), path.open("wb") as file:
         writer: Any = Writer(file)  # partly untyped
         writer.start("ros2", LIBRARY)
-        schema = writer.register_schema(ros.NAME, "ros2msg", ros.DEFINITION.encode())
+        schema = writer.register_schema(TF, "ros2msg", TF_DEFINITION)
         channel = writer.register_channel("/tf", "cdr", schema)
         for tick, positions in zip(truths.ticks.tolist(), truths.positions, strict=True):
             time, there = round(tick * step * 1e9), ~np.isnan(positions[:, 0])
             robots = tuple(truths.robots[there].tolist())
             if robots not in frames:
-                frames[robots] = ros.Frames(WORLD, [frame(robot) for robot in robots])
+                frames[robots] = Frames(WORLD, [frame(robot) for robot in robots])
             data = frames[robots].message(time, positions[there].tolist())
             writer.add_message(channel, time, data, time)
         writer.finish()

@@ -14,7 +14,7 @@ from itertools import combinations
 
 from flint import arb
 
-from deploy.output.progress import bar
+from deploy.output import bar
 from deploy.theory.certify.certificate import Certificate, Goals
 from deploy.theory.certify.conditions import ZERO, Conditions, Rows, middle, whole
 from deploy.theory.certify.descent import descends, newton

@@ -14,12 +14,12 @@ from msgspec import structs
 
 from agents.law import GuardedLaw, View
 from agents.law.choice import MOST
-from agents.peers.far_field import FarField
+from agents.peers.far import FarField
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from agents.robot import Robot
+from deploy.library.encounters import swap
 from deploy.library.load import load
-from deploy.library.swaps import swap
 from deploy.run.local import LocalFleet
 from protocol.messages import LARGEST, State
 from protocol.scenario.model import Scenario

@@ -13,7 +13,7 @@ from agents.law.flow import Flow, desired_velocity
 from agents.law.gradient import Slice
 from agents.law.late_states import FAST_AT_ALL, FAST_IN_FULL, HASTE, late_speed
 from agents.law.pace import common_pace, max_rate, own_pace
-from agents.peers.far_field import FarField
+from agents.peers.far import FarField
 from agents.peers.neighbours import Neighbours
 from protocol.scenario.model import Control, RobotSpec, Scenario
 

@@ -14,9 +14,9 @@ from agents.law.additions import AugmentedLaw
 from agents.law.reciprocal import ReciprocalLaw, nearest, reciprocal
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
+from deploy.library.encounters import swap
 from deploy.library.load import load, resolved
 from deploy.library.random_instances import random_instance
-from deploy.library.swaps import swap
 from deploy.run.local import LocalFleet
 from protocol.line import HalfPlane
 from protocol.messages import Vector

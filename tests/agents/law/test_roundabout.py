@@ -15,8 +15,8 @@ from agents.law.roundabout import STEEPEST, WIDE, Encounter, Encounters, Roundab
 from agents.peers.far import FarPicture, places_of
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
+from deploy.library.encounters import circle
 from deploy.library.load import resolved
-from deploy.library.swaps import circle
 from deploy.run.local import LocalFleet
 from protocol.messages import Member, Summary, Vector
 from world.coordinator.interest import runs

@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from deploy.theory.configurations import mirrored_triples, random_configuration
-from deploy.theory.exact_flow import integrate
+from deploy.theory.check import mirrored_triples
+from deploy.theory.exact_flow import integrate, random_configuration
 from deploy.theory.function import Problem
 from deploy.theory.tuning import automatic_k
 from protocol.draws import Purpose, generator

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
-from deploy.output.progress import bar
+from deploy.output import bar
 from deploy.theory.certify.certificate import Certificate, Goals
 from deploy.theory.certify.prove import prove
-from deploy.theory.configurations import random_configuration
+from deploy.theory.exact_flow import random_configuration
 from deploy.theory.function import Array, Problem
 from deploy.theory.tuning import automatic_k
 from protocol.draws import Purpose, generator
@@ -99,7 +99,7 @@ def draw(found: Sequence[Row], path: Path) -> None:
     """The same as a picture: k against goal set, logarithmic."""
     import matplotlib.pyplot as plt
 
-    from deploy.telemetry.plot.style import COLOURS, RC
+    from deploy.telemetry.plot.workspace import COLOURS, RC
 
     ordered = sorted(found, key=lambda row: (row.robots, row.certified or np.inf))
     with plt.rc_context(RC):

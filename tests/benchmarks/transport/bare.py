@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 import zenoh
 
-from deploy.processes.spawn import Spawner
+from deploy.processes.spawn import Process, Spawner
 from deploy.processes.supervisor import Supervisor
-from deploy.processes.table import Process, router
+from deploy.processes.table import router
 from protocol.bus.connection import Connection, configuration
 from protocol.keys import every_robot, robot_key, robot_token, robot_tokens
 

@@ -11,8 +11,7 @@ from unittest.mock import patch
 
 import msgspec
 
-from agents.peers.reader import PeerReader
-from agents.peers.state import PeerState
+from agents.peers.state import PeerReader, PeerState
 from agents.shell.node import RobotNode
 from deploy.library.figures import crash
 from deploy.library.load import load

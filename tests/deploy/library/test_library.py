@@ -12,11 +12,10 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from deploy.cli.scenario import app
+from deploy.library.encounters import circle, swap
 from deploy.library.figures import GOAL_SETS, figure_3, tightness
-from deploy.library.load import load
-from deploy.library.names import build, catalogue, generate
+from deploy.library.load import build, catalogue, generate, load
 from deploy.library.random_instances import random_instance, random_starts
-from deploy.library.swaps import circle, swap
 from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.file import parse_toml, validated, write_toml
 from protocol.scenario.model import Scenario

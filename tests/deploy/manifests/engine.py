@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 
-from deploy.software.provenance import SOFTWARE, code_digest
+from deploy.software import SOFTWARE, code_digest
 
 ROOT = Path(__file__).parents[3]
 STORE = (ROOT / "build" / "engines").resolve()

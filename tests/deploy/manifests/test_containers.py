@@ -12,12 +12,12 @@ from typing import Any
 import pytest
 import yaml
 
+from deploy import manifests
 from deploy.library.load import load
-from deploy.manifests import render
-from deploy.manifests.render import Plan, write
+from deploy.manifests import Plan, write
 from deploy.run.operator import probed_key
 from deploy.security.roster import Roster
-from protocol.bus.loop import PERIOD, Heartbeat
+from protocol.bus.bus import PERIOD, Heartbeat
 from protocol.errors import UsageError
 from protocol.scenario.file import parse_toml, write_toml
 from protocol.scenario.model import Order, RobotSpec
@@ -156,7 +156,7 @@ def test_kubernetes_pods_are_confined_and_probed_on_their_health(tmp_path: Path,
 
 def test_the_probe_tells_a_loop_that_goes_round_from_one_that_hangs(tmp_path: Path) -> None:
     alive = tmp_path / "alive"
-    command = render.PROBE.replace("/tmp/alive", str(alive))
+    command = manifests.PROBE.replace("/tmp/alive", str(alive))
 
     def well() -> bool:
         return subprocess.run(["/bin/sh", "-c", command], capture_output=True, check=False).returncode == 0
@@ -166,7 +166,7 @@ def test_the_probe_tells_a_loop_that_goes_round_from_one_that_hangs(tmp_path: Pa
     beat = Heartbeat(alive)
     beat(0.0)
     assert well()
-    os.utime(alive, (time.time() - render.STALE,) * 2)
+    os.utime(alive, (time.time() - manifests.STALE,) * 2)
     assert not well()
     beat(0.5)  # too soon to be told again
     assert not well()
@@ -177,7 +177,7 @@ def test_the_probe_tells_a_loop_that_goes_round_from_one_that_hangs(tmp_path: Pa
 def test_an_error_leaves_no_half_written_folder(
     tmp_path: Path, plan: Plan, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(render, "compose", lambda *_: 1 / 0)
+    monkeypatch.setattr(manifests, "compose", lambda *_: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         written(tmp_path, "compose", plan)
     assert list(tmp_path.iterdir()) == []

@@ -16,8 +16,8 @@ from typing import Any
 import pytest
 import yaml
 
-from deploy.manifests import render
-from deploy.manifests.render import Plan, write
+from deploy import manifests
+from deploy.manifests import Plan, write
 from deploy.security.roster import Roster
 from protocol.scenario.file import write_toml
 from tests.deploy.manifests.engine import IMAGE, command, environment, needs_engine, podman
@@ -87,7 +87,7 @@ def test_compose_brings_up_a_fleet_that_arrives(tmp_path: Path) -> None:
         up("router", "world")
         names = podman("ps", "--all", "--format", "{{.Names}}").stdout.split()
         world = next(name for name in names if "world" in name)
-        probe = ["exec", world, "/bin/sh", "-c", render.PROBE]
+        probe = ["exec", world, "/bin/sh", "-c", manifests.PROBE]
         until(lambda: podman(*probe, check=False).returncode == 0)  # it waits for its robots
         up(*it.robots)
         status = podman("wait", world, timeout=PATIENCE).stdout.strip()
@@ -108,7 +108,7 @@ chmod 755 env/bin/disknav
 cat > guested.toml <<"EOF"
 SCENARIO_TOML
 EOF
-env/bin/disknav setup deploy systemd guested.toml --run yard --wait 60 --output yard
+env/bin/disknav setup deploy systemd guested.toml --run yard --wait 60 --out yard
 """
 
 

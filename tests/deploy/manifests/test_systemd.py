@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from deploy.manifests.render import ETC, Plan, write
+from deploy.manifests import ETC, Plan, write
 from deploy.security.membership import Membership
 from deploy.security.roster import Roster
 from protocol.bus.bus import Sample

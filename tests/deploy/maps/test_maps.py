@@ -14,8 +14,7 @@ from scipy import ndimage
 from typer.testing import CliRunner
 
 from deploy.cli.scenario import app
-from deploy.library.load import load, read
-from deploy.library.names import MAPS, build
+from deploy.library.load import MAPS, build, load, read
 from deploy.maps.occupancy import MOST_CELLS, Mask, Occupancy, read_map
 from deploy.maps.pieces import floor_plan
 from deploy.theory.surrounded import surrounded

@@ -9,9 +9,8 @@ from contextlib import closing
 from multiprocessing.connection import Connection as Channel
 from typing import NoReturn
 
-from deploy.processes.spawn import Spawner
+from deploy.processes.spawn import Process, Spawner
 from deploy.processes.supervisor import Supervisor
-from deploy.processes.table import Process
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError

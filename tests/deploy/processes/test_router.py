@@ -11,8 +11,9 @@ import pytest
 
 from deploy.library.load import load
 from deploy.processes.router import listening, main, reserved
+from deploy.processes.spawn import Process
 from deploy.processes.supervisor import Supervisor
-from deploy.processes.table import Process, router
+from deploy.processes.table import router
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from protocol.bus.bus import Presence

@@ -15,7 +15,7 @@ import psutil
 import pytest
 
 from deploy.processes.fork_server import FAULT, end_with_pipe
-from deploy.processes.spawn import Exited, News, Report, Spawner, Started
+from deploy.processes.spawn import Exited, News, Process, Report, Spawner, Started
 from protocol.errors import ProcessError
 from tests.deploy.processes import children
 
@@ -61,7 +61,7 @@ def gone(pid: int) -> bool:
 
 
 def test_the_exit_status_is_what_the_function_returns(spawner: Spawner) -> None:
-    life = spawner.start("one", "tests.deploy.processes.children:give", (7,))
+    life = spawner.start(Process("one", "tests.deploy.processes.children:give", (7,)))
     started, exited = until_exit(spawner)
     assert isinstance(started, Started)
     assert isinstance(exited, Exited)
@@ -71,7 +71,7 @@ def test_the_exit_status_is_what_the_function_returns(spawner: Spawner) -> None:
 
 def test_a_failure_leaves_its_traceback(capfd: pytest.CaptureFixture[str]) -> None:
     with closing(children.spawner()) as spawner:  # whose standard error is that of this test
-        spawner.start("calculator", "tests.deploy.processes.children:divide_by_zero")
+        spawner.start(Process("calculator", "tests.deploy.processes.children:divide_by_zero"))
         assert exit_code(spawner) == FAULT
         printed = capfd.readouterr().err
         assert "calculator: failed:\nTraceback" in printed
@@ -80,15 +80,15 @@ def test_a_failure_leaves_its_traceback(capfd: pytest.CaptureFixture[str]) -> No
 
 def test_an_error_of_our_own_is_one_line(capfd: pytest.CaptureFixture[str]) -> None:
     with closing(children.spawner()) as spawner:  # whose standard error is that of this test
-        spawner.start("radio", "tests.deploy.processes.children:fail_politely")
+        spawner.start(Process("radio", "tests.deploy.processes.children:fail_politely"))
         assert exit_code(spawner) == FAULT
         assert capfd.readouterr().err == "radio: the cable is unplugged\n"
 
 
 def test_an_unknown_entry_is_a_failure_of_that_process_alone(spawner: Spawner) -> None:
-    spawner.start("nobody", "tests.deploy.processes.children:nothing")
+    spawner.start(Process("nobody", "tests.deploy.processes.children:nothing"))
     assert exit_code(spawner) == FAULT
-    spawner.start("one", "tests.deploy.processes.children:give", (0,))
+    spawner.start(Process("one", "tests.deploy.processes.children:give", (0,)))
     assert exit_code(spawner) == 0
 
 
@@ -96,7 +96,7 @@ def test_a_process_reports_and_all_its_output_goes_to_standard_error(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     with closing(children.spawner()) as spawner:  # whose standard error is that of this test
-        spawner.start("one", "tests.deploy.processes.children:print_and_report", reports=True)
+        spawner.start(Process("one", "tests.deploy.processes.children:print_and_report", reports=True))
         texts = [news.text for news in until_exit(spawner) if isinstance(news, Report)]
         assert texts == ["reported"]
         printed = capfd.readouterr()
@@ -104,14 +104,14 @@ def test_a_process_reports_and_all_its_output_goes_to_standard_error(
 
 
 def test_a_signal_shows_as_a_negative_exit_status(spawner: Spawner) -> None:
-    life = spawner.start("one", "tests.deploy.processes.children:wait")
+    life = spawner.start(Process("one", "tests.deploy.processes.children:wait"))
     spawner.signal(life, signal.SIGKILL)
     assert exit_code(spawner) == -signal.SIGKILL
     spawner.signal(life, signal.SIGKILL)  # nobody is hit
 
 
 def test_processes_are_out_of_reach_of_the_terminal(spawner: Spawner) -> None:
-    spawner.start("one", "tests.deploy.processes.children:wait")
+    spawner.start(Process("one", "tests.deploy.processes.children:wait"))
     (started,) = spawner.news(PATIENCE)
     assert isinstance(started, Started)
     assert os.getsid(started.pid) != os.getsid(0)
@@ -119,7 +119,7 @@ def test_processes_are_out_of_reach_of_the_terminal(spawner: Spawner) -> None:
 
 
 def test_closing_leaves_nobody(spawner: Spawner) -> None:
-    spawner.start("one", "tests.deploy.processes.children:wait")
+    spawner.start(Process("one", "tests.deploy.processes.children:wait"))
     (started,) = spawner.news(PATIENCE)
     assert isinstance(started, Started)
     spawner.close()
@@ -128,7 +128,7 @@ def test_closing_leaves_nobody(spawner: Spawner) -> None:
 
 def test_a_dead_fork_server_takes_all_with_it_and_is_named() -> None:
     with closing(children.spawner()) as spawner:
-        life = spawner.start("one", "tests.deploy.processes.children:wait")
+        life = spawner.start(Process("one", "tests.deploy.processes.children:wait"))
         (started,) = spawner.news(PATIENCE)
         assert isinstance(started, Started)
         os.kill(psutil.Process(started.pid).ppid(), signal.SIGKILL)

@@ -9,8 +9,9 @@ from collections.abc import Iterator
 import psutil
 import pytest
 
+from deploy.processes.spawn import Process
 from deploy.processes.supervisor import STEADY, Backoff, Exit, Life, Supervisor
-from deploy.processes.table import Process, router
+from deploy.processes.table import router
 from protocol.bus.bus import Presence
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus

@@ -14,7 +14,7 @@ import pytest
 
 from agents.process import REFUSED
 from deploy.library.load import load
-from deploy.output.exit_status import EXIT_INVALID
+from deploy.output import EXIT_INVALID
 from deploy.processes import table
 from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet

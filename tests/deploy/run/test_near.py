@@ -27,6 +27,7 @@ from protocol.scenario.model import (
     Time,
     Workspace,
 )
+from tests.drawn_order import ReorderedFleet
 from tests.skipped_waits import skipped_waits
 
 SHORT = 4.0  # s of simulated time
@@ -38,7 +39,7 @@ def crowd(interest: Network, **settings: Any) -> Scenario:
 
 
 def in_process(scenario: Scenario, joining: tuple[int, ...] | None = None) -> dict[str, Any]:
-    with LocalFleet(scenario, joining=joining) as fleet:
+    with ReorderedFleet(scenario, joining) if joining else LocalFleet(scenario) as fleet:
         return fleet.execute()
 
 

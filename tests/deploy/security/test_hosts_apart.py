@@ -71,7 +71,7 @@ class Field:
         self.endpoints = {host: f"tls/{HERE}:{port}" for host, port in zip(HOMES, free_ports(3), strict=True)}
         supervisor = stack.enter_context(Supervisor())
         for host, before in (("a", ()), ("b", ("a",))):
-            supervisor.start([table.linked_router(self._router(host, before, guarded=guarded), host)])
+            supervisor.start([table.router(self._router(host, before, guarded=guarded), host=host)])
             supervisor.report(table.router_name(host), 20.0)
         self.world, self.spy = self.client("world", "a"), self.client("monitor", "a")
         self.honest = self.client("robot-2", "b")

@@ -14,11 +14,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from deploy.studies.charts import delay, draw_study, robustness
-from deploy.studies.panels import HOLLOW, plain_numbers
+from deploy.studies.charts import HOLLOW, Chart, delay, draw_study, plain_numbers, robustness
 from deploy.studies.peers.chart import peers
 from deploy.studies.study import Row
-from deploy.telemetry.plot.style import RC
+from deploy.telemetry.plot.workspace import RC
 
 
 def contest_row(scenario: str, late: float, law: str, came: int, touched: int = 0, **over: Any) -> Row:
@@ -131,9 +130,9 @@ def test_a_logarithmic_axis_has_numbers_to_read_it_by(low: float, high: float) -
     assert sum(low <= tick <= high for tick in axes.get_xticks()) >= 2
 
 
-@pytest.mark.parametrize(("name", "rows"), [("peers", PEERS), ("robustness", ROBUSTNESS), ("delay", DELAY)])
+@pytest.mark.parametrize(("chart", "rows"), [(peers, PEERS), (robustness, ROBUSTNESS), (delay, DELAY)])
 def test_a_study_that_was_stopped_is_drawn_of_what_there_is(
-    name: str, rows: list[Row], tmp_path: Path
+    chart: Chart, rows: list[Row], tmp_path: Path
 ) -> None:
-    draw_study(name, rows[:1], tmp_path / "study.svg")
+    draw_study(chart, rows[:1], tmp_path / "study.svg")
     assert (tmp_path / "study.svg").read_text().startswith("<?xml")

@@ -11,15 +11,13 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from deploy.software.provenance import provenance
-from deploy.studies.arrival import arrival, crowd, room
-from deploy.studies.charts import draw_study
+from deploy.software import provenance
+from deploy.studies.charts import CHARTS, draw_study
+from deploy.studies.conditions import Conditions, arrival, crowd, robustness, room
 from deploy.studies.execution import RunLog, execute
-from deploy.studies.experiments import PERIOD, TOLERANCE, paper_flow, tuning
+from deploy.studies.experiments import PERIOD, TOLERANCE, paper_flow, scale, tuning
 from deploy.studies.perform import Request, perform, table
-from deploy.studies.robustness import Conditions, robustness
-from deploy.studies.scale import scale
-from deploy.studies.study import Shard, Study, deviation, growth
+from deploy.studies.study import Shard, Study, error, growth
 from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.model import Workspace
 
@@ -39,11 +37,11 @@ def test_a_small_study_from_runs_to_picture(name: str, tmp_path: Path) -> None:
     result = execute(study, "local", RunLog(None), jobs=2)
     assert len(result.rows) == len(study.cells)
     assert study.sound(result.rows)
-    assert all(set(study.columns) <= set(row) for row in result.rows)
+    assert all(set(study.columns.split()) <= set(row) for row in result.rows)
     text = StringIO()
     Console(file=text, width=200).print(table(study, result.rows))
     assert all(line in text.getvalue() for line in study.summary(result.rows))
-    draw_study(study.name, result.rows, tmp_path / "study.svg")
+    draw_study(CHARTS[study.name], result.rows, tmp_path / "study.svg")
     assert (tmp_path / "study.svg").read_text().startswith("<?xml")
 
 
@@ -108,7 +106,7 @@ def test_a_collision_under_the_filter_is_not_sound() -> None:
 
 def test_statistics() -> None:
     assert growth([1, 2, 4], [3, 12, 48]) == pytest.approx(2.0)
-    assert deviation([1.0]) is None
+    assert error([1.0]) is None
     assert provenance(7, "local", 2)["seed"] == 7
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from deploy.theory.configurations import random_configuration
+from deploy.theory.exact_flow import random_configuration
 from deploy.theory.function import Array, Problem
 from protocol.draws import Purpose, generator
 

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from deploy.theory.configurations import mirrored_triples
+from deploy.theory.check import mirrored_triples
 from deploy.theory.function import Problem
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from deploy.theory.configurations import mirrored_triples
+from deploy.theory.check import mirrored_triples
 from deploy.theory.exact_flow import classify, find_equilibrium, integrate
 from deploy.theory.function import Array, Problem, obstacle_functions, reduced_jacobian
 from deploy.theory.tuning import automatic_k

@@ -8,6 +8,7 @@ from protocol.bus.bus import Event, Presence, Request, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.errors import BusError
 from protocol.streams import STREAMS
+from tests.drawn_order import DrawnNetwork
 
 STATE = STREAMS["state"]
 
@@ -54,7 +55,7 @@ def test_subscribers_hear_in_order_and_nobody_hears_itself() -> None:
 
 
 def test_in_a_drawn_order_each_key_is_heard_in_its_own() -> None:
-    network = LocalNetwork(Random(1))
+    network = DrawnNetwork(Random(1))
     ears, mouth = network.connect(), network.connect()
     ears.subscribe("a", "b")
     ears.node = listener = Listener()

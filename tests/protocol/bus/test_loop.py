@@ -12,10 +12,9 @@ from math import inf
 
 import pytest
 
-from protocol.bus.bus import Event, Presence, Sample
+from protocol.bus.bus import Event, Presence, Sample, drive, follow
 from protocol.bus.connection import Connection
 from protocol.bus.local import LocalBus, LocalNetwork
-from protocol.bus.loop import drive, follow
 from protocol.bus.zenoh import ZenohBus
 from protocol.process.signals import STOP, Stopped
 from tests.scripts import ended

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import select
 import signal
 import subprocess
 import sys
@@ -66,14 +65,6 @@ def test_what_waits_for_a_queue_is_woken_also_by_a_signal_that_came_before() -> 
     assert queue.empty()  # it is called no more
     with STOP.calling(lambda: queue.put("at once")):
         assert queue.get(timeout=0.0) == "at once"
-
-
-def test_what_waits_for_descriptors_is_woken() -> None:
-    with STOP.readable() as descriptor:
-        later()
-        assert select.select([descriptor], [], [], PATIENCE)[0] == [descriptor]
-    with STOP.readable() as descriptor:
-        assert select.select([descriptor], [], [], 0.0)[0] == [descriptor]
 
 
 def test_afterwards_ctrl_c_is_the_users_again() -> None:

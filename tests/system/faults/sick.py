@@ -14,9 +14,8 @@ from deploy.processes import table
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from protocol import joining
-from protocol.bus.bus import Event
+from protocol.bus.bus import Event, drive
 from protocol.bus.connection import Connection
-from protocol.bus.loop import drive
 from protocol.bus.zenoh import ZenohBus
 from protocol.keys import robot_key
 from protocol.scenario.model import Scenario

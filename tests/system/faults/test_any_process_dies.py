@@ -25,7 +25,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.operator import operating
 from deploy.run.options import RunOptions, Transport, fresh_run_name
 from deploy.telemetry.recording.reader import read
-from deploy.telemetry.recording.trajectory import trajectory
+from deploy.telemetry.recording.replay import trajectory
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError

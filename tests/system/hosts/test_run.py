@@ -20,10 +20,10 @@ import psutil
 import pytest
 
 from deploy.library.load import load
-from deploy.output.exit_status import EXIT_FAULT, EXIT_INVALID, EXIT_OTHERWISE
+from deploy.output import EXIT_FAULT, EXIT_INVALID, EXIT_OTHERWISE
 from deploy.processes.hosts.remote import GREETING
 from deploy.run.local import LocalFleet
-from deploy.software.provenance import SOFTWARE, code_digest
+from deploy.software import SOFTWARE, code_digest
 from protocol.bus.bus import Sample
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus

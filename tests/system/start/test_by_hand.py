@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from deploy.output.exit_status import EXIT_ARRIVED, EXIT_FAULT, EXIT_OTHERWISE
+from deploy.output import EXIT_ARRIVED, EXIT_FAULT, EXIT_OTHERWISE
 from tests.deploy.processes.ports import free_ports
 from tests.deploy.telemetry.monitor.watched import until
 

@@ -11,8 +11,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from agents.peers.reader import PeerReader
-from agents.peers.state import plausible
+from agents.peers.state import PeerReader, plausible
 from agents.robot import Robot
 from deploy.library.load import load
 from deploy.run.local import LocalFleet

@@ -19,7 +19,7 @@ _LINES = [
     for name in ("own_set", "boundary", "placement", "tangent", "bond", "negotiation", "separating_lines")
 ]
 _ROBOT = [
-    "agents.peers.roster",
+    "agents.peers.neighbours",
     "agents.estimate",
     "agents.lines.safe_velocity",
     "agents.bodies",

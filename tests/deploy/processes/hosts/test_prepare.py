@@ -124,7 +124,7 @@ def test_what_is_installed_is_this_checkout_and_nothing_made_of_it() -> None:
     with tarfile.open(fileobj=io.BytesIO(prepare._archive())) as archive:
         names = set(archive.getnames())
         assert {entry.uid for entry in archive.getmembers()} == {0}
-    assert {"pyproject.toml", "agents/robot.py", "deploy/telemetry/monitor/web/page/index.html"} <= names
+    assert {"pyproject.toml", "agents/robot.py", "deploy/telemetry/monitor/page/index.html"} <= names
     assert not any(name.endswith((".so", ".pyc")) or "tests" in name for name in names)
     assert all((ROOT / name).exists() for name in names)
 

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from deploy.processes.spawn import Exited, News, Report, Start, Started, Store, decode_news
-from deploy.software.provenance import SOFTWARE, code_digest
+from deploy.processes.spawn import Exited, News, Process, Report, Start, Started, Store, decode_news
+from deploy.software import SOFTWARE, code_digest
 from tests.deploy.processes.test_spawn import gone
 from tests.system.hosts.testbed.ssh_server import ROOT
 
@@ -38,11 +38,14 @@ class FarEnd(NamedTuple):
 
     def start(self, function: str, *arguments: object) -> int:
         """Start a process that reports; its pid, once it has."""
-        self.requests.send(Start(1, "one", f"tests.deploy.processes.children:{function}", arguments, True))
+        self.requests.send(Start(1, Process("one", f"{_CHILDREN}:{function}", arguments, reports=True)))
         started, report = self.news(), self.news()
         assert isinstance(started, Started)
         assert isinstance(report, Report)
         return started.pid
+
+
+_CHILDREN = "tests.deploy.processes.children"
 
 
 @contextmanager

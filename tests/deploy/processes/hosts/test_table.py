@@ -10,8 +10,8 @@ import pytest
 
 from deploy.processes.hosts.spawners import HostSpawners
 from deploy.processes.hosts.table import parse_hosts, read_hosts, roster_of
+from deploy.run.assembly import MultiHost, places
 from deploy.run.options import RunOptions
-from deploy.run.topology import MultiHost, places
 from deploy.security.membership import Membership
 from protocol.errors import HostsError, UsageError
 

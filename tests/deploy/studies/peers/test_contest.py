@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
+from deploy.library.encounters import swap
 from deploy.library.figures import figure_3
-from deploy.library.swaps import swap
 from deploy.studies.execution import RunLog, execute
 from deploy.studies.peers.contest import REFERENCE, Contest, best, least_time, row, sound, summary
 from deploy.studies.peers.study import LAWS, SCANS, contest, peers, places, settings, with_arguments
@@ -125,7 +125,7 @@ def test_pairs_are_runs_from_the_same_start() -> None:
     ]
     stuck = result(verdict="timeout")
     results = {(0, 0): result(), (0, 1): result(sim_time=9.0), (1, 0): result(sim_time=6.0), (1, 1): stuck}
-    rows = Contest("peers", cells, row, {}).rows(results)
+    rows = Contest("peers", cells, "", row).rows(results)
     assert (rows[1]["paired"], rows[1]["time_ratio"], rows[1]["time_ratio_error"]) == (1, 1.5, None)
 
 
@@ -150,7 +150,7 @@ def test_the_single_setting_is_the_one_that_arrives_most_over_a_group() -> None:
     ]
     came = {(0, 0): 1, (0, 1): 1, (1, 0): 1, (1, 1): 0, (2, 0): 0, (2, 1): 0, (3, 0): 1, (3, 1): 1}
     results = {key: result(verdict="arrived" if each else "timeout") for key, each in came.items()}
-    rows = Contest("peers", cells, row, {}).rows(results)
+    rows = Contest("peers", cells, "", row).rows(results)
     assert [(each["choice"], each["setting"], each["arrived"]) for each in rows] == [
         ("best", "horizon 1 s", 2),
         ("single", "horizon 2 s", 1),

@@ -17,8 +17,9 @@ from websockets.typing import Subprotocol
 from deploy.run.local import LocalFleet
 from deploy.telemetry.monitor.foxglove import FoxgloveServer
 from deploy.telemetry.monitor.watcher import Watcher
-from deploy.telemetry.scene.fleet import TOPICS, Measures
+from deploy.telemetry.scene import TOPICS, measures
 from protocol.errors import UsageError
+from protocol.messages import Truth
 from protocol.operations import Steer
 from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, until
 
@@ -88,4 +89,4 @@ def test_the_layout_shows_topics_that_there_are() -> None:
         path["value"] for name, panel in panels.items() if name.startswith("Plot") for path in panel["paths"]
     ]
     assert {"/measures.clearance", "/measures.log_potential"} <= set(paths)
-    assert set(paths) <= {f"/measures.{name}" for name in Measures.__struct_fields__}
+    assert set(paths) <= {f"/measures.{name}" for name in measures(Truth(0, (), (), 0.0, 1.0))}

@@ -14,8 +14,7 @@ from rich.console import Console
 
 from deploy.run.local import LocalFleet
 from deploy.telemetry.monitor import terminal
-from deploy.telemetry.monitor.player import Player
-from deploy.telemetry.monitor.watcher import Watcher
+from deploy.telemetry.monitor.watcher import Player, Watcher
 from protocol.bus.local import LocalNetwork
 from protocol.keys import parse
 from protocol.messages import Clock, Truth

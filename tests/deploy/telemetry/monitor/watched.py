@@ -12,7 +12,7 @@ from typing import Any
 from deploy.run.local import LocalFleet
 from deploy.telemetry.monitor.snapshot import Steerable
 from deploy.telemetry.monitor.watcher import Watcher
-from deploy.telemetry.monitor.web.server import Server, serve_in_thread
+from deploy.telemetry.monitor.web import Server, serve_in_thread
 from protocol.bus.local import LocalNetwork
 from protocol.operations import Steer
 from protocol.scenario.model import Control, ProcessFault, RobotSpec, Scenario, Time

@@ -12,7 +12,7 @@ from PIL import Image
 
 from deploy.telemetry.plot.draw import check, draw, until
 from deploy.telemetry.plot.figure import Heard, measurement_ages
-from deploy.telemetry.plot.style import COLOURS, colour, dash
+from deploy.telemetry.plot.workspace import COLOURS, colour, dash
 from deploy.telemetry.recording.reader import Recording, read
 from protocol.errors import UsageError
 from protocol.scenario.model import Link, Partition, Sensing

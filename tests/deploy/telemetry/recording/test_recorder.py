@@ -20,7 +20,7 @@ from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from deploy.telemetry.recording.reader import read
 from deploy.telemetry.recording.recorder import PATIENCE, Recorder
-from deploy.telemetry.recording.trajectory import trajectory
+from deploy.telemetry.recording.replay import trajectory
 from deploy.telemetry.recording.writer import RecordingWriter
 from protocol import joining
 from protocol.bus.connection import Connection

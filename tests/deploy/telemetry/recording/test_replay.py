@@ -11,8 +11,7 @@ from mcap.writer import Writer
 
 from deploy.cli.recording import info, replay
 from deploy.processes.router import listening
-from deploy.telemetry.recording.contents import Contents
-from deploy.telemetry.recording.reader import Recording, Truths, read
+from deploy.telemetry.recording.reader import Contents, Recording, Truths, read
 from deploy.telemetry.recording.replay import publish, published, verify
 from protocol.bus.bus import Sample
 from protocol.bus.connection import Connection

@@ -14,8 +14,7 @@ from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.telemetry.plot.draw import until
 from deploy.telemetry.recording.reader import Recording, Truths, read
-from deploy.telemetry.recording.replay import verify
-from deploy.telemetry.recording.trajectory import participants
+from deploy.telemetry.recording.replay import participants, verify
 from protocol.errors import RecordingError
 from protocol.messages import State
 from protocol.scenario.model import Order, RobotSpec, Scenario

@@ -12,10 +12,8 @@ from pathlib import Path
 import pytest
 
 from deploy.telemetry.recording.reader import read
-from deploy.telemetry.recording.replay import verify
-from deploy.telemetry.recording.rotation import Rotation, rotation
-from deploy.telemetry.recording.trajectory import trajectory
-from deploy.telemetry.recording.writer import RecordingFile, RecordingWriter
+from deploy.telemetry.recording.replay import trajectory, verify
+from deploy.telemetry.recording.writer import RecordingFile, RecordingWriter, Rotation, rotation
 from protocol.codec import encode
 from protocol.errors import RecordingError, UsageError
 from protocol.keys import robot_key, world_key

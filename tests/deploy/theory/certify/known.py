@@ -8,8 +8,14 @@ from functools import cache
 
 import numpy as np
 
-from deploy.theory.configurations import random_configuration
-from deploy.theory.exact_flow import CriticalPoint, classify, find_equilibrium, integrate, swapped_pairs
+from deploy.theory.exact_flow import (
+    CriticalPoint,
+    classify,
+    find_equilibrium,
+    integrate,
+    random_configuration,
+    swapped_pairs,
+)
 from deploy.theory.function import Array, Problem, gamma, obstacle_functions
 from protocol.draws import Purpose, generator
 

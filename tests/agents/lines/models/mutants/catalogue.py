@@ -17,7 +17,7 @@ _LINES = "agents.lines.separating_lines"
 _LIVES = "world.coordinator.lives"
 _OWN_SET = "agents.lines.own_set"
 _PLANT = "world.plants.integrator"
-_ROSTER = "agents.peers.roster"
+_ROSTER = "agents.peers.neighbours"
 _TANGENT = "agents.lines.tangent"
 
 ITSELF = (

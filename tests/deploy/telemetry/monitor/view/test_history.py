@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from deploy.telemetry.monitor import snapshot as telling
 from deploy.telemetry.monitor.live import HISTORY
-from deploy.telemetry.scene.thinned import Thinned
+from deploy.telemetry.scene import Thinned
 from tests.deploy.telemetry.monitor.view.heard import truth, view
 
 

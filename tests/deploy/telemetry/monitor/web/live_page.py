@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from deploy.run.local import LocalFleet
 from deploy.telemetry.monitor.watcher import Watcher
-from deploy.telemetry.monitor.web.server import Server
+from deploy.telemetry.monitor.web import Server
 from protocol.operations import Steer
 from protocol.scenario.model import Scenario
 from tests.deploy.telemetry.monitor.watched import running, served, watch_local

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import importlib
 import json
 import re
 import socket
+import sys
 import time
 import urllib.error
 import urllib.request
@@ -21,8 +23,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from deploy.run.local import LocalFleet
 from deploy.telemetry.monitor.snapshot import Source
-from deploy.telemetry.monitor.web.application import FrameStream
-from deploy.telemetry.monitor.web.server import Server, serve_in_thread
+from deploy.telemetry.monitor.web import FrameStream, Server, serve_in_thread
 from protocol.bus.local import LocalNetwork
 from protocol.errors import UsageError
 from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, served, watch_local
@@ -184,6 +185,7 @@ def test_a_taken_port_is_named() -> None:
 
 
 def test_without_the_web_libraries_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "uvicorn", None)
+    monkeypatch.setitem(sys.modules, "uvicorn", None)
+    monkeypatch.delitem(sys.modules, "deploy.telemetry.monitor.web")
     with pytest.raises(UsageError, match=r"uvicorn.*pip install .*\[web\]"):
-        serve_in_thread(watch_local(LocalNetwork(), "r"))
+        importlib.import_module("deploy.telemetry.monitor.web")

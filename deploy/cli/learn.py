@@ -1,0 +1,285 @@
+"""What a scenario's theory says, what is proved of it, and what is measured: check, certify and study."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from deploy.cli import options
+from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE, check_json, is_standard_output, write_json
+from deploy.run.options import Transport
+from deploy.studies.study import StudyName
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+    from deploy.theory.certify.prove import Outcome
+    from deploy.theory.certify.replay import Replay
+    from deploy.theory.check import Certified
+    from protocol.scenario.model import Scenario
+
+
+def check(
+    scenario: options.Scenario,
+    seed: options.Seed = None,
+    setting: options.Settings = None,
+    json_file: options.Json = None,
+) -> None:
+    """Validate a scenario and evaluate the theory: whether its goals are admissible, and the required k.
+
+    Example: disknav check figure-2
+
+    Exit status: 0 valid (whatever the theory states), 2 invalid.
+    """
+    from deploy.library.load import load
+    from deploy.theory.check import render, report, to_json
+    from deploy.theory.surrounded import surrounded, theorem_for
+
+    check_json(json_file)
+    valid = load(scenario, setting or [], seed)
+    shown: RenderableType
+    if theorem_for(valid)[0] == "Karagoz-Bozma-Koditschek":
+        found = report(valid, _certificate(scenario, valid))
+        plain, shown = to_json(found), render(found)
+    else:
+        among = surrounded(valid)
+        plain, shown = among.to_json(), among.render()
+    write_json(plain, json_file)
+    if not is_standard_output(json_file):
+        from rich.console import Console
+
+        Console().print(shown)
+
+
+def _certificate(name: str, scenario: Scenario) -> Certified | None:
+    """What lies beside the scenario."""
+    from deploy.theory.certify.certificate import ProofError, path_for, stored
+    from deploy.theory.check import Certified
+
+    path = str(path_for(name))
+    try:
+        found = stored(name, scenario)
+    except ProofError as error:
+        return Certified(path, None, str(error))
+    return None if found is None else Certified(path, found.proven)
+
+
+_MINUTES = 10.0
+
+
+def certify(
+    scenario: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="SCENARIO",
+            help="A scenario file or library name; optional with --verify.",
+        ),
+    ] = None,
+    k: Annotated[
+        float | None,
+        typer.Option("--k", min=1.0, help="Prove down to this k; by default as far down as time allows."),
+    ] = None,
+    minutes: Annotated[
+        float | None, typer.Option(min=0.0, help="Stop after this many minutes; default 10.")
+    ] = None,
+    verify: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Check a certificate with independent arithmetic.")
+    ] = None,
+    out: Annotated[
+        Path | None,
+        options.out("The certificate, or where to go on; SCENARIO.certificate.json unless given."),
+    ] = None,
+    setting: options.Settings = None,
+    starts: Annotated[
+        int | None,
+        typer.Option(
+            min=1, help="No proof: run this many random starts at the scenario's k and count failures."
+        ),
+    ] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of the random starts; default 0.")] = None,
+    json_file: options.Json = None,
+    quiet: options.Quiet = False,
+) -> None:
+    """Prove a K: for every k >= K the goal is the only minimum of phi, all other critical points saddles or
+    maxima.
+
+    Goes from large k downwards and can be stopped at any time; the same command goes on from the file.
+    [b]--verify FILE[/b] replays the branching in arbitrary precision, and shares no arithmetic with the
+    search; with SCENARIO it also asks whether the certificate is of these goals.
+
+    [b]--starts N[/b] follows the exact flow from random starts instead, and bounds the failing fraction: for
+    five robots and more, whose proofs take long.
+
+    Examples: disknav certify figure-2 --k 10; disknav certify --verify figure-2.certificate.json;
+    disknav certify figure-3e --starts 300
+
+    Exit status: 0 proven (K, or anything without --k) or every start arrived, 1 not within the time or a
+    start failed, 2 invalid, 130 interrupted.
+    """
+    from deploy.library.load import read
+    from protocol.errors import UsageError
+
+    _check_options(verify is not None, starts is not None, locals())
+    check_json(json_file)
+    silent = quiet or is_standard_output(json_file)
+    read_scenario = None if scenario is None else read(scenario, setting or [])
+    if verify is not None:
+        from deploy.theory.certify.certificate import Goals, fetch
+        from deploy.theory.certify.replay import replay
+
+        goals = None if read_scenario is None else Goals.of(read_scenario)
+        checked = replay(fetch(verify, goals), _MINUTES if minutes is None else minutes, silent)
+        _say(_verified(checked), checked.to_json(), json_file, silent)
+        raise typer.Exit(_status(checked.enough(k)))
+    if scenario is None or read_scenario is None:
+        raise UsageError("certify needs a SCENARIO, or --verify FILE")
+    if starts is not None:
+        raise typer.Exit(_statistics(scenario, setting or [], (starts, seed or 0), json_file, silent))
+    from deploy.theory.certify.prove import Request, to_json
+    from deploy.theory.certify.prove import certify as perform
+
+    limit = _MINUTES if minutes is None else minutes
+    outcome = perform(read_scenario, Request(scenario, k, limit, out, silent))
+    _say(_found(outcome), to_json(outcome), json_file, silent)
+    raise typer.Exit(_status(outcome.proven))
+
+
+def _check_options(verifies: bool, samples: bool, given: Mapping[str, object]) -> None:
+    """Refuse what only one of the three ways to use this command knows."""
+    search = {"--out": given["out"]}
+    sample = {"--starts": given["starts"], "--seed": given["seed"]}
+    if verifies:
+        options.refuse({**search, **sample}, "--verify neither searches nor samples")
+        if given["scenario"] is None:
+            options.refuse({"--set": given["setting"]}, "there is no SCENARIO to set it in")
+    elif samples:
+        bounds = {"--k": given["k"], "--minutes": given["minutes"]}
+        options.refuse({**search, **bounds}, "--starts samples at the scenario's k: --set control.k=K")
+    else:
+        options.refuse(sample, "without --starts nothing is random")
+
+
+def _statistics(
+    name: str, settings: list[str], sample: tuple[int, int], json_file: Path | None, silent: bool
+) -> int:
+    from dataclasses import asdict, replace
+
+    from deploy.library.load import load
+    from deploy.output import bar
+    from deploy.theory.certify.certificate import Goals
+    from deploy.theory.exact_flow import failing_fraction
+
+    valid = load(name, settings)
+    with bar("random starts", silent=silent) as tell:
+        problem = replace(Goals.of(valid).problem, k=valid.k)
+        found = failing_fraction(problem, *sample, tell)
+    _say(str(found), asdict(found), json_file, silent)
+    return EXIT_OTHERWISE if found.failed else EXIT_ARRIVED
+
+
+def _status(proven: bool) -> int:
+    return EXIT_ARRIVED if proven else EXIT_OTHERWISE
+
+
+def _say(text: str, data: dict[str, object], json_file: Path | None, silent: bool) -> None:
+    write_json(data, json_file)
+    if not silent:
+        print(text)
+
+
+def _found(outcome: Outcome) -> str:
+    found = outcome.certificate
+    if found.proven is None:
+        text = f"{found.scenario}: nothing proven yet"
+    else:
+        text = (
+            f"{found.scenario}: proven for every k >= {found.proven:g}: the goal is the only minimum, every "
+            f"other critical point has a direction of descent ({found.boxes:,} boxes, {found.time:.1f} s)"
+        )
+    if found.frontier is not None:
+        text += f"\n{found.k:g} is {found.frontier.done:.1%} done; the same command goes on from there"
+    return f"{text}\n{outcome.path}"
+
+
+def _verified(checked: Replay) -> str:
+    if checked.proven is None:
+        return f"{checked.scenario}: nothing verified"
+    return f"{checked.scenario}: verified for every k >= {checked.proven:g} ({checked.boxes:,} boxes)"
+
+
+def study(
+    name: Annotated[StudyName, typer.Argument(help="Name of the study.")],
+    runs: Annotated[
+        int | None, typer.Option("--runs", min=1, help="Runs per cell; each study has its own default.")
+    ] = None,
+    jobs: Annotated[
+        int | None,
+        typer.Option("--jobs", "-j", min=1, help="Parallel runs; by default one per core."),
+    ] = None,
+    shard: Annotated[
+        str | None,
+        typer.Option(
+            metavar="I/N", help="Only every N-th run from the I-th on, to share a study between machines."
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, help="Seed of the first run; the others count up.")] = 0,
+    setting: options.Settings = None,
+    transport: Annotated[
+        Transport | None, typer.Option(help="Real processes (routed, mesh) or one process (local).")
+    ] = None,
+    law: Annotated[
+        list[str] | None,
+        typer.Option(metavar="MODULE:CLASS", help="peers: another law to compare; repeatable."),
+    ] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(metavar="TEXT", help="peers: only scenarios whose names contain this text; repeatable."),
+    ] = None,
+    json_file: options.Json = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw the rows: .png, .svg or .pdf.")] = None,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Discard the results of an earlier call.")] = False,
+    quiet: options.Quiet = False,
+) -> None:
+    """Run a study and print its table: the paper's experiments, faults, late states, peers, fleet sizes.
+
+    Every finished run is kept in FILE.runs.jsonl beside the --json FILE; the same command goes on from
+    there after Ctrl-C or a crash, unless the code or the settings have changed.
+
+    Examples: disknav study tightness --json tightness.json --plot tightness.png;
+    disknav study tuning --runs 5 --transport local;
+    disknav study peers --law courtesy.py:Courtesy --only "swap 1"
+
+    With [b]--shard I/N[/b] N machines share a study. The parts' FILE.runs.jsonl, one after the other in one,
+    are that of the whole: the same command without --shard then makes the table of all runs.
+
+    Exit status: 0 done, 1 done but something touched that must not, 2 invalid, 3 fault, 130 interrupted.
+    """
+    from deploy.studies.perform import Request, perform
+    from deploy.studies.study import Shard
+
+    if name != "peers":
+        options.refuse({"--law": law, "--only": only}, f"study {name} has no laws beside each other")
+    if name == "scale":
+        options.refuse({"--jobs": jobs}, "study scale measures speed: one run at a time")
+    if json_file is None or is_standard_output(json_file):
+        options.refuse({"--fresh": fresh}, "only --json FILE keeps what was measured")
+    request = Request(
+        name=name,
+        runs=runs,
+        jobs=jobs or os.cpu_count() or 1,
+        seed=seed,
+        settings=tuple(setting or ()),
+        transport=transport,
+        shard=Shard() if shard is None else Shard.parse(shard),
+        target=json_file,
+        plot=plot,
+        fresh=fresh,
+        quiet=quiet,
+        laws=tuple(law or ()),
+        only=tuple(only or ()),
+    )
+    raise typer.Exit(perform(request))

@@ -1,1 +1,0 @@
-"""Files by which an existing orchestrator runs a secured fleet: Docker Compose, Kubernetes, systemd."""

@@ -1,1 +1,0 @@
-"""What a command leaves on the terminal, in files and as exit status."""

@@ -1,0 +1,226 @@
+"""Which software runs, and on what: its compiled modules, its digest, and what `disknav setup doctor` finds.
+
+What is compiled (`make compile`: modules of robots and world, by mypyc, beside their sources) does the same
+to the last bit, several times faster; where nothing is, the sources run.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import os
+import platform
+import re
+import resource
+import shutil
+import sys
+from collections.abc import Iterator
+from functools import cache
+from importlib.machinery import EXTENSION_SUFFIXES
+from importlib.metadata import PackageNotFoundError, requires, version
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+from disknav import ownership
+from protocol.errors import UsageError
+from protocol.process.installation import ROOT, how_to_install, is_checkout
+
+SOFTWARE = ("protocol", "agents", "world", "deploy")  # all of it
+
+
+def compiled(root: Path = ROOT) -> list[Path]:
+    """Sources that have a compiled twin which this Python loads instead."""
+    return [
+        source
+        for package in SOFTWARE
+        for source in sorted((root / package).rglob("*.py"))
+        if source.with_suffix(EXTENSION_SUFFIXES[0]).exists()
+    ]
+
+
+def check_compiled(root: Path = ROOT) -> None:
+    """Find out whether what would run is what the sources say.
+
+    Raises:
+        UsageError: a source is newer than its compiled twin; names it and says what to do.
+    """
+    for source in compiled(root):
+        twin = source.with_suffix(EXTENSION_SUFFIXES[0])
+        if twin.stat().st_mtime < source.stat().st_mtime:
+            name = source.relative_to(root)
+            raise UsageError(
+                f"{name} has changed since it was compiled: run `make compile`, or remove {twin}"
+            )
+
+
+_PACKAGES = ("disknav", "eclipse-zenoh", "numpy", "msgspec", "pyrvo", "daqp")
+_CODE = ("protocol", "agents", "world", "deploy/library", "deploy/theory", "deploy/studies")
+
+
+def provenance(seed: int, transport: str, jobs: int) -> dict[str, Any]:
+    """Where the figures of a study come from; a package that is not installed has None for its version."""
+    import psutil  # only here
+
+    return {
+        "versions": {"python": platform.python_version(), **{name: _version(name) for name in _PACKAGES}},
+        "code_sha256": code_digest(),
+        "seed": seed,
+        "transport": transport,
+        "jobs": jobs,
+        "machine": {
+            "system": f"{platform.system()} {platform.release()}",
+            "processor": _processor(),
+            "cores": os.cpu_count(),
+            "memory_gb": round(psutil.virtual_memory().total / 2**30, 1),
+        },
+    }
+
+
+@cache
+def code_digest(folders: tuple[str, ...] = _CODE) -> str:
+    """SHA-256 over all sources in `folders` (if not given: what results depend on), with their paths."""
+    digest = hashlib.sha256()
+    for path in _sources(folders):
+        digest.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
+def _sources(folders: tuple[str, ...]) -> Iterator[Path]:
+    for folder in folders:
+        yield from sorted((ROOT / folder).rglob("*.py"))
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def _processor() -> str:
+    information = Path("/proc/cpuinfo")
+    if information.exists():
+        for line in information.read_text().splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
+
+
+Level = Literal["good", "note", "bad"]
+_EXTRA = re.compile(r"([\w.-]+).*;\s*extra\s*==\s*['\"](\w+)['\"]")
+_COLLECTIONS = ("all", "demo", "test")  # extras that are for no feature of their own
+_UNSYNCHRONISED = 5  # TIME_ERROR of <sys/timex.h>
+_TIMEX = 512  # bytes, more than struct timex takes anywhere
+_FILES = 1024  # descriptors, enough for fifty robots
+_CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
+
+
+class Finding(NamedTuple):
+    """One thing that was looked at.
+
+    level: good; note: fine unless what `text` says is wanted; bad: nothing will run as it should.
+    remedy: what to do; empty where nothing is.
+    """
+
+    what: str
+    level: Level
+    text: str
+    remedy: str = ""
+
+
+def findings() -> Iterator[Finding]:
+    """Everything that can be seen without running a fleet."""
+    yield _installation()
+    yield _packages()
+    yield _compiled()
+    yield from _extras()
+    yield _program("ssh", ("ssh",), "fleets over several hosts", "openssh-client")
+    yield _program("Chromium", _CHROMIUM, "tests of the live page", "chromium")
+    yield _time_source()
+    yield _descriptors()
+
+
+def _installation() -> Finding:
+    try:
+        number = version("disknav")
+    except PackageNotFoundError:
+        number = "without metadata"
+    kind = f"checkout {ROOT}" if is_checkout() else f"wheel in {ROOT}"
+    python = f"Python {platform.python_version()} ({sys.executable}), {platform.system()}"
+    text = f"disknav {number}, {kind}; {python}"
+    if platform.system() == "Linux":
+        return Finding("installation", "good", text)
+    return Finding("installation", "note", text, "tested on Linux only; see docs/guides/install.md")
+
+
+def _packages() -> Finding:
+    shared = [f"`{package}` by {', '.join(others)}" for package, others in ownership.shared().items()]
+    if not shared:
+        return Finding("packages", "good", "nobody else installs one of disknav's top-level packages")
+    text = f"installed here, too: {'; '.join(shared)}. What was installed last has overwritten the other"
+    return Finding("packages", "bad", text, "give disknav an environment of its own: python -m venv DIR")
+
+
+def _compiled() -> Finding:
+    count = len(compiled())
+    if count:
+        return Finding("compiled", "good", f"{count} modules are compiled")
+    text = "nothing is: a robot's step takes three to four times as long"
+    if shutil.which("cc") is None and shutil.which("gcc") is None:
+        text += "; there is no C compiler"
+    again = "`make compile`" if is_checkout() else "install disknav again"
+    return Finding("compiled", "note", text, f"install a C compiler and Python's headers, then {again}")
+
+
+def _extras() -> Iterator[Finding]:
+    try:
+        found = [_EXTRA.match(line) for line in requires("disknav") or ()]
+    except PackageNotFoundError:
+        return
+    wanted: dict[str, list[str]] = {}
+    for match in found:
+        if match is not None and match[2] not in _COLLECTIONS:
+            wanted.setdefault(match[2], []).append(match[1])
+    for extra, libraries in wanted.items():
+        missing = [library for library in libraries if not _is_installed(library)]
+        if missing:
+            text = f"{', '.join(missing)} not installed"
+            yield Finding(f"extra {extra}", "note", text, how_to_install(extra))
+        else:
+            yield Finding(f"extra {extra}", "good", ", ".join(libraries))
+
+
+def _is_installed(library: str) -> bool:
+    try:
+        version(library)
+    except PackageNotFoundError:
+        return False
+    return True
+
+
+def _program(what: str, names: tuple[str, ...], purpose: str, package: str) -> Finding:
+    for name in names:
+        if path := shutil.which(name):
+            return Finding(what, "good", path)
+    return Finding(what, "note", f"not found; only for {purpose}", f"apt-get install {package}, or the like")
+
+
+def _time_source() -> Finding:
+    """Whether the kernel's clock is disciplined: control asks for no clock, those who compare logs do."""
+    try:
+        state = ctypes.CDLL(None).adjtimex(ctypes.create_string_buffer(_TIMEX))
+    except AttributeError:
+        return Finding("time source", "note", "this system does not say; only logs of several hosts need one")
+    if state == _UNSYNCHRONISED:
+        text = "the clock follows none; only logs of several hosts need one, control does not"
+        return Finding("time source", "note", text, "chrony or systemd-timesyncd, if hosts are compared")
+    return Finding("time source", "good", "the clock is synchronised")
+
+
+def _descriptors() -> Finding:
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    text = f"{soft} open files a process, {os.cpu_count()} cores"
+    if soft < _FILES:
+        most = "unlimited" if hard == resource.RLIM_INFINITY else hard
+        return Finding("limits", "note", text, f"for more than a few dozen robots: ulimit -n {most}")
+    return Finding("limits", "good", text)

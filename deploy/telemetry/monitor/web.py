@@ -1,0 +1,258 @@
+"""The live page: its routes, the stream of snapshots to each viewer, its server on a thread of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import socket as socketlib
+import threading
+import time
+from hmac import compare_digest
+from pathlib import Path
+from secrets import token_urlsafe
+from typing import Any
+from urllib.parse import urlsplit
+
+import msgspec
+
+from deploy.telemetry.monitor.snapshot import Source, Steerable
+from protocol.codec import DAMAGED
+from protocol.errors import MessageError, UsageError
+from protocol.operations import Outcome, read_operation, read_steer
+from protocol.process.installation import missing_library
+from protocol.scenario.model import Operation
+
+try:
+    import uvicorn
+    from starlette.applications import Starlette
+    from starlette.datastructures import MutableHeaders
+    from starlette.middleware import Middleware
+    from starlette.middleware.trustedhost import TrustedHostMiddleware
+    from starlette.routing import Mount, WebSocketRoute
+    from starlette.staticfiles import StaticFiles
+    from starlette.types import ASGIApp, Message, Receive, Scope, Send
+    from starlette.websockets import WebSocket, WebSocketDisconnect
+except ModuleNotFoundError as error:
+    raise missing_library("the live page", error.name or str(error), "web") from error
+
+HOST = "127.0.0.1"
+FRAME_PERIOD = 0.05  # s
+_REST = 0.01  # s between two looks at least
+
+
+class FrameStream:
+    """Looks at a source at most once in `FRAME_PERIOD`, however many viewers there are, and not without any.
+
+    A viewer that cannot keep up misses frames; nothing is kept for it, and nobody waits for it.
+    """
+
+    def __init__(self, source: Source) -> None:
+        self._source = source
+        self._frame = b""
+        self._number = 0
+        self._epoch = -1
+        self._fresh = asyncio.Condition()
+        self._viewers = 0
+        self._looking: asyncio.Task[None] | None = None
+
+    def enter(self) -> None:
+        """A viewer has come."""
+        self._viewers += 1
+        if self._looking is None:
+            self._looking = asyncio.create_task(self._look())
+
+    def leave(self) -> None:
+        """A viewer has gone."""
+        self._viewers -= 1
+
+    def overview(self) -> tuple[int, bytes]:
+        """Epoch and text for somebody who knows nothing of it yet."""
+        overview = self._source.overview()
+        return overview["epoch"], msgspec.json.encode(overview)
+
+    async def after(self, number: int) -> tuple[int, int, bytes]:
+        """The newest frame, once it is newer than `number`: its number, epoch and text."""
+        async with self._fresh:
+            await self._fresh.wait_for(lambda: self._number > number)
+            return self._number, self._epoch, self._frame
+
+    async def _look(self) -> None:
+        since, due = -1, time.monotonic()
+        while self._viewers:
+            frame = self._source.snapshot(since)
+            if frame["epoch"] != self._epoch:
+                since = -1
+            if frame["samples"]:
+                since = frame["samples"][-1][0]
+            async with self._fresh:
+                self._number, self._epoch = self._number + 1, frame["epoch"]
+                self._frame = msgspec.json.encode(frame)
+                self._fresh.notify_all()
+            due = max(due + FRAME_PERIOD, time.monotonic() + _REST)  # to look takes a while, too
+            await asyncio.sleep(due - time.monotonic())
+        self._looking = None
+
+
+PAGE = Path(__file__).parent / "page"
+_HEADERS = {
+    "content-security-policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data:; frame-ancestors 'none'",
+    "cache-control": "no-cache",
+    "x-content-type-options": "nosniff",
+    "referrer-policy": "no-referrer",
+}
+
+
+_ONLY_LOOKS = "this page may only look: to steer, open the address that was printed, with its token"
+_ANSWER = 10.0  # s that the source may take over an order
+_SILENCE = "no answer from the run; the order may yet reach it"
+
+
+class FixedHeaders:
+    """Adds `_HEADERS` to every HTTP response: nothing is loaded from elsewhere, nothing is cached."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        async def send_with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                MutableHeaders(scope=message).update(_HEADERS)
+            await send(message)
+
+        await self._app(scope, receive, send_with_headers if scope["type"] == "http" else send)
+
+
+def application(source: Steerable, hosts: list[str], token: str) -> Starlette:
+    """The page for `source`, answering under the host names `hosts` only; who has `token` may steer."""
+    stream = FrameStream(source)
+
+    async def live(socket: WebSocket) -> None:
+        if not _same_origin(socket):
+            await socket.close(1008)
+            return
+        await socket.accept()
+        may_steer = _knows(socket, token)
+        await _tell(socket, "welcome", may_steer=may_steer)
+        stream.enter()
+        try:
+            async with asyncio.TaskGroup() as tasks:
+                sending = tasks.create_task(_send(socket, stream))
+                await _listen(socket, source, tasks, may_steer=may_steer)
+                sending.cancel()
+        except* WebSocketDisconnect:
+            pass
+        finally:
+            stream.leave()
+
+    return Starlette(
+        routes=[
+            WebSocketRoute("/live", live),
+            Mount("/", StaticFiles(directory=PAGE, html=True)),
+        ],
+        middleware=[Middleware(TrustedHostMiddleware, allowed_hosts=hosts), Middleware(FixedHeaders)],
+    )
+
+
+def _same_origin(socket: WebSocket) -> bool:
+    """Another site's page, open in the same browser, must not steer a fleet."""
+    origin = socket.headers.get("origin")
+    return origin is None or urlsplit(origin).netloc == socket.headers.get("host")
+
+
+def _knows(socket: WebSocket, token: str) -> bool:
+    return compare_digest(socket.query_params.get("token", "").encode(), token.encode())
+
+
+async def _send(socket: WebSocket, stream: FrameStream) -> None:
+    number, known = 0, -1
+    while True:
+        number, epoch, frame = await stream.after(number)
+        if epoch != known:
+            known, overview = stream.overview()
+            await socket.send_text(overview.decode())
+        if epoch == known:  # else it is of who was there before
+            await socket.send_text(frame.decode())
+
+
+async def _listen(socket: WebSocket, source: Steerable, tasks: asyncio.TaskGroup, *, may_steer: bool) -> None:
+    """Pass on what the viewer asks for; returns when it leaves. What is malformed, or asked by who only may
+    look, is told and ignored."""
+    while True:
+        await asyncio.sleep(0)  # what has arrived is read without a pause: nobody else would have a turn
+        try:
+            text = await socket.receive_text()
+            asked = msgspec.json.decode(text)
+            if not may_steer:
+                await _tell(socket, "refused", text=_ONLY_LOOKS)
+            elif isinstance(asked, dict) and "steer" in asked:
+                source.steer(read_steer(asked["steer"]))
+            else:
+                tasks.create_task(_operate(socket, source, read_operation(asked)))
+        except WebSocketDisconnect:
+            return
+        except (*DAMAGED, MessageError, KeyError) as error:
+            await _tell(socket, "refused", text=str(error))
+
+
+async def _operate(socket: WebSocket, source: Steerable, operation: Operation) -> None:
+    """Pass on an operation, and say what came of it."""
+    try:
+        async with asyncio.timeout(_ANSWER):
+            outcome = await asyncio.wrap_future(source.operate(operation))
+    except TimeoutError:
+        outcome = Outcome(False, text=_SILENCE)
+    asked = {action: getattr(operation, action) for action in operation.asked}
+    await _tell(socket, "answer", asked=asked, accepted=outcome.accepted, text=outcome.text)
+
+
+async def _tell(socket: WebSocket, kind: str, **content: Any) -> None:
+    await socket.send_text(msgspec.json.encode({"kind": kind, **content}).decode())
+
+
+class Server:
+    """A running server.
+
+    Attributes:
+        address: where the page is, such as `http://127.0.0.1:8000`.
+        link: the same with the token of this server: who opens it may steer. Browsers keep what follows `#`
+            to themselves.
+    """
+
+    def __init__(self, server: uvicorn.Server, listener: socketlib.socket, token: str) -> None:
+        host, port = listener.getsockname()[:2]
+        self.address = f"http://{host}:{port}"
+        self.link = f"{self.address}/#{token}"
+        self._server = server
+        self._thread = threading.Thread(
+            target=server.run, kwargs={"sockets": [listener]}, name="live page", daemon=True
+        )
+        self._thread.start()
+
+    def close(self) -> None:
+        """Say good-bye to all viewers and stop; may be called twice."""
+        self._server.should_exit = True
+        self._thread.join()
+
+
+def serve_in_thread(source: Steerable, port: int | None = None) -> Server:
+    """Serve the live page of `source` on 127.0.0.1, on a free port unless told which.
+
+    Raises:
+        UsageError: the port is taken.
+    """
+    listener = _listener(port)
+    token = token_urlsafe(16)
+    app = application(source, [HOST, "localhost"], token)
+    config = uvicorn.Config(
+        app, log_level="error", access_log=False, timeout_graceful_shutdown=1, lifespan="off"
+    )
+    return Server(uvicorn.Server(config), listener, token)
+
+
+def _listener(port: int | None) -> socketlib.socket:
+    try:
+        return socketlib.create_server((HOST, port or 0), backlog=64)
+    except (OSError, OverflowError) as error:
+        raise UsageError(
+            f"--port {port}: {error}; name another port, or none and a free one is taken"
+        ) from error

@@ -1,1 +1,0 @@
-"""The live page: its server, its websocket, and the page itself."""

@@ -1,0 +1,352 @@
+"""A fleet drawn for Foxglove's 3D panel: what a run says goes in, messages for topics of a scene come out.
+
+Every message is whole: the newest of each topic shows all there is, wherever a recording is opened. Robots
+are drawn once, each in a frame of its own that `/tf` moves, so that what moves costs little.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Callable, Iterable, Iterator, Sequence, Set
+from functools import partial
+from itertools import chain
+from pathlib import Path
+from typing import Generic, NamedTuple, TypeVar
+
+import msgspec
+
+from deploy.telemetry.drawing import WORLD, Drawing, Json, example, frame, schema, update
+from protocol import messages
+from protocol.messages import Clock, GoalStatus, Health, Member, Message, Tick, Truth, Vector
+from protocol.scenario.model import Scenario
+
+T = TypeVar("T")
+
+
+class Thinned(Generic[T]):
+    """At most `limit` entries (even), each standing for equally many of those appended.
+
+    When full, neighbours are merged in pairs by `merge(earlier, later)`; the last entry may still be
+    growing.
+    """
+
+    def __init__(self, limit: int, merge: Callable[[T, T], T]) -> None:
+        self.items: list[T] = []
+        self._limit, self._merge = limit + limit % 2, merge
+        self._stride = 1  # appended entries per kept one
+        self._count = 0
+
+    def append(self, item: T) -> None:
+        """Take one more entry."""
+        if self._count % self._stride:
+            self.items[-1] = self._merge(self.items[-1], item)
+        else:
+            self._make_room()
+            self.items.append(item)
+        self._count += 1
+
+    def _make_room(self) -> None:
+        if len(self.items) == self._limit:
+            pairs = zip(self.items[::2], self.items[1::2], strict=True)
+            self.items = [self._merge(earlier, later) for earlier, later in pairs]
+            self._stride *= 2
+
+
+class Changes(NamedTuple):
+    """Who came, and who went."""
+
+    came: Set[int]
+    went: Set[int]
+
+
+_NO_CHANGES = Changes(frozenset(), frozenset())
+
+
+class Cast:
+    """Those whose disks are there. Who was added by an operator is one of them once somebody says its size.
+
+    Attributes:
+        radii: m, of those who are there, or of whom a roster spoke.
+        goals: m, where those go who are there, as far as somebody said so: no roster does.
+        strangers: whose disks are there, and of whom nothing is known.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        specs = [scenario.spec(robot) for robot in scenario.ids]
+        self._newcomers = scenario.newcomers
+        self.radii = {spec.id: spec.radius for spec in specs}
+        self.goals = {spec.id: spec.goal for spec in specs}
+        self._places = {spec.id: spec.start for spec in specs}
+        self._truth = Truth(0, scenario.ids, tuple(self._places.values()), 0.0, 1.0)
+        self._told = scenario.ids  # by the newest truth
+        self.strangers: Set[int] = frozenset()
+
+    @property
+    def places(self) -> dict[int, Vector]:
+        """Where those are who are there, ascending, m; at their starts before the first truth."""
+        told = zip(self._truth.robots, self._truth.positions, strict=False)
+        self._places.update((robot, place) for robot, place in told if robot in self._places)
+        return self._places
+
+    def meet(self, scenario: Scenario) -> None:
+        """Take over what is said of strangers by the scenario as the world has it at present."""
+        self._newcomers += tuple(spec for spec in scenario.robots if spec.id in self.strangers)
+        self._told, self.strangers = (), frozenset()
+
+    def announce(self, members: Iterable[Member]) -> None:
+        """Take over what a roster says."""
+        known = len(self.radii)
+        self.radii.update((each.robot, each.radius) for each in members if each.status != "gone")
+        if len(self.radii) > known:
+            self._told = ()
+
+    def __contains__(self, robot: int) -> bool:
+        """Whether it is there."""
+        return robot in self._places
+
+    def see(self, truth: Truth) -> Changes:
+        """Take over where everybody is; returns who came and who went."""
+        self._truth = truth
+        if truth.robots == self._told:
+            return _NO_CHANGES
+        self._told, before = truth.robots, self._places
+        told = zip(truth.robots, truth.positions, strict=False)
+        known = {spec.id for spec in self._newcomers} | self.radii.keys()
+        self._places = {robot: place for robot, place in told if robot in known}
+        self.strangers = frozenset(truth.robots) - known
+        changes = Changes(self._places.keys() - before.keys(), before.keys() - self._places.keys())
+        for robot in changes.went:  # its id may be given to another one
+            self.goals.pop(robot, None)
+            self.radii.pop(robot, None)
+        for robot in changes.came:
+            self._welcome(robot, self._places[robot])
+        return changes
+
+    def _welcome(self, robot: int, place: Vector) -> None:
+        """One appeared; of several orders that add one of its id, by that which does so nearest to there."""
+        specs = [spec for spec in self._newcomers if spec.id == robot]
+        if specs:
+            spec = min(specs, key=lambda each: math.dist(each.start, place))
+            self.radii[robot], self.goals[robot] = spec.radius, spec.goal
+
+
+# -- where robots are as ROS 2 has it, in CDR, which Foxglove reads, too
+
+TF = "tf2_msgs/msg/TFMessage"
+TF_DEFINITION = (Path(__file__).parent / "TFMessage.msg").read_bytes()
+_LITTLE_ENDIAN = b"\0\1\0\0"
+_UNTURNED = (0.0, 0.0, 0.0, 0.0, 1.0)  # height, and a rotation by nothing
+
+
+class Frames:
+    """Frames named `children` that move within the frame `parent`."""
+
+    def __init__(self, parent: str, children: Sequence[str]) -> None:
+        form, size = "<4sI", 4  # numbers stand at multiples of their size, counted after the first 4 bytes
+        for child in children:
+            for piece, align, length in (
+                ("iI", 4, 8),
+                *((f"I{len(name) + 1}s", 4, 4 + len(name) + 1) for name in (parent, child)),
+                ("7d", 8, 56),
+            ):
+                pad = -size % align
+                form, size = f"{form}{pad}x{piece}", size + pad + length
+        self._layout = struct.Struct(form)
+        self._names = [
+            (len(parent) + 1, parent.encode(), len(child) + 1, child.encode()) for child in children
+        ]
+
+    def message(self, nanoseconds: int, places: Iterable[Vector]) -> bytes:
+        """The payload that puts the frames at places, m, in the order of their names, unturned."""
+        stamp = divmod(nanoseconds, 1_000_000_000)
+        parts = [
+            (*stamp, *names, *place, *_UNTURNED) for names, place in zip(self._names, places, strict=True)
+        ]
+        return self._layout.pack(_LITTLE_ENDIAN, len(parts), *chain.from_iterable(parts))
+
+
+# -- the scene
+
+_SECOND = 1_000_000_000  # ns of simulated time
+_PERIODS = {
+    "/tf": _SECOND // 10,
+    "/measures": _SECOND // 10,
+    "/scene/lines": _SECOND,
+    "/scene/trails": 2 * _SECOND,
+}
+_TRAIL_POINTS = 512  # of all robots together, at most
+_LATEST = (1 << 31) * _SECOND  # ns that ROS can tell; no tick of a real run is later
+
+
+# What a scene is made of; asked of every message that is recorded, most of which are none of these.
+DRAWN = frozenset((Truth, Health, GoalStatus, Clock, Tick))
+
+
+def measures(truth: Truth) -> Json:
+    """How the run stands: smallest gap during the tick before, m, and the navigation function with
+    log10(gamma / beta^(1/k))."""
+    return {"clearance": truth.clearance, "phi": truth.phi, "log_potential": truth.log_potential}
+
+
+class Topic(NamedTuple):
+    """How the messages of a topic are to be read."""
+
+    encoding: str
+    schema: str
+    schema_encoding: str
+    definition: bytes
+
+
+class Picture(NamedTuple):
+    """One message: simulated time, ns, and payload."""
+
+    topic: str
+    time: int
+    data: bytes
+
+
+def _json(name: str, example: Json) -> Topic:
+    return Topic("json", name, "jsonschema", schema(name, example))
+
+
+_BEFORE = Truth(0, (), (), 0.0, 1.0)
+_SCENE = _json("foxglove.SceneUpdate", example())
+TOPICS = {
+    "/tf": Topic("cdr", TF, "ros2msg", TF_DEFINITION),
+    "/measures": _json("disknav.Measures", measures(_BEFORE)),
+    **dict.fromkeys(
+        ("/scene/room", "/scene/robots", "/scene/goals", "/scene/lines", "/scene/trails"), _SCENE
+    ),
+}
+
+
+class FleetScene:
+    """The scene of one run; time is that of the newest truth."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._scenario, self._cast = scenario, Cast(scenario)
+        self._drawing = Drawing(scenario, self._cast.radii)
+        self._now = 0
+        self._truth = _BEFORE
+        self._down: frozenset[int] = frozenset()
+        self._things = dict(scenario.shapes)
+        self._told = Clock(0, 0.0, (), (), "")
+        self._lines: dict[int, tuple[messages.Line, ...]] = {}
+        limit = max(8, _TRAIL_POINTS // len(scenario.ids))
+        self._past: Thinned[dict[int, Vector]] = Thinned(limit, lambda _, later: later)
+        self._moving = self._frames_of_all()
+        self._next = dict.fromkeys(_PERIODS, 0)  # ns; when a topic is due
+        self._due = 0  # ns; when the first of them is
+        self._draw: dict[str, Callable[[], bytes]] = {
+            "/tf": self._frames,
+            "/measures": lambda: msgspec.json.encode(measures(self._truth)),
+            **{topic: partial(_encoded, draw) for topic, draw in self._updates().items()},
+        }
+
+    def whole(self) -> Iterator[Picture]:
+        """All of it, for who has just come."""
+        return chain.from_iterable(map(self.latest, TOPICS))
+
+    def latest(self, topic: str) -> tuple[Picture, ...]:
+        """One topic of it; nothing of measures before anything was measured."""
+        measured = topic != "/measures" or self._truth.robots
+        return (self.picture(topic),) if measured else ()
+
+    def picture(self, topic: str) -> Picture:
+        """One topic of it."""
+        return Picture(topic, self._now, self._draw[topic]())
+
+    def meet(self, scenario: Scenario) -> None:
+        """Take over what the world says of robots that an operator added: the next truth draws them."""
+        self._cast.meet(scenario)
+
+    def hear(self, message: Message) -> Iterator[Picture]:
+        """Take over what was published; gives what is to be drawn anew because of it."""
+        if isinstance(message, Tick):
+            if message.roster is not None:
+                self._cast.announce(message.roster.members)
+        elif isinstance(message, Truth):
+            return map(self.picture, self._on_truth(message))
+        elif isinstance(message, Health) and message.robot in self._cast:
+            self._lines[message.robot] = message.lines
+        elif isinstance(message, GoalStatus) and message.robot in self._cast:
+            self._cast.goals[message.robot] = message.goal
+            return iter((self.picture("/scene/goals"),))
+        elif isinstance(message, Clock):
+            return map(self.picture, self._on_clock(message))
+        return iter(())
+
+    def _on_clock(self, clock: Clock) -> list[str]:
+        """Which topics are changed by who is down, and by what came or went."""
+        if clock.standing == self._told.standing and clock.things == self._told.things:
+            return []
+        self._told = clock
+        before = self._down, self._things
+        self._down = frozenset(each.robot for each in clock.standing)
+        gone = {thing.number for thing in clock.things}
+        came = {thing.number: thing.shape for thing in clock.things if thing.status == "standing"}
+        listed = {number: shape for number, shape in self._scenario.shapes.items() if number not in gone}
+        self._things = listed | came
+        changed = (self._down != before[0], self._things != before[1])
+        return [topic for topic, new in zip(("/scene/robots", "/scene/room"), changed, strict=True) if new]
+
+    def _on_truth(self, truth: Truth) -> list[str]:
+        """Which topics are due."""
+        now = round(truth.tick * self._scenario.time.step * 1e9)
+        if now >= _LATEST:
+            return []
+        self._now, self._truth = now, truth
+        changes = self._cast.see(truth)
+        changed = self._recast(changes.went) if any(changes) else []
+        if now < self._due:
+            return changed
+        due = [topic for topic, time in self._next.items() if now >= time]
+        for topic in due:
+            self._next[topic] = now + _PERIODS[topic]
+        self._due = min(self._next.values())
+        if "/tf" in due:
+            self._past.append(dict(self._cast.places))
+        return changed + due
+
+    def _recast(self, went: Set[int]) -> list[str]:
+        """Robots came or went; which topics that changes, beside those that are due at once."""
+        for robot in went:
+            self._lines.pop(robot, None)
+            for moment in self._past.items:
+                moment.pop(robot, None)
+        self._moving = self._frames_of_all()
+        self._next, self._due = dict.fromkeys(_PERIODS, 0), 0
+        return ["/scene/robots", "/scene/goals"]
+
+    def _frames_of_all(self) -> Frames:
+        return Frames(WORLD, [frame(robot) for robot in self._cast.places])
+
+    @property
+    def _stamp(self) -> Json:
+        return dict(zip(("sec", "nsec"), divmod(self._now, _SECOND), strict=True))
+
+    # -- what is drawn
+
+    def _updates(self) -> dict[str, Callable[[], Json]]:
+        draw, cast = self._drawing, self._cast
+        return {
+            "/scene/room": lambda: update([draw.room(self._stamp, self._things.values())]),
+            "/scene/robots": self._robots,
+            "/scene/goals": lambda: update([draw.goals(self._stamp, cast.goals)]),
+            "/scene/lines": lambda: update([draw.separating_lines(self._stamp, self._lines, cast.places)]),
+            "/scene/trails": lambda: update([draw.trails(self._stamp, self._past.items, cast.places)]),
+        }
+
+    def _frames(self) -> bytes:
+        return self._moving.message(self._now, self._cast.places.values())
+
+    def _robots(self) -> Json:
+        """Those that are there; all that was drawn before goes."""
+        draw, stamp = self._drawing.robot, self._stamp
+        there = [draw(stamp, robot, down=robot in self._down) for robot in self._cast.places]
+        return update(there, stamp)
+
+
+def _encoded(draw: Callable[[], Json]) -> bytes:
+    return msgspec.json.encode(draw())

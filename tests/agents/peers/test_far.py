@@ -1,0 +1,79 @@
+"""Far disks in a robot's slice: exact at one place, close around it, without those who are known better."""
+
+from __future__ import annotations
+
+import math
+from random import Random
+
+import numpy as np
+import pytest
+
+from agents.law.gradient import Slice
+from agents.peers.far import NOTHING, far_field
+from agents.peers.state import Peer
+
+OWN, PLACE, GOAL, WORKSPACE = 0.04, (0.1, -0.2), (0.5, 0.3), 3.0
+
+
+def crowd(seed: int, count: int, least: float) -> list[Peer]:
+    """Disks at least so far from PLACE, m."""
+    random = Random(seed)
+    peers: list[Peer] = []
+    while len(peers) < count:
+        x, y = random.uniform(-2.5, 2.5), random.uniform(-2.5, 2.5)
+        if math.dist((x, y), PLACE) > least:
+            peers.append(Peer(x, y, random.uniform(0.02, 0.06), random.uniform(0.0, 4.0)))
+    return peers
+
+
+def slices(near: list[Peer], far: list[Peer], known: list[int] | None = None) -> tuple[Slice, Slice]:
+    """With all of them one by one, and with a field in place of the far ones."""
+    x, y = np.array([each.x for each in far]), np.array([each.y for each in far])
+    contacts = np.array([OWN + each.radius for each in far])
+    gammas = np.array([each.gamma for each in far])
+    field = far_field(3, PLACE, x, y, contacts, gammas, gammas, known or ())
+    left = [each for index, each in enumerate(far) if index not in (known or ())]
+    every = Slice(GOAL, OWN, WORKSPACE, 50.0, [*near, *left])
+    return every, Slice(GOAL, OWN, WORKSPACE, 50.0, near, field)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("known", [[], [0, 7, 3]])
+def test_it_is_exact_where_it_was_taken(seed: int, known: list[int]) -> None:
+    exact, short = slices(crowd(seed, 6, 0.12), crowd(seed + 100, 60, 0.4), known)
+    assert short(*PLACE) == pytest.approx(exact(*PLACE), rel=1e-12)
+    one, other = exact.gradient(*PLACE), short.gradient(*PLACE)
+    assert [other.dx, other.dy, other.xx, other.xy, other.yx, other.yy] == pytest.approx(
+        [one.dx, one.dy, one.xx, one.xy, one.yx, one.yy], rel=1e-12
+    )
+    assert short.gamma(0.3, 0.2) == pytest.approx(exact.gamma(0.3, 0.2))
+
+
+def test_around_it_the_error_is_of_second_order() -> None:
+    exact, short = slices([], crowd(1, 60, 0.4))
+    errors = []
+    for size in (0.04, 0.02):
+        x, y = PLACE[0] + size, PLACE[1] - size
+        errors.append(math.dist(exact(x, y), short(x, y)))
+    assert errors[1] < 0.3 * errors[0] < 0.01 * math.hypot(*exact(*PLACE))
+
+
+def test_the_derivative_is_that_of_the_field() -> None:
+    _, short = slices(crowd(2, 3, 0.15), crowd(3, 40, 0.4))
+    x, y = PLACE[0] + 0.03, PLACE[1]
+    step, found = 1e-6, short.gradient(x, y)
+    ahead, behind = short(x + step, y), short(x - step, y)
+    assert (ahead[0] - behind[0]) / (2.0 * step) == pytest.approx(found.xx, rel=1e-5)
+    assert (ahead[1] - behind[1]) / (2.0 * step) == pytest.approx(found.yx, rel=1e-5)
+
+
+def test_disks_that_may_touch_are_left_out_and_nobody_is_nothing() -> None:
+    touching = far_field(0, PLACE, *np.array([PLACE]).T, np.array([0.1]), np.array([2.0]), np.array([1.5]))
+    assert (touching.log_x, touching.xx) == (0.0, 0.0)
+    assert (touching.gamma, touching.largest, touching.slice) == (2.0, 2.0, 1.5)
+    nobody = far_field(0, PLACE, np.zeros(1), np.zeros(1), np.ones(1), np.ones(1), np.ones(1), [0])
+    assert (
+        (nobody.count, nobody.gamma, nobody.slice)
+        == (NOTHING.count, NOTHING.gamma, NOTHING.slice)
+        == (0, 0.0, 0.0)
+    )

@@ -1,0 +1,147 @@
+"""The router's rules, without a router: everything declared is possible to its owner and to nobody else."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+import zenoh
+from hypothesis import given
+from hypothesis import strategies as st
+
+from deploy.processes.router import router_config
+from deploy.security.roster import Home, Roster, access_control
+from protocol.bus.connection import Connection
+from protocol.errors import CertificateError
+from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, parse, robot_key, robot_token, world_key, world_token
+from protocol.streams import STREAMS
+
+ROSTER = Roster("demo", (1, 2, 3))
+RULES = access_control(ROSTER)
+
+
+def allowed(role: str, message: str, key: str, rules: dict[str, Any] = RULES) -> bool:
+    """What zenoh decides on the way in: a rule of this subject includes the key."""
+    granted = {
+        rule for policy in rules["policies"] if policy["subjects"] == [role] for rule in policy["rules"]
+    }
+    return any(
+        zenoh.KeyExpr(expression).includes(zenoh.KeyExpr(key))
+        for rule in rules["rules"]
+        if rule["id"] in granted and "ingress" in rule["flows"] and message in rule["messages"]
+        for expression in rule["key_exprs"]
+    )
+
+
+def keys() -> list[str]:
+    robots = [robot_key("demo", robot, stream) for robot in ROSTER.robots for stream in ROBOT_STREAMS]
+    tokens = [world_token("demo", "1"), *(robot_token("demo", robot, "1") for robot in ROSTER.robots)]
+    return robots + [world_key("demo", stream) for stream in WORLD_STREAMS] + tokens
+
+
+@pytest.mark.parametrize("role", ROSTER.roles)
+def test_everybody_writes_what_is_declared_theirs_and_nothing_else(role: str) -> None:
+    writable = {key for key in keys() if allowed(role, "put", key)}
+    names = {name for name, stream in STREAMS.items() if stream.publisher == role.partition("-")[0]}
+    if role in ("router", "monitor"):  # another router has no business at the only one
+        assert writable == set()
+    elif role in ("world", "operator"):
+        assert {parse(key).stream for key in writable} == names
+        assert writable == {key for key in keys() if parse(key).stream in names}
+    else:
+        assert names == {"state", "command", "health"}
+        assert writable == {robot_key("demo", int(role.removeprefix("robot-")), name) for name in names}
+
+
+@pytest.mark.parametrize("role", ROSTER.roles[1:])
+def test_nobody_deletes_and_only_the_world_answers(role: str) -> None:
+    for key in keys():
+        assert not allowed(role, "delete", key)
+        answers = role == "world" and key.endswith(("/scenario", "/steering", "/join", "/operation"))
+        assert allowed(role, "declare_queryable", key) == allowed(role, "reply", key) == answers
+
+
+@pytest.mark.parametrize("role", ROSTER.roles[1:])
+def test_a_token_stands_for_oneself(role: str) -> None:
+    tokens = {key for key in keys() if allowed(role, "liveliness_token", key)}
+    own = {"world": {world_token("demo", "1")}, "monitor": set(), "operator": set()}
+    for robot in ROSTER.robots:
+        own[f"robot-{robot}"] = {robot_token("demo", robot, "1")}
+    assert tokens == own[role]
+
+
+def test_only_an_operator_sends_robots_elsewhere() -> None:
+    operation = world_key("demo", "operation")
+    assert [role for role in ROSTER.roles[1:] if allowed(role, "query", operation)] == ["operator"]
+    assert all(allowed("operator", "query", world_key("demo", name)) for name in ("scenario", "steering"))
+
+
+def test_robots_neither_steer_nor_read_each_others_commands() -> None:
+    assert not allowed("robot-1", "query", world_key("demo", "steering"))
+    assert [r for r in ROSTER.robots if allowed("robot-1", "query", robot_key("demo", r, "join"))] == [1]
+    assert not allowed("robot-1", "query", "disknav/demo/robot/*/join")
+    assert not allowed("robot-1", "declare_subscriber", "disknav/demo/robot/*/command")
+    assert not allowed("robot-1", "declare_subscriber", robot_key("demo", 2, "tick"))
+    assert not allowed("robot-1", "declare_subscriber", world_key("demo", "truth"))
+    assert not allowed("robot-1", "declare_subscriber", "disknav/demo/**")
+
+
+@given(
+    st.sampled_from(ROSTER.roles),
+    st.sampled_from(RULES["rules"][1]["messages"]),
+    st.from_regex(r"[a-z]{1,8}", fullmatch=True),
+)
+def test_another_run_is_another_world(role: str, message: str, run: str) -> None:
+    run = "other" if run == "demo" else run
+    assert not allowed(role, message, robot_key(run, 1, "state"))
+    assert not allowed(role, message, "**")
+
+
+def test_subjects_are_common_names_and_each_has_one_policy() -> None:
+    assert [subject["cert_common_names"] for subject in RULES["subjects"]] == [[r] for r in ROSTER.roles[1:]]
+    assert RULES["default_permission"] == "deny"
+    assert len(RULES["policies"]) == len(ROSTER.roles) - 1
+
+
+HOSTS = Roster(
+    "demo", (1, 2, 3), {"a": Home(("a",), (1,)), "b": Home(("b",), (2, 3)), "c": Home(("c",))}, "a"
+)
+MESSAGES = RULES["rules"][0]["messages"]
+
+
+@pytest.mark.parametrize("host", HOSTS.homes)
+def test_a_router_speaks_for_those_behind_it_and_no_others(host: str) -> None:
+    rules = access_control(HOSTS, host)
+    for other in HOSTS.homes:
+        behind = {
+            (message, key)
+            for message in MESSAGES
+            for key in [*keys(), "disknav/demo/robot/*/state", "disknav/demo/**"]
+            for role in HOSTS.behind(other)
+            if allowed(role, message, key)
+        }
+        granted = {
+            (message, key)
+            for message in MESSAGES
+            for key in [*keys(), "disknav/demo/robot/*/state", "disknav/demo/**"]
+            if allowed(f"router-{other}", message, key, rules)
+        }
+        assert granted == (set() if other == host else behind)
+
+
+@pytest.mark.parametrize("host", HOSTS.homes)
+def test_clients_of_a_router_are_those_of_its_host(host: str) -> None:
+    subjects = {subject["id"] for subject in access_control(HOSTS, host)["subjects"]}
+    assert subjects == {*HOSTS.behind(host), *HOSTS.routers} - {f"router-{host}"}
+
+
+def test_a_host_that_is_not_in_the_roster() -> None:
+    with pytest.raises(CertificateError, match="not for a host 'd', but for a, b, c"):
+        access_control(HOSTS, "d")
+
+
+def test_zenoh_takes_the_printed_configuration() -> None:
+    text = router_config(Connection("router", access=RULES), "tls/127.0.0.1:7447")
+    config = zenoh.Config.from_json5(text)
+    assert "cert_common_names" in config.get_json("access_control/subjects")
+    assert "7447" in config.get_json("listen/endpoints")

@@ -1,0 +1,190 @@
+"""The scene: as Foxglove and ROS define it, whole in every message, at a bounded rate."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from typing import Any
+
+import pytest
+from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate  # type: ignore[import-untyped]
+from google.protobuf import json_format
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec.structs import replace
+from rosbags.typesys import Stores, get_typestore
+
+from deploy.telemetry.scene import TF, TOPICS, FleetScene, Frames, Picture
+from protocol import messages
+from protocol.messages import Clock, GoalStatus, Health, Member, Roster, Standing, Tick, Truth
+from protocol.scenario.model import Obstacle, Order, RobotSpec, Scenario
+
+ROBOTS = (RobotSpec(3, 0.03, (-0.1, 0.0), (0.1, 0.0)), RobotSpec(7, 0.02, (0.0, 0.0), (0.0, 0.1)))
+THINGS = (
+    Obstacle(center=(0.0, -0.2), radius=0.02),
+    Obstacle(points=((0.1, -0.2), (0.2, -0.2), (0.15, -0.1))),
+)
+SCENARIO = Scenario(ROBOTS, name="two", obstacles=THINGS)
+STORE = get_typestore(Stores.ROS2_HUMBLE)
+
+
+def truth(tick: int, x: float = 0.0) -> Truth:
+    return Truth(tick, (3, 7), ((x, 0.0), (0.05, 0.01)), 0.01, 0.5)
+
+
+def health(robot: int, peer: int) -> Health:
+    return Health(robot, 1, 1, 0.001, 1, 1, {}, (), ((peer, 1.0, 0.0, 0.03),))
+
+
+def content(picture: Picture) -> dict[str, Any]:
+    return dict(json.loads(picture.data))
+
+
+def drawn(scene: FleetScene, topic: str) -> list[dict[str, Any]]:
+    return list(content(scene.picture(topic))["entities"])
+
+
+def untimed(value: Any) -> Any:
+    """Without times: in JSON they are two numbers, in protobuf's own JSON a text."""
+    if isinstance(value, dict):
+        return {name: untimed(each) for name, each in value.items() if name not in ("timestamp", "lifetime")}
+    return [untimed(each) for each in value] if isinstance(value, list) else value
+
+
+def test_every_update_is_one_by_foxgloves_own_definition() -> None:
+    scene = FleetScene(SCENARIO)
+    for message in (truth(1), truth(4, 0.01), health(3, 7), health(7, 3)):
+        list(scene.hear(message))
+    updates = [picture for picture in scene.whole() if picture.topic.startswith("/scene/")]
+    assert len(updates) == 5
+    for picture in updates:
+        update = json_format.ParseDict(untimed(content(picture)), SceneUpdate())  # strict
+        assert any(each.cylinders or each.lines for each in update.entities), picture.topic
+
+
+def test_goals_move_with_orders_and_robots_that_are_down_turn_red() -> None:
+    scene = FleetScene(SCENARIO)
+    (goals,) = scene.hear(GoalStatus(7, 4, 1, "under way", (-0.1, 0.2)))
+    (entity,) = content(goals)["entities"]
+    assert [each["pose"]["position"]["x"] for each in entity["cylinders"]] == [0.1, -0.1]
+    before = [each["cylinders"][0]["color"] for each in drawn(scene, "/scene/robots")]
+    (robots,) = scene.hear(Clock(4, 0.2, (3,), (Standing(7, 1, (0.0, 0.0)),), ""))
+    after = [each["cylinders"][0]["color"] for each in content(robots)["entities"]]
+    assert (after[0], after[1] != before[1]) == (before[0], True)
+    assert not list(scene.hear(Clock(5, 0.25, (3,), (Standing(7, 1, (0.0, 0.0)),), "")))
+
+
+def test_things_that_come_or_go_change_the_room() -> None:
+    scene = FleetScene(SCENARIO)
+    came = messages.Thing(3, "standing", ((0.2, 0.1),), 0.01)
+    (room,) = scene.hear(Clock(1, 0.05, (3, 7), (), "", things=(came, messages.Thing(1, "gone"))))
+    (entity,) = content(room)["entities"]
+    assert [len(each["points"]) for each in entity["triangles"]] == [
+        3,
+        3 * 46,
+    ]  # thing 2, and 3 of 48 corners
+    assert not list(scene.hear(Clock(2, 0.1, (3, 7), (), "", things=(came, messages.Thing(1, "gone")))))
+
+
+def test_lines_are_drawn_between_those_who_are_near() -> None:
+    scene = FleetScene(SCENARIO)
+    list(scene.hear(health(3, 7)))
+    list(scene.hear(truth(1, 0.0)))
+    (near,) = drawn(scene, "/scene/lines")
+    assert [point["x"] for point in near["lines"][0]["points"]] == pytest.approx([0.03, 0.03])
+    list(scene.hear(truth(2, -0.2)))
+    (far,) = drawn(scene, "/scene/lines")
+    assert far["lines"] == []
+
+
+def test_pictures_come_at_a_bounded_rate() -> None:
+    scene = FleetScene(SCENARIO)
+    counts = Counter(picture.topic for tick in range(1, 201) for picture in scene.hear(truth(tick)))
+    assert counts == {"/tf": 100, "/measures": 100, "/scene/lines": 10, "/scene/trails": 5}
+
+
+def test_nothing_is_measured_before_the_first_truth() -> None:
+    scene = FleetScene(SCENARIO)
+    assert {picture.topic for picture in scene.whole()} == TOPICS.keys() - {"/measures"}
+    list(scene.hear(truth(0)))
+    assert content(*scene.latest("/measures")) == {"clearance": 0.01, "phi": 0.5, "log_potential": 0.0}
+
+
+def drawn_robots(scene: FleetScene) -> list[str]:
+    return [entity["id"] for entity in drawn(scene, "/scene/robots")]
+
+
+def frames(scene: FleetScene) -> dict[str, float]:
+    """Where frames are in x, m."""
+    read: Any = STORE.deserialize_cdr(scene.picture("/tf").data, TF)
+    return {each.child_frame_id: each.transform.translation.x for each in read.transforms}
+
+
+def test_robots_that_orders_add_are_drawn_while_they_are_there() -> None:
+    far, near = RobotSpec(5, 0.01, (-0.2, 0.0), (0.2, 0.2)), RobotSpec(5, 0.04, (0.2, 0.0), (0.2, -0.2))
+    orders = (Order(0.0, add=far), Order(0.1, add=near))
+    scene = FleetScene(Scenario(ROBOTS, orders=orders))
+    list(scene.hear(truth(1)))
+    three = Truth(2, (3, 5, 7), ((0.1, 0.0), (0.2, 0.01), (0.3, 0.0)), 0.01, 0.5)
+    changed = [picture.topic for picture in scene.hear(three)]
+    assert {"/tf", "/scene/robots", "/scene/goals"} <= {*changed}
+    assert drawn_robots(scene) == ["robot 3", "robot 5", "robot 7"]
+    assert frames(scene) == {"robot_3": 0.1, "robot_5": 0.2, "robot_7": 0.3}
+    (goals,) = drawn(scene, "/scene/goals")
+    assert [each["size"]["x"] for each in goals["cylinders"]] == [0.06, 0.04, 0.08]  # the one that began near
+    list(scene.hear(health(7, 3)))
+    list(scene.hear(Truth(10, (3, 5), ((0.1, 0.0), (0.0, 0.1)), 0.01, 0.5)))
+    (robots,) = scene.latest("/scene/robots")
+    assert content(robots)["deletions"] == [
+        {"timestamp": {"sec": 0, "nsec": 500_000_000}, "type": 1, "id": ""}
+    ]
+    assert drawn_robots(scene) == ["robot 3", "robot 5"]
+    assert frames(scene) == {"robot_3": 0.1, "robot_5": 0.0}
+    for topic, pieces in (("/scene/lines", 0), ("/scene/trails", 2)):
+        (entity,) = drawn(scene, topic)
+        assert len(entity["lines"]) == pieces, topic
+
+
+def test_a_robot_that_an_operator_adds_is_drawn_as_large_as_the_roster_says() -> None:
+    scene = FleetScene(SCENARIO)
+    there = Truth(1, (3, 7, 9), ((0.0, 0.0), (0.05, 0.01), (0.3, 0.3)), 0.01, 0.5)
+    list(scene.hear(there))
+    assert drawn_robots(scene) == ["robot 3", "robot 7"]
+    member = Member(9, 0, "appearing", 0.05, (0.3, 0.3))
+    list(scene.hear(Tick(3, 1, 0, (), roster=Roster(2, (member,)))))
+    list(scene.hear(replace(there, tick=2)))
+    assert drawn(scene, "/scene/robots")[-1]["cylinders"][0]["size"]["x"] == 0.1
+    assert len(drawn(scene, "/scene/goals")[0]["cylinders"]) == 2  # nobody said where it goes
+    list(scene.hear(GoalStatus(9, 2, 1, "under way", (-0.1, 0.2))))
+    assert len(drawn(scene, "/scene/goals")[0]["cylinders"]) == 3
+
+
+def test_strangers_and_times_that_nobody_can_tell_change_nothing() -> None:
+    scene = FleetScene(SCENARIO)
+    list(scene.hear(truth(0)))
+    before = [*scene.whole()]
+    assert not list(scene.hear(truth(2**53)))
+    list(scene.hear(Truth(0, (3, 7, 9), ((0.0, 0.0), (0.05, 0.01), (0.3, 0.3)), 0.01, 0.5)))
+    list(scene.hear(health(9, 3)))
+    list(scene.hear(GoalStatus(9, 1, 1, "under way", (0.0, 0.0))))
+    assert [*scene.whole()] == before
+
+
+@given(
+    st.integers(0, 2**31 * 10**9 - 1),
+    st.dictionaries(
+        st.text("abc_1", min_size=1, max_size=12),
+        st.tuples(st.floats(allow_nan=False), st.floats(allow_nan=False)),
+        max_size=5,
+    ),
+)
+def test_transforms_are_read_by_ros_as_written(time: int, places: dict[str, tuple[float, float]]) -> None:
+    message = STORE.deserialize_cdr(Frames("world", [*places]).message(time, places.values()), TF)
+    read = {each.child_frame_id: each for each in message.transforms}  # type: ignore[attr-defined]
+    found = {
+        name: (each.transform.translation.x, each.transform.translation.y) for name, each in read.items()
+    }
+    assert found == places
+    for each in read.values():
+        assert each.header.stamp.sec * 10**9 + each.header.stamp.nanosec == time
+        assert (each.header.frame_id, each.transform.rotation.w) == ("world", 1.0)

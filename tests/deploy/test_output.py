@@ -1,0 +1,86 @@
+"""What commands write: to a terminal, to files, and where neither takes it."""
+
+import errno
+import io
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from deploy.output import check_json, is_standard_output, write_json, writing
+from protocol.errors import UsageError
+from protocol.scenario.file import parse_toml
+from tests.forks import Forks
+
+
+def test_what_cannot_be_written_is_refused_beforehand(tmp_path: Path) -> None:
+    for target in (tmp_path / "missing" / "result.json", tmp_path):
+        with pytest.raises(UsageError, match="cannot write JSON to"):
+            check_json(target)
+
+
+def test_looking_leaves_nothing_behind_and_spoils_nothing(tmp_path: Path) -> None:
+    new, old = tmp_path / "new.json", tmp_path / "old.json"
+    old.write_text("kept")
+    for target in (new, old, Path("-"), Path("/dev/null"), None):
+        check_json(target)
+    assert not new.exists()
+    assert old.read_text() == "kept"
+
+
+def test_a_dash_is_standard_output(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert is_standard_output(Path("-"))
+    assert not is_standard_output(tmp_path / "-")
+    write_json({"a": 1}, Path("-"))
+    write_json({"a": 1}, None)
+    assert json.load(io.StringIO(capsys.readouterr().out)) == {"a": 1}
+    write_json({"a": 2}, tmp_path / "x.json")
+    assert json.loads((tmp_path / "x.json").read_text()) == {"a": 2}
+
+
+def test_what_cannot_be_written_after_all_is_one_line_and_no_half_file(tmp_path: Path) -> None:
+    target, there = tmp_path / "half.txt", tmp_path / "there.txt"
+    there.write_text("kept")
+    for path in (target, there):
+        with (
+            pytest.raises(UsageError, match=r"cannot draw to .*: No space left on device"),
+            writing(path, "draw"),
+        ):
+            _fill(path)
+    assert not target.exists()
+    assert there.read_text() == "kept"
+
+
+def _fill(path: Path) -> None:
+    path.open("a").close()
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+@pytest.mark.parametrize("option", ["--plot", "--json"])
+@pytest.mark.slow
+def test_a_full_disk_costs_the_file_and_not_the_result(disknav: Forks, tmp_path: Path, option: str) -> None:
+    target = tmp_path / "x.png"
+    target.symlink_to("/dev/full")
+    run = disknav("run", "figure-1", "--transport", "local", option, target)
+    assert run.returncode == 2
+    assert "figure-1: arrived" in run.stdout
+    assert run.stderr.splitlines()[-1].startswith("disknav: cannot ")
+    assert "No space left on device" in run.stderr
+    assert "Traceback" not in run.stderr
+
+
+@pytest.mark.slow
+def test_a_terminal_that_lacks_a_character_is_shown_another(tmp_path: Path) -> None:
+    """LC_ALL=C without Python's own way out, as a service's environment may be."""
+    file = tmp_path / "cafe.toml"
+    robot = "id = 1\nradius = 0.04\nstart = [0.0, 0.0]\ngoal = [0.0, 0.0]\n"
+    file.write_text(f'name = "café"\n[[robots]]\n{robot}', encoding="utf-8")
+    bare = {**os.environ, "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    call = [sys.executable, "-m", "disknav"]
+    shown = subprocess.run([*call, "scenario", "show", file], env=bare, capture_output=True, check=True)
+    assert parse_toml(shown.stdout.decode()).name == "café"
+    checked = subprocess.run([*call, "check", file], env=bare, capture_output=True, check=True)
+    assert rb"caf\xe9" in checked.stdout

@@ -1,0 +1,80 @@
+"""docs/streams.md: current, and true for a program that shares no code with this project."""
+
+import ast
+import re
+import selectors
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import msgpack
+import msgspec
+import pytest
+
+from deploy.processes.router import listening
+from protocol.bus.connection import Connection
+from protocol.bus.zenoh import ZenohBus
+from protocol.codec import encode
+from protocol.keys import ROBOT_STREAMS, robot_key, world_key
+from protocol.streams import STREAMS
+from tests.docs.stream_page import PAGE, page
+from tests.protocol.sample_messages import ONE
+
+
+def test_page_is_current():
+    assert PAGE.read_text() == page(), "run `python -m tests.docs.stream_page`"
+
+
+@pytest.mark.parametrize("name", STREAMS)
+def test_page_lists_the_fields_in_the_order_of_the_wire(name):
+    section = page().split(f"## `{name}`\n")[1].split("\n## ")[0]
+    rows = [re.split(r" *\| *", line) for line in section.splitlines() if re.match(r"\| \d", line)]
+    wire = msgpack.unpackb(msgspec.msgpack.encode(ONE[name]))  # whole
+    assert [int(row[1]) for row in rows] == list(range(len(wire)))
+    assert tuple(row[2] for row in rows[1:]) == STREAMS[name].message.__struct_fields__
+    assert wire[0] in rows[0][5]
+
+
+@pytest.mark.process
+def test_a_stock_subscriber_reads_every_stream(tmp_path: Path):
+    """The program on the page, as it stands there, against real zenoh."""
+    code = re.search(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
+    program = tmp_path / "subscriber.py"
+    program.write_text(code[1])
+    router, endpoint = listening(Connection("router"))
+    publisher = ZenohBus(Connection(connect=(endpoint,)))
+    reader = subprocess.Popen([sys.executable, program, endpoint, "page"], stdout=subprocess.PIPE, text=True)
+    try:
+        heard = _converse(publisher, reader)
+    finally:
+        reader.kill()
+        reader.wait()
+        reader.stdout.close()
+        publisher.close()
+        router.close()
+    assert heard == {key: msgpack.unpackb(payload) for key, payload in _payloads().items()}
+
+
+def _payloads() -> dict[str, bytes]:
+    return {
+        robot_key("page", 1, name) if name in ROBOT_STREAMS else world_key("page", name): encode(message)
+        for name, message in ONE.items()
+    }
+
+
+def _converse(bus: ZenohBus, reader: subprocess.Popen) -> dict[str, list]:
+    """Publish until the reader has printed something of every key."""
+    payloads = _payloads()
+    publishers = {key: bus.publisher(STREAMS[key.rpartition("/")[2]], key) for key in payloads}
+    heard: dict[str, list] = {}
+    deadline = time.monotonic() + 60.0
+    with selectors.DefaultSelector() as selector:
+        selector.register(reader.stdout, selectors.EVENT_READ)
+        while len(heard) < len(payloads) and time.monotonic() < deadline:
+            for key, payload in payloads.items():
+                publishers[key](payload)
+            while selector.select(0.05) and len(heard) < len(payloads):
+                key, kind, fields = reader.stdout.readline().split(" ", 2)
+                heard[key] = [kind, *ast.literal_eval(fields)]
+    return heard
