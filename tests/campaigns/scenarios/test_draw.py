@@ -14,8 +14,6 @@ from protocol.scenario.file import validated
 from protocol.scenario.model import Point, ProcessFault, Scenario
 from tests.campaigns.campaign import Dice
 from tests.campaigns.scenarios.draw import drawn
-from tests.campaigns.scenarios.events import sensible
-from tests.campaigns.scenarios.places import at_the_wall, beside, fits, scattered
 
 pytestmark = pytest.mark.slow
 
@@ -161,29 +159,3 @@ EXPRESSED: dict[str, Callable[[Scenario], object]] = {
 
 def test_everything_that_may_matter_is_drawn() -> None:
     assert [feature for feature, shows in EXPRESSED.items() if not any(map(shows, draws()))] == []
-
-
-def test_disks_are_put_as_near_as_numbers_allow() -> None:
-    at = at_the_wall((0.1, 0.2), 0.04, 0.3, 0.0)
-    assert 0.0 < 0.3 - 0.04 - math.hypot(*at) < 1e-14
-    next_to = beside((0.1, 0.1), 0.05, (-0.3, 0.2), 0.04, 0.0)
-    assert 0.0 < math.dist(next_to, (0.1, 0.1)) - 0.09 < 1e-14
-
-
-def test_dense_disks_find_room() -> None:
-    radii = [0.2] * 10
-    points = scattered(Dice(0), radii, 1.0)
-    assert points is not None
-    assert all(fits(i, points, radii, 1.0) for i in range(10))
-    assert scattered(Dice(0), [0.6, 0.6], 1.0) is None
-
-
-def test_events_that_cannot_follow_are_left_out() -> None:
-    faults = [
-        ProcessFault(1, 2.0, "pause"),
-        ProcessFault(1, 1.0, "kill"),
-        ProcessFault(1, 3.0, "resume"),
-        ProcessFault(2, 0.0, "resume"),
-        ProcessFault(1, 4.0, "restart"),
-    ]
-    assert [fault.event for fault in sensible(faults)] == ["kill", "restart"]

@@ -91,7 +91,7 @@ def test_parts_that_cannot_be(change: dict[str, Any], text: str) -> None:
     [
         ({"world": World("mujoco")}, 'parts: .*"integrator" only'),
         ({"body": "turtlebot3-burger"}, 'robots.0..body: .* "point"'),
-        ({"network": Network("near")}, "network.interest: .*everybody"),
+        ({"network": Network("near")}, "network.interest: .*all others"),
     ],
 )
 def test_what_does_not_go_together_with_parts(change: dict[str, Any], text: str) -> None:
