@@ -25,8 +25,19 @@ from deploy.library.encounters import (
     swap,
     turtlebots,
 )
-from deploy.library.figures import TIGHTNESS, admissible, crash, delay_6, figure_1, figure_2, figure_3
-from deploy.library.random_instances import PAPER_DENSITY, in_turn, parts, random_instance
+from deploy.library.instances import (
+    PAPER_DENSITY,
+    TIGHTNESS,
+    admissible,
+    crash,
+    delay_6,
+    figure_1,
+    figure_2,
+    figure_3,
+    in_turn,
+    parts,
+    random_instance,
+)
 from deploy.theory.tuning import gain_for
 from protocol.draws import checked_seed
 from protocol.errors import ScenarioError, UsageError

@@ -12,9 +12,8 @@ from typing import Any, Literal
 import numpy as np
 
 from deploy.library.encounters import swap
-from deploy.library.figures import figure_3
+from deploy.library.instances import figure_3, random_starts
 from deploy.library.load import resolved
-from deploy.library.random_instances import random_starts
 from deploy.studies.study import Build, Cell, Result, Row, Study, arrived, error, figures, mean, untouched
 from protocol.draws import Purpose, generator
 from protocol.scenario.model import Link, RobotSpec, Scenario, Sensing, Time, Workspace

@@ -16,9 +16,8 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from deploy.library.figures import TIGHTNESS, figure_3
+from deploy.library.instances import TIGHTNESS, figure_3, random_instance
 from deploy.library.load import resolved
-from deploy.library.random_instances import random_instance
 from deploy.run.options import Transport
 from deploy.studies.study import Cell, Result, Row, Study, figures, growth, mean
 from protocol.scenario.model import Scenario

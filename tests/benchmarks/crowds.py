@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 
 import psutil
 
+from deploy.library.instances import random_instance, random_starts
 from deploy.library.load import resolved
-from deploy.library.random_instances import random_instance, random_starts
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, fresh_run_name

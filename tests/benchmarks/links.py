@@ -19,8 +19,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Literal, NamedTuple
 
+from deploy.library.instances import random_instance
 from deploy.library.load import resolved
-from deploy.library.random_instances import random_instance
 from deploy.processes import table
 from deploy.run.options import fresh_run_name
 from protocol.bus.connection import Connection

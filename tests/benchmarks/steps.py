@@ -11,8 +11,8 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 
+from deploy.library.instances import random_instance
 from deploy.library.load import resolved
-from deploy.library.random_instances import random_instance
 from deploy.studies.execution import MeteredFleet
 from protocol.scenario.model import Link, Scenario
 

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from deploy.library.instances import random_instance
 from deploy.library.load import resolved
-from deploy.library.random_instances import random_instance
 from deploy.run.local import LocalFleet
 from protocol.draws import Purpose, generator
 from protocol.scenario.file import write_toml

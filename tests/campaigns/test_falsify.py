@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
+from deploy.library.instances import parts
 from deploy.library.load import load, resolved
-from deploy.library.random_instances import parts
 from deploy.run.local import LocalFleet
 from protocol.bus.bus import Sample
 from protocol.codec import encode

@@ -18,9 +18,8 @@ from typing import Any, Literal
 
 from agents.law.choice import found
 from deploy.library.encounters import blocks, boxes, circle, forest, swap
-from deploy.library.figures import figure_3
+from deploy.library.instances import PAPER_DENSITY, figure_3, random_instance
 from deploy.library.load import resolved, try_out
-from deploy.library.random_instances import PAPER_DENSITY, random_instance
 from deploy.studies.peers.contest import Contest, row, sound, summary
 from deploy.studies.study import Build, Cell
 from protocol.errors import UsageError

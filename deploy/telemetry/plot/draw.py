@@ -63,8 +63,7 @@ def draw(
     check(target, len(recordings))
     import matplotlib
 
-    from deploy.telemetry.plot.animation import Format, animate
-    from deploy.telemetry.plot.figure import figure
+    from deploy.telemetry.plot.figure import Format, animate, figure
     from deploy.telemetry.plot.workspace import RC
 
     with matplotlib.rc_context(RC), writing(target, _WHAT):

@@ -13,8 +13,8 @@ from agents.law.additions import AugmentedLaw
 from agents.law.gradient import GradientLaw
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
+from deploy.library.instances import random_instance
 from deploy.library.load import load
-from deploy.library.random_instances import random_instance
 from deploy.run.local import LocalFleet
 from protocol.scenario.model import ADDITIONS, Control, Scenario
 

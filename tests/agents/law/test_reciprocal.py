@@ -15,8 +15,8 @@ from agents.law.reciprocal import ReciprocalLaw, nearest, reciprocal
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from deploy.library.encounters import swap
+from deploy.library.instances import random_instance
 from deploy.library.load import load, resolved
-from deploy.library.random_instances import random_instance
 from deploy.run.local import LocalFleet
 from protocol.line import HalfPlane
 from protocol.messages import Vector

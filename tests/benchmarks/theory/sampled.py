@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from deploy.library.figures import GOAL_SETS, TIGHTNESS, figure_3
+from deploy.library.instances import GOAL_SETS, TIGHTNESS, figure_3
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
 from deploy.studies.study import error, mean

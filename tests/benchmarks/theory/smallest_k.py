@@ -10,8 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from deploy.library.figures import RADIUS, WORKSPACE, figure_3, tightness
-from deploy.library.random_instances import random_starts
+from deploy.library.instances import RADIUS, WORKSPACE, figure_3, random_starts, tightness
 from deploy.theory.exact_flow import integrate
 from deploy.theory.function import Array, Problem
 

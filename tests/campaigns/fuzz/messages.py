@@ -13,7 +13,7 @@ import msgspec
 
 from agents.peers.state import PeerReader, PeerState
 from agents.shell.node import RobotNode
-from deploy.library.figures import crash
+from deploy.library.instances import crash
 from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet

@@ -13,9 +13,8 @@ from typer.testing import CliRunner
 
 from deploy.cli.scenario import app
 from deploy.library.encounters import circle, swap
-from deploy.library.figures import GOAL_SETS, figure_3, tightness
+from deploy.library.instances import GOAL_SETS, figure_3, random_instance, random_starts, tightness
 from deploy.library.load import build, catalogue, generate, load
-from deploy.library.random_instances import random_instance, random_starts
 from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.file import parse_toml, validated, write_toml
 from protocol.scenario.model import Scenario

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from deploy.library.random_instances import random_instance
+from deploy.library.instances import random_instance
 from protocol.geometry import Disk, Shape
 from tests.protocol.shapes import disks, points, polygons, shapes
 from tests.world.driving import scenario

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from deploy.library.encounters import swap
-from deploy.library.figures import figure_3
+from deploy.library.instances import figure_3
 from deploy.studies.execution import RunLog, execute
 from deploy.studies.peers.contest import REFERENCE, Contest, best, least_time, row, sound, summary
 from deploy.studies.peers.study import LAWS, SCANS, contest, peers, places, settings, with_arguments
