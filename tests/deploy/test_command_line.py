@@ -198,7 +198,7 @@ def test_doctor_prints_commands_that_can_be_copied(monkeypatch: pytest.MonkeyPat
     lacking = Finding(
         "extra plot", "note", "matplotlib not installed", "pip install 'disknav[plot] @ file:///a'"
     )
-    monkeypatch.setattr("deploy.software", lambda: iter([lacking]))
+    monkeypatch.setattr("deploy.software.findings", lambda: iter([lacking]))
     monkeypatch.setattr("deploy.cli.setup._trial", lambda: Finding("fleet", "bad", "did not run"))
     done = CliRunner().invoke(app, ["setup", "doctor"], catch_exceptions=False)
     assert lacking.remedy in done.stdout
