@@ -119,6 +119,7 @@ def test_a_swap_is_short_and_quick() -> None:
     assert time < 1.25 * 8.0  # 0.8 m at 0.1 m/s
 
 
+@pytest.mark.slow
 def test_a_few_that_cross_pass_without_a_turn() -> None:
     """With the turn that swaps need the mean is 1.08."""
     lengths = []
@@ -190,6 +191,7 @@ def test_who_has_waited_in_vain_does_not_wait_again() -> None:
     assert (0.0, 0.0) not in wishes[begun:]
 
 
+@pytest.mark.slow
 def test_two_that_change_places_side_by_side_in_a_pack_do_not_wait_for_ever() -> None:
     starts = (-0.0438754, -0.0759406), (-3.05e-5, -0.0001807), (-0.0882437, -0.000101), (-0.0441882, 0.07596)
     goals = (-0.044, -0.07621), (-0.088, 0.0), (0.0, 0.0), (-0.044, 0.07621)
