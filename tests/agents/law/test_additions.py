@@ -61,7 +61,9 @@ def test_any_addition_can_be_left_out(law: str, left_out: str) -> None:
     assert (report["verdict"], report["collisions"]) in (("arrived", 0), ("deadlock", 0), ("timeout", 0))
 
 
-@pytest.mark.parametrize(("count", "without"), [(3, ""), (6, "pace"), (7, "")])
+@pytest.mark.parametrize(
+    ("count", "without"), [(3, ""), (6, "pace"), (7, ""), pytest.param(12, "", marks=pytest.mark.slow)]
+)
 def test_symmetric_swaps_arrive_on_short_ways(count: int, without: str) -> None:
     """By the law alone: no filter keeps them apart."""
     additions = [each for each in ("pace", "escape") if each != without]
