@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+import json
 import math
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
 from typing import Any
 
+import msgpack
 import numpy as np
 import pytest
+import zenoh
 
 import disknav
+from deploy.run.options import fresh_run_name
 from protocol.codec import decode, encode
 from protocol.errors import MessageError, UsageError
 from protocol.keys import robot_key
 from protocol.messages import Wish
+from protocol.scenario.file import write_toml
+from tests.deploy.processes.ports import free_ports
 
 CROSSING: dict[str, Any] = {
     "name": "crossing",
@@ -89,3 +100,42 @@ def test_what_is_no_velocity_is_refused(velocity: Any) -> None:
 def test_a_wish_that_is_not_finite_is_refused_by_the_robot() -> None:
     with pytest.raises(MessageError):
         decode(robot_key("w", 3, "wish"), encode(Wish(3, (math.nan, 0.0))))
+
+
+@pytest.mark.process
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["separating-lines", "none"])
+def test_a_planner_drives_real_processes_by_key_with_no_more_than_zenoh(tmp_path: Path, kind: str) -> None:
+    """It hears the truth and says wishes, as docs/streams.md has them, straight through each other."""
+    scenario = disknav.build(CROSSING, {"control.filter": kind, "control.lifetime": 2.0, "time.limit": 12.0})
+    (tmp_path / "crossing.toml").write_text(write_toml(scenario))
+    page = (Path(__file__).parents[2] / "docs/streams.md").read_text()
+    kind_of_wish = re.findall(r'"(wish/\d+)"', page)[0]
+    run, endpoint = fresh_run_name(), f"tcp/127.0.0.1:{free_ports(1)[0]}"
+    call = [sys.executable, "-m", "disknav", "run", "crossing.toml", "--speed", "1", "--quiet"]
+    call += ["--run", run, "--listen", endpoint, "--json", "result.json"]
+    fleet = subprocess.Popen(call, cwd=tmp_path)
+    config = zenoh.Config()
+    config.insert_json5("mode", '"client"')
+    config.insert_json5("connect", json.dumps({"endpoints": [endpoint], "timeout_ms": 30_000}))
+    try:
+        with zenoh.open(config) as session:
+            heard = session.declare_subscriber(f"disknav/{run}/world/truth", zenoh.handlers.RingChannel(1))
+            tells = {n: session.declare_publisher(f"disknav/{run}/robot/{n}/wish") for n in scenario.ids}
+            while fleet.poll() is None:
+                if (sample := heard.try_recv()) is None:
+                    time.sleep(0.01)
+                    continue
+                _, _, robots, positions, *_ = msgpack.unpackb(sample.payload.to_bytes())
+                for robot, (x, y) in zip(robots, positions, strict=True):
+                    gx, gy = scenario.spec(robot).goal
+                    rate = min(0.1 / max(math.hypot(gx - x, gy - y), 1e-9), 5.0)
+                    tells[robot].put(msgpack.packb([kind_of_wish, robot, [rate * (gx - x), rate * (gy - y)]]))
+    finally:
+        if fleet.poll() is None:
+            fleet.terminate()
+        fleet.wait(30)
+    result = json.loads((tmp_path / "result.json").read_text())
+    assert min(result["path_lengths"].values()) > 0.05  # they did drive
+    assert (result["verdict"] == "collision") is (kind == "none")
+    assert (result["min_clearance"] > 0.0) is (kind != "none")
