@@ -111,7 +111,8 @@ def add(
     with _operating(run, router, secure) as operator:
         _done(operator, operation)
         member = operator.appeared(robot, within)
-    print(f"run {run}: robot {robot} {'takes part' if member.status == 'live' else 'stands in its place'}")
+    state = "is live" if member.status == "live" else "is in place, and waits for its process"
+    print(f"run {run}: robot {robot} {state}")
 
 
 @app.command()
@@ -174,7 +175,7 @@ def take(
     router: options.Router = None,
     secure: options.Secure = None,
 ) -> None:
-    """Remove an obstacle from the plan, after it was taken away.
+    """Tell the fleet that an obstacle was taken away.
 
     Example: disknav fleet take yard 1
 

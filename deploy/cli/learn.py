@@ -104,8 +104,8 @@ def certify(
     json_file: options.Json = None,
     quiet: options.Quiet = False,
 ) -> None:
-    """Prove a K: for every k >= K the goal is the only minimum of phi, all other critical points saddles or
-    maxima.
+    """Find and prove a K: for every k >= K the goal is the only minimum of phi, all other critical points
+    saddles or maxima.
 
     Goes from large k downwards and can be stopped at any time; the same command goes on from the file.
     [b]--verify FILE[/b] replays the branching in arbitrary precision, and shares no arithmetic with the

@@ -21,7 +21,7 @@ from protocol.process.signals import STOP
 if TYPE_CHECKING:
     from deploy.telemetry.monitor.foxglove import FoxgloveServer
 
-_TIMEOUT = 5.0  # s to reach somebody
+_TIMEOUT = 5.0  # s to reach the fleet
 _NICENESS = 10  # a fleet on the same machine first
 
 

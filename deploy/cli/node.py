@@ -27,7 +27,9 @@ Alive = Annotated[
     typer.Option(metavar="FILE", help="Touch this file every second while the main loop runs, for probes."),
 ]
 _WAIT = 60.0
-app = typer.Typer(name="node", help="Run single processes, for other launchers.", no_args_is_help=True)
+app = typer.Typer(
+    name="node", help="Run single processes, for systemd, containers or a manual start.", no_args_is_help=True
+)
 
 
 @app.command()

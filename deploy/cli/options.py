@@ -52,7 +52,7 @@ Rotate = Annotated[
     typer.Option(
         "--rotate",
         metavar="LIMIT",
-        help="Continue in another file at this size or age: 500MB, 1h; repeatable.",
+        help="Start a new recording file at this size or age: 500MB, 1h; repeatable.",
     ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print neither progress nor table.")]
@@ -81,7 +81,7 @@ RouterThere = Annotated[
     typer.Option(
         "--router",
         metavar="ENDPOINT",
-        help="Endpoint at which a router listens already; none is started.",
+        help="Use the router at this endpoint, tcp/HOST:PORT, instead of starting one.",
     ),
 ]
 Secure = Annotated[
@@ -93,7 +93,11 @@ Log = Annotated[
     typer.Option("--log", metavar="DIR", help="Write one log file per process to this directory."),
 ]
 ModeOption = Annotated[
-    Mode, typer.Option("--mode", help="Ticks wait for all robots, or follow the wall clock.")
+    Mode,
+    typer.Option(
+        "--mode",
+        help="Ticks wait for all robots, or follow the clock; default lockstep, with --keep realtime.",
+    ),
 ]
 RealtimePriority = Annotated[
     bool,

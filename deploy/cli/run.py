@@ -68,7 +68,9 @@ def run(
         typer.Option(metavar="FILE", help="Start the processes on the hosts of this table (TOML), over ssh."),
     ] = None,
     secure: options.Secure = None,
-    open_to_all: Annotated[bool, typer.Option("--open", help="Allow --hosts without --secure.")] = False,
+    open_to_all: Annotated[
+        bool, typer.Option("--open", help="Allow an unencrypted fleet beyond this machine.")
+    ] = False,
     restart: Annotated[
         str | None,
         typer.Option(

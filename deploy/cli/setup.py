@@ -56,7 +56,7 @@ def keys(
 
     With [b]--hosts[/b], one for the router of each host, which speaks for the robots there and no others.
 
-    With [b]--secure DIR[/b] other commands use them: every link is TLS, both ends prove who they are, and
+    With [b]--secure DIR[/b] other commands use them: every link is TLS with certificates at both ends, and
     the router lets each robot write under its own id only. A host needs ca.pem, roster.json and
     the two files of each role that runs there.
 
