@@ -108,8 +108,8 @@ class RecordingError(DisknavError):
     """A recording cannot be read, or does not say what its result claims."""
 
 
-class JournalError(DisknavError):
-    """A world's journal cannot be gone on with: damaged, of another run, or not there."""
+class CheckpointError(DisknavError):
+    """No world can go on from a checkpoint: it is damaged, of another run, in use, or not there."""
 
 
 class MapError(DocumentError):

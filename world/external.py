@@ -9,6 +9,7 @@ from protocol.errors import UsageError
 from protocol.messages import Command, Report, Sense, Vector
 from protocol.scenario.model import RobotSpec, Scenario
 from protocol.scenario.places import SHARE, room_at_start
+from world.plants.plant import PastDisks
 from world.sensing import Sensor
 
 STILL: Vector = (0.0, 0.0)
@@ -21,28 +22,39 @@ class External:
     A robot moves only under its lease (`agents.bases.drive`). So whoever was not heard for the time of lease,
     hold and braking stands, no further from its last report than it can have gone by then.
 
+    Args:
+        past: where an earlier world has left the robots, if there was one.
+        tick: that is opened first; an earlier world may have told it, but no later one.
+
     Attributes:
         plant: the robots' disks as they are reported.
         sensors: none.
         bounds: by how much places are off, m, by robot id.
         unsettled: robots that stand, but have not reported where since they do.
-        founding_bounds: by how much robots may be off their starts as they begin a run.
+        founding_bounds: by how much robots may be off their starts as they begin a run, or until they stand.
         largest_bound: of all reports so far, m.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
-        self.plant = Reported(scenario)
+    def __init__(self, scenario: Scenario, past: PastDisks | None = None, tick: int = 0) -> None:
+        if past is None:
+            past = PastDisks((), [], [], [], {}, largest_bound=0.0)
+        else:
+            scenario = past.moved(scenario)
+        self.plant = Reported(scenario, past)
         self.sensors: dict[int, Sensor] = {}
         self.bounds: dict[int, float] = {}
         self.unsettled: Set[int] = frozenset()
-        self.founding_bounds = {robot: SHARE * room_at_start(scenario, robot)[0] for robot in scenario.ids}
-        self.largest_bound: float | None = 0.0
+        self.founding_bounds = past.bounds or {
+            robot: SHARE * room_at_start(scenario, robot)[0] for robot in scenario.ids
+        }
+        self.largest_bound = past.largest_bound
         self._step, self._speed = (
             scenario.time.step,
             scenario.control.speed * (1.0 + scenario.actuation.bound),
         )
-        self._tick = 0
-        self._heard: dict[int, int] = {}  # tick in which the newest Command came, by robot
+        self._tick = tick
+        # Tick in which the newest Command came that gave a lease, by robot.
+        self._heard = dict.fromkeys(past.moving, tick)
         self._stopped = 0  # first tick in which robots are told of the emergency stop
         self._still: dict[int, int] = {}  # since when each commands no motion because of it, ticks
         self._reports: dict[int, tuple[int, Report]] = {}  # newest of each robot, and its tick
@@ -63,6 +75,18 @@ class External:
     def lengths(self) -> dict[int, float]:
         """Path length of every robot, m."""
         return dict(zip(self.plant.ids, self.plant.lengths, strict=True))
+
+    @property
+    def past(self) -> PastDisks:
+        """What another world needs to go on from here.
+
+        A Command that comes later gives no lease, for no Tick says any more that it was heard.
+        """
+        bounds = {**self.founding_bounds, **{robot: self._off(robot) for robot in self._reports}}
+        plant, moving = self.plant, tuple(self._heard)
+        return PastDisks(
+            plant.ids, plant.positions, [], plant.lengths, {}, bounds, moving, self.largest_bound
+        )
 
     def sense(self, tick: int) -> dict[int, Sense]:
         """Nothing: bases speak for themselves."""
@@ -92,19 +116,28 @@ class External:
         """Where robots stand that were not heard for so long that they surely do, m, by robot id."""
         self.bounds = {}
         resting, unsettled = {}, set()
-        for robot, (tick, report) in self._reports.items():
-            leased = self._lease + self._stops[robot]  # s after the newest Command
+        for robot, (_, report) in self._reports.items():
             heard = self._heard.get(robot)
-            if heard is None:
-                self.bounds[robot], resting[robot] = report.bound, report.position
-            elif (self._tick - heard - _HURRIED) * self._step >= leased:
-                moved = (heard + _HURRIED - tick) * self._step + leased  # s that it may have since its report
-                if moved > 0.0:
+            if heard is None or (self._tick - heard - _HURRIED) * self._step >= self._leased(robot):
+                self.bounds[robot], resting[robot] = self._off(robot), report.position
+                if self._moved(robot) > 0.0:
                     unsettled.add(robot)
-                self.bounds[robot] = report.bound + (self._farthest(robot, moved) if moved > 0.0 else 0.0)
-                resting[robot] = report.position
         self.unsettled = unsettled
         return resting
+
+    def _leased(self, robot: int) -> float:
+        """For how long a base may move after the newest Command that gave a lease, s."""
+        return self._lease + self._stops[robot]
+
+    def _moved(self, robot: int) -> float:
+        """For how long a robot may have moved since its newest report, until another Command is heard, s."""
+        tick, heard = self._reports[robot][0], self._heard.get(robot)
+        return 0.0 if heard is None else (heard + _HURRIED - tick) * self._step + self._leased(robot)
+
+    def _off(self, robot: int) -> float:
+        """By how much it may be off that report then, m."""
+        bound, moved = self._reports[robot][1].bound, self._moved(robot)
+        return bound + self._farthest(robot, moved) if moved > 0.0 else bound
 
     def stop(self, tick: int) -> None:
         """An emergency stop is in force, of which robots are told from `tick` on."""
@@ -138,12 +171,12 @@ class Reported:
     slips = True
     fixed = "robots outside neither come nor go: stop the run, and begin another"
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, past: PastDisks) -> None:
         self.ids = scenario.ids
         self.positions: list[Vector] = [scenario.spec(robot).start for robot in self.ids]
-        self.lengths = [0.0] * len(self.ids)
+        self.lengths = [past.ways.get(robot, 0.0) for robot in self.ids]
         self.between: list[tuple[Vector, ...]] = []
-        self._known: set[int] = set()
+        self._known = set(past.moving)
 
     def put(self, robot: int, position: Vector) -> None:
         """A robot is there."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import closing, suppress
 from functools import partial
 from pathlib import Path
@@ -17,10 +17,9 @@ from protocol.errors import BusError, DisknavError, RunTakenError
 from protocol.keys import checked_run, session_of, world_key, world_token, world_tokens
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
-from world.shell.failure_detector import GATHERING, returning
+from world.shell.checkpoint import Checkpoint
+from world.shell.failure_detector import GATHERING
 from world.shell.node import WorldNode
-from world.shell.persistence.journal import Journal
-from world.shell.persistence.replay import Resumed, resume
 
 SUCCESS, REFUSED, FAULT = 0, 2, 3
 _LOOK = 0.1  # s between looks at the tokens of other worlds
@@ -35,7 +34,7 @@ def main(
     gathering: float = GATHERING,
     speed: float = 0.0,
     restarts: int = 0,
-    journal: Path | None = None,
+    checkpoint: Path | None = None,
     *,
     tell: Callable[[dict[str, Any]], None] = lambda _: None,
     beat: Heartbeat | None = None,
@@ -43,27 +42,25 @@ def main(
     """Judge `scenario` in `run`; returns the exit status.
 
     `gathering` is how long robots may take to join, s; `speed` and `restarts` as in `WorldNode`; `tell`
-    is told the report. With a `journal` (see `Journal.create`) this process goes on where another one
+    is told the report. With a `checkpoint` (see `Checkpoint.create`) this process goes on where another one
     died, and a report may be told again; the file is removed once all is over.
 
     0: there is a verdict, or this process was asked to stop (the result says interrupted).
     2: there is another world of this run.
-    3: the network is gone, or the journal is not what it should be.
+    3: the network is gone, or the checkpoint is not what it should be.
 
     Raises:
         Stopped: a signal asks this process to end before there is a world.
     """
-    past = None
+    kept = None
     try:
-        if journal is not None:
-            past = resume(
-                Journal(journal, checked_run(run), scenario, LOG.warning),
-                scenario,
-                returning(gathering, restarts, lockstep=lockstep),
-            )
-            _say_where(past)
+        if checkpoint is not None:
+            kept = Checkpoint(checkpoint, checked_run(run), scenario, LOG.warning)
+        epochs = () if kept is None else kept.progress.epochs
+        if kept is not None and epochs:
+            LOG.warning(f"goes on at tick {kept.progress.past.coordinator.tick} of {scenario.name!r}")
         with closing(ZenohBus(connection)) as bus:
-            look_for_others(bus, run, None if past is None else past.journal.head.epoch)
+            look_for_others(bus, run, epochs)
             node = WorldNode(
                 bus,
                 checked_run(run),
@@ -74,7 +71,7 @@ def main(
                 restarts=restarts,
                 say=LOG.warning,
                 note=LOG.info,
-                past=past,
+                checkpoint=kept,
                 tell=tell,
             )
             last_words = partial(node.interrupt, "interrupted", "the world was asked to stop")
@@ -87,18 +84,18 @@ def main(
     except DisknavError as error:
         LOG.error(error)
         return FAULT
-    if past is not None:
-        past.journal.remove()
+    if kept is not None:
+        kept.remove()
     return SUCCESS
 
 
-def look_for_others(bus: Bus, run: str, epoch: int | None = None) -> None:
-    """See that there is no other world of this run than the one that is gone on from, of `epoch`.
+def look_for_others(bus: Bus, run: str, epochs: Iterable[int] = ()) -> None:
+    """See that there is no other world of this run than those that are gone on from, of `epochs`.
 
     Raises:
         RunTakenError: there is one.
     """
-    own = set() if epoch is None else {world_token(run, session_of(epoch))}
+    own = {world_token(run, session_of(epoch)) for epoch in epochs}
     deadline = time.monotonic() + _GONE
     while set(bus.tokens(world_tokens(run))) - own:
         with suppress(BusError):
@@ -122,8 +119,3 @@ def supervised(*arguments: Any) -> int:
         say(json.dumps(report))
 
     return main(*others, tell=tell)
-
-
-def _say_where(past: Resumed) -> None:
-    if past.journal.past:
-        LOG.warning(f"goes on at tick {past.run.world.tick} of {past.run.scenario.name!r}")

@@ -23,6 +23,7 @@ def report(
     verdict: tuple[str, str],
     arrived: list[int],
     record: Record,
+    worlds: tuple[int, ...],
     touches: Touches,
     lengths: Mapping[int, float],
     commands: Commands,
@@ -43,6 +44,7 @@ def report(
     Args:
         verdict: and its reason.
         arrived: ids of robots that are at their goals.
+        worlds: ticks with which those worlds began that went on from others.
         lengths: path length of each robot that is or was there, m.
         orders: those of the scenario that were due: tick, order, and why it was refused or "".
         largest_bound: by which a reported position may have been off, m; None where the truth is known.
@@ -84,6 +86,7 @@ def report(
             str(robot): list(position) for robot, position in zip(truth.robots, truth.positions, strict=True)
         },
         "trajectory_sha256": record.sha256(),
+        "worlds": list(worlds),
     }
 
 

@@ -8,12 +8,15 @@ from types import MappingProxyType
 from protocol.messages import Command, Sense, Vector
 from protocol.scenario.model import Scenario
 from world.plants.integrator import STANDING
-from world.plants.plant import plant_of
+from world.plants.plant import PastDisks, plant_of
 from world.sensing import Odometer, Sensor
 
 
 class Simulation:
     """Every robot's disk, where it really is, and what the robot is told of that.
+
+    Args:
+        past: where an earlier world has left the disks, if there was one; they stand there.
 
     Attributes:
         plant: what moves the disks.
@@ -23,7 +26,8 @@ class Simulation:
         largest_bound: None, for the places are the truth.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, past: PastDisks | None = None) -> None:
+        scenario = scenario if past is None else past.moved(scenario)
         self.bounds: Mapping[int, float] = MappingProxyType({})
         self.founding_bounds = self.bounds
         self.unsettled: Set[int] = frozenset()
@@ -31,7 +35,9 @@ class Simulation:
         self.plant = plant_of(scenario)
         self.sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
         self._odometers = {robot: Odometer(scenario, robot, self.plant.slips) for robot in scenario.ids}
-        self._departed: dict[int, float] = {}  # path lengths of robots that left, m
+        # Path lengths in earlier worlds, and of robots that left, m.
+        self._before = {} if past is None else past.ways
+        self._turn = any(not scenario.body_of(robot).ideal for robot in scenario.ids)
 
     @property
     def places(self) -> dict[int, Vector]:
@@ -45,10 +51,14 @@ class Simulation:
     @property
     def lengths(self) -> dict[int, float]:
         """Path length of every robot that is or was there, m; of all that had the same id together."""
-        lengths = self._departed.copy()
-        for robot, length in zip(self.plant.ids, self.plant.lengths, strict=True):
-            lengths[robot] = lengths.get(robot, 0.0) + length
-        return lengths
+        return self.past.ways
+
+    @property
+    def past(self) -> PastDisks:
+        """What another world needs to go on from here."""
+        plant = self.plant
+        headings = [plant.report(index).heading for index in range(len(plant.ids))] if self._turn else []
+        return PastDisks(plant.ids, plant.positions, headings, plant.lengths, self._before)
 
     def sense(self, tick: int) -> dict[int, Sense]:
         """What every robot is told of itself at the start of `tick`, those who do not listen included:
@@ -95,7 +105,7 @@ class Simulation:
         plant = self.plant
         for robot, length in zip(plant.ids, plant.lengths, strict=True):
             if robot not in scenario.ids:
-                self._departed[robot] = self._departed.get(robot, 0.0) + length
+                self._before[robot] = self._before.get(robot, 0.0) + length
         plant.set_fleet(scenario)
         self.sensors = {robot: self.sensors.get(robot) or Sensor(scenario, robot) for robot in scenario.ids}
         self._odometers = {

@@ -6,7 +6,6 @@ One tick: `open_tick` (and `coordinator.join` for whoever is awaited), `accept` 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import msgspec
@@ -15,12 +14,23 @@ from mypy_extensions import mypyc_attr
 from protocol.messages import Command, GoalStatus, Tick, Truth
 from protocol.operations import Outcome
 from protocol.scenario.model import Journey, Obstacle, Operation, RobotSpec, Scenario
-from world.coordinator.coordinator import Coordinator
-from world.coordinator.inputs import Closed, Contested, Ended, Opened, checksum
+from world.coordinator.coordinator import Coordinator, PastCoordinator
 from world.external import External
-from world.judge.verdict import Referee
+from world.judge.verdict import PastReferee, Referee
+from world.plants.plant import PastDisks
 from world.report import report
 from world.simulation import Simulation
+
+
+class Past(msgspec.Struct, frozen=True):
+    """What a world leaves behind for another one, which goes on with the same run.
+
+    It is not the state of a process: lives, lines, grants and whatever is on the way end with their world.
+    """
+
+    coordinator: PastCoordinator = PastCoordinator()
+    disks: PastDisks | None = None
+    referee: PastReferee | None = None
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
@@ -29,8 +39,8 @@ class World:
 
     Args:
         scenario: with the gain k a number.
-        incarnations: last known incarnation by robot id, of earlier runs; 0 if absent.
-        version: last known version of the roster, of earlier runs.
+        past: of an earlier world, which is no more. Its robots stand where it left them, until their
+            processes have joined this one; its open tick is opened again.
         returning: s for which a robot that was fenced may yet come back, before the run is over without it.
 
     Attributes:
@@ -39,18 +49,26 @@ class World:
         referee: what happened, and how the run ended.
     """
 
-    def __init__(
-        self,
-        scenario: Scenario,
-        incarnations: Mapping[int, int] | None = None,
-        version: int = 0,
-        *,
-        returning: float = 0.0,
-    ) -> None:
-        self.coordinator = Coordinator(scenario, incarnations or {}, version, returning)
-        self.simulation = External(scenario) if scenario.is_external else Simulation(scenario)
-        plant = self.simulation.plant
-        self.referee = Referee(scenario, plant.positions, plant.parts)
+    def __init__(self, scenario: Scenario, past: Past = Past(), *, returning: float = 0.0) -> None:
+        coordinator = self.coordinator = Coordinator(scenario, returning, past.coordinator)
+        fleet, obstacles = coordinator.scenario, coordinator.lives.things.standing
+        self.simulation: External | Simulation
+        if fleet.is_external:
+            self.simulation = External(fleet, past.disks, self.tick)
+        else:
+            self.simulation = Simulation(fleet, past.disks)
+        plant, loaded = self.simulation.plant, coordinator.parts.loaded(fleet)
+        self.referee = Referee(loaded, plant.positions, plant.parts, past.referee, obstacles)
+        if past.coordinator.founded:
+            coordinator.found(self.simulation.places, self.simulation.founding_bounds)
+            self._turn_over()
+        if coordinator.halted:
+            self.simulation.stop(self.tick)
+
+    @property
+    def past(self) -> Past:
+        """What another world needs to go on from here."""
+        return Past(self.coordinator.past, self.simulation.past, self.referee.past)
 
     @property
     def tick(self) -> int:
@@ -77,11 +95,6 @@ class World:
         return self.referee.record.news()
 
     @property
-    def checksum(self) -> int:
-        """Of where every disk is, to the last bit."""
-        return checksum(self.simulation.plant.positions)
-
-    @property
     def verdict(self) -> str:
         """How the run ended; empty while it goes on."""
         return self.referee.verdict
@@ -104,7 +117,6 @@ class World:
         coordinator = self.coordinator
         if coordinator.told is not None:
             return coordinator.told
-        coordinator.noted(Opened())
         simulation = self.simulation
         if not coordinator.opens(simulation.places, simulation.founding_bounds, self):
             return coordinator.tell_fenced()
@@ -141,7 +153,6 @@ class World:
             self._judge_anew()
         self._turn_over()
         self._decide()
-        coordinator.noted(Closed(self.checksum))
 
     def _handle(self) -> bool:
         """Let robots take up parts and put them down; whether a disk is another now."""
@@ -184,9 +195,7 @@ class World:
 
     def finish(self, verdict: str, reason: str) -> None:
         """End the run, e.g. as interrupted or aborted; a collision outranks, a second verdict is ignored."""
-        if not self.verdict:
-            self.referee.finish(verdict, reason)
-            self.coordinator.noted(Ended(verdict, reason))
+        self.referee.finish(verdict, reason)
 
     # -- what is asked for while it runs
 
@@ -197,20 +206,16 @@ class World:
             awaited: whether the run goes on only once the process of a robot that is added has joined.
         """
         if operation.goal is not None:
-            outcome = self._order(operation.goal)
-        elif operation.add is not None:
-            outcome = self._add(operation.add, awaited)
-        elif operation.remove is not None:
-            outcome = self._remove(operation.remove)
-        elif operation.place is not None:
-            outcome = self._place(operation.place)
-        elif operation.take is not None:
-            outcome = self._take(operation.take)
-        else:
-            outcome = self._halt(bool(operation.halt))
-        if outcome.accepted:
-            self.coordinator.noted(operation)
-        return outcome
+            return self._order(operation.goal)
+        if operation.add is not None:
+            return self._add(operation.add, awaited)
+        if operation.remove is not None:
+            return self._remove(operation.remove)
+        if operation.place is not None:
+            return self._place(operation.place)
+        if operation.take is not None:
+            return self._take(operation.take)
+        return self._halt(bool(operation.halt))
 
     def _order(self, order: Journey) -> Outcome:
         """Send a robot elsewhere, from the next tick on that is opened."""
@@ -305,7 +310,6 @@ class World:
         if contested != self.coordinator.contested:
             before, self.coordinator.contested = self.coordinator.halted, contested
             self._stop(before)
-            self.coordinator.noted(Contested(contested))
 
     def _stop(self, before: bool) -> None:
         if self.coordinator.halted and not before:
@@ -326,6 +330,7 @@ class World:
             verdict=(self.verdict, self.reason),
             arrived=referee.arrived(simulation.plant.positions),
             record=referee.record,
+            worlds=referee.worlds,
             touches=referee.touches,
             lengths=simulation.lengths,
             commands=coordinator.commands,

@@ -123,6 +123,8 @@ class RobotNode:
         return (reply.epoch, reply.incarnation) == (core.epoch, core.incarnation)
 
     def _begin(self, admission: joining.Admission) -> None:
+        if self._base is not None and self.core is not None and not self._ended:
+            self._base.stand(self.core, time.monotonic(), founded=self._founded)  # under another epoch
         self.core = Robot(
             admission.scenario,
             self._robot,
@@ -185,7 +187,7 @@ class RobotNode:
             self.finished = True
             return
         world.on_token(session, alive)
-        if alive and world.back:
+        if world.back:
             self._due = time.monotonic()
 
     def _on_sample(self, key: str, payload: bytes) -> None:

@@ -59,6 +59,7 @@ class WorldSession:
         self.back = False
         self._bus, self._run, self._robot, self._say, self._read = bus, run, robot, say, read
         self._former: set[int] = set()  # epochs of coordinators that this process has left for another one
+        self._others: set[str] = set()  # sessions of other worlds that are there
         self._patience = patience
         self._bearable, self._timeout = wait, _TIMEOUT  # s without an answer; s that one question may take
         self._away = 0.0  # s that the world may be gone and still come back, as it said itself
@@ -110,6 +111,7 @@ class WorldSession:
         if self.epoch not in (0, admission.epoch):
             self._former.add(self.epoch)
         self.epoch, self._gone, self._told_gone = admission.epoch, inf, False
+        self._others.discard(session_of(admission.epoch))
         self._away, self._refused, self.back = admission.away, 0, False
         self._bearable, self._timeout = max(self._patience, admission.away), _TIMEOUT
 
@@ -127,17 +129,21 @@ class WorldSession:
         return self.epoch > 0 and session == session_of(self.epoch)
 
     def on_token(self, session: str, alive: bool) -> None:
-        """A world's token came or went. While the own one is missing the robot stands."""
-        if alive:
-            if self._gone < inf:
-                if self._told_gone:
-                    which = "is back" if self.is_own(session) else "has been started again"
-                    self._say(f"the world of run {self._run!r} {which}")
-                self.back = True
-            if self.is_own(session):
-                self._gone, self._told_gone = inf, False
-        elif self.is_own(session):
+        """A world's token came or went. While the own one is missing the robot stands, and joins another one
+        that is there, or comes."""
+        own = self.is_own(session)
+        if not own:
+            (self._others.add if alive else self._others.discard)(session)
+        elif not alive:
             self._gone = time.monotonic()
+        if self._gone == inf or not (self._others or (own and alive)):
+            return
+        if self._told_gone:
+            which = "is back" if own and alive else "has been started again"
+            self._say(f"the world of run {self._run!r} {which}")
+        self.back, self._told_gone = True, False
+        if own and alive:
+            self._gone = inf
 
     def check(self, now: float) -> None:
         """Look whether the world is there at `now`, s.

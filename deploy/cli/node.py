@@ -89,9 +89,9 @@ def world(
         str | None,
         typer.Option(help="Plant: integrator, mujoco, or external for bases outside."),
     ] = None,
-    journal: Annotated[
+    checkpoint: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Keep a journal in this file, and continue from it if it exists."),
+        typer.Option(metavar="FILE", help="Checkpoint; continue from it if it exists."),
     ] = None,
     wait: Wait = _WAIT,
     alive: Alive = None,
@@ -99,7 +99,7 @@ def world(
 ) -> None:
     """Run the world of a scenario: wait for the robots, keep the clock, judge, and print the report.
 
-    Example: disknav node world figure-1 --run demo --journal demo.journal > report.json
+    Example: disknav node world figure-1 --run demo --checkpoint demo.checkpoint > report.json
 
     Exit status: 0 all arrived and nothing touched, 1 ended otherwise, 2 invalid, 3 fault, 130 interrupted.
     """
@@ -107,7 +107,7 @@ def world(
     from deploy.run.result import exit_status
     from protocol.bus.bus import heartbeat
     from world.process import main
-    from world.shell.persistence.journal import Journal
+    from world.shell.checkpoint import Checkpoint
 
     membership = Membership(secure)
     settings = [*(setting or []), *([] if plant is None else [f"world.plant={plant}"])]
@@ -118,8 +118,8 @@ def world(
     run_name = membership.named_run(run)
     set_process_title("world", run_name)
     begin("world", run_name, log)
-    if journal is not None and not journal.exists():
-        Journal.create(journal, run_name, loaded)
+    if checkpoint is not None and not checkpoint.exists():
+        Checkpoint.create(checkpoint)
     lockstep = mode == "lockstep"
     verdicts: list[int] = []
 
@@ -133,7 +133,7 @@ def world(
         loaded,
         lockstep,
         gathering=wait,
-        journal=journal,
+        checkpoint=checkpoint,
         tell=tell,
         beat=heartbeat(alive),
     )

@@ -44,15 +44,15 @@ def world(
     gathering: float = GATHERING,
     speed: float = 0.0,
     restarts: int = 0,
-    journal: Path | None = None,
+    checkpoint: Path | None = None,
     scheduling: Scheduling = ORDINARY,
 ) -> Process:
     """The world of a run, which tells its report as JSON; `restarts` as its robots' rows have it.
 
-    With a `journal` it can be started again as often, too.
+    With a `checkpoint` it can be started again as often, too.
     """
-    arguments = (connection, run, scenario, lockstep, gathering, speed, restarts, journal)
-    again = 0 if journal is None else restarts
+    arguments = (connection, run, scenario, lockstep, gathering, speed, restarts, checkpoint)
+    again = 0 if checkpoint is None else restarts
     entry = "world.process:supervised"
     return Process(WORLD, entry, arguments, True, again, reports=True, scheduling=scheduling)
 

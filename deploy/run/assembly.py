@@ -27,7 +27,7 @@ from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
 from world.process import look_for_others
 from world.shell.admission import AWAY
-from world.shell.persistence.journal import Journal
+from world.shell.checkpoint import Checkpoint
 
 
 def places(hosts: HostsTable) -> dict[str, str]:
@@ -189,7 +189,7 @@ class Assembly:
         self.result = None if record is None else self._folder / "result.json"
         self._ends: datetime | None = None
         self.topology = self._begin(stack)
-        self._start_world(self._journal())
+        self._start_world(self._checkpoint())
 
     @property
     def expired(self) -> str:
@@ -279,21 +279,21 @@ class Assembly:
             self.supervisor.report(table.router_name(host.name), _START)
         return multi_host
 
-    def _journal(self) -> Path | None:
-        """Where the world is to keep its journal, if it is to be started again: made here, so that a world
+    def _checkpoint(self) -> Path | None:
+        """Where the world is to keep its checkpoint, if it is to be started again: made here, so that a world
         that finds none does not begin anew what another one began."""
         if not self._options.restarts:
             return None
-        journal = self._folder / "journal"
-        Journal.create(journal, self._options.run, self._scenario)
+        checkpoint = self._folder / "checkpoint"
+        Checkpoint.create(checkpoint)
         hosts, spawners = self._options.hosts, self._hosts
         folder = None if hosts is None or spawners is None else spawners.folder(hosts.world_host.name)
         if hosts is None or spawners is None or folder is None:
-            return journal
-        spawners.store(hosts.world_host.name, journal)
-        return Path(folder) / journal.name
+            return checkpoint
+        spawners.store(hosts.world_host.name, checkpoint)
+        return Path(folder) / checkpoint.name
 
-    def _start_world(self, journal: Path | None) -> None:
+    def _start_world(self, checkpoint: Path | None) -> None:
         """The world, and before anything can happen the recorder."""
         run, topology = self._options.run, self.topology
         options = self._options
@@ -304,7 +304,7 @@ class Assembly:
             options.lockstep,
             speed=options.speed,
             restarts=options.restarts,
-            journal=journal,
+            checkpoint=checkpoint,
             scheduling=self._scheduling,
         )
         self.supervisor.start([world])

@@ -32,9 +32,8 @@ from protocol.process.log import LOG
 from protocol.process.signals import STOP
 from protocol.scenario.model import Event as ProcessEvent
 from protocol.scenario.model import Scenario
+from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
-from world.shell.persistence.journal import Journal
-from world.shell.persistence.replay import Resumed, resume
 
 _YOUNG: Final = 1_000_000  # objects, instead of 700: messages of a tick are many, and are gone by themselves
 _GROWTH: Final = 1.25  # of all objects until they are looked through: what Python's own collector waits for
@@ -102,7 +101,7 @@ class LocalFleet:
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         watch: is told every Clock.
         record: file to record to.
-        journal: file of the world's journal (see `Journal.create`); with it the world may die and go on.
+        checkpoint: file (see `Checkpoint.create`) with which another world may follow on one that dies.
         network: where its nodes meet; one of its own unless given.
 
     Attributes:
@@ -118,7 +117,7 @@ class LocalFleet:
         speed: float = 0.0,
         watch: Watcher | None = None,
         record: Path | None = None,
-        journal: Path | None = None,
+        checkpoint: Path | None = None,
         network: LocalNetwork | None = None,
     ) -> None:
         self.network = LocalNetwork() if network is None else network
@@ -126,7 +125,7 @@ class LocalFleet:
         # To read a scenario of 1000 robots takes 2 ms, and half a megabyte: 2 s and 0.5 GB if each did.
         self._read = lru_cache(maxsize=1)(decode_reply)
         self._scenario, self._lockstep, self._speed = scenario, lockstep, speed
-        self._path, self._watch = journal, watch
+        self._path, self._watch = checkpoint, watch
         self.report: dict[str, Any] = {}
         self.start_world()
         self._writer = None if record is None else RecordingWriter(record)
@@ -141,10 +140,10 @@ class LocalFleet:
         clock.node = _Follower(self._follow)
 
     def start_world(self) -> None:
-        """Start the world's node, where the journal says that it was."""
-        self._past: Resumed | None = None
+        """Start the world's node, where the checkpoint says that the one before it was."""
+        self._checkpoint: Checkpoint | None = None
         if self._path is not None:
-            self._past = resume(Journal(self._path, self.run, self._scenario), self._scenario)
+            self._checkpoint = Checkpoint(self._path, self.run, self._scenario)
         self.world_bus = self.network.connect()
         self.world = self.world_bus.node = self._world(self.world_bus)
 
@@ -157,16 +156,16 @@ class LocalFleet:
             speed=self._speed,
             say=LOG.info,
             note=LOG.info,
-            past=self._past,
+            checkpoint=self._checkpoint,
             clock=time.monotonic,  # the one in force: tests that skip waits replace it
             tell=self.report.update,
         )
 
     def kill_world(self) -> None:
-        """End the world's node at once; its token goes, and nothing is left of it but its journal."""
+        """End the world's node at once; its token goes, and nothing is left of it but its checkpoint."""
         self.world_bus.close()
-        if self._past is not None:
-            self._past.journal.close()
+        if self._checkpoint is not None:
+            self._checkpoint.close()
 
     def turn(self, robot: int) -> Any:
         """When a robot joins, of several that may: those with less first."""

@@ -40,8 +40,10 @@ FIELDS = {
     "log_potential": "log10(gamma^k / beta) / k, with which phi grows: `first` and `last`; -300 where "
     "all are at their goals, 300 in contact; unlike phi, it is not 1 to all digits in a large fleet",
     "positions": "m, by robot, at the end",
-    "trajectory_sha256": "over all true positions: little-endian doubles in the order tick, robot, x, y; "
-    "after every 8192 ticks it begins anew with the 32 bytes so far",
+    "trajectory_sha256": "over all true positions: little-endian doubles in the order tick, robot, x, y; if "
+    "the world died, from the last tick of `worlds` on",
+    "worlds": "ticks with which another world went on after the one before it had died; all other fields are "
+    "of the whole run, but for `messages` and `measurements`",
     "messages": "`published`, `received` by all processes together, `rejected` by reason",
     "processes": "one object a process: `name`, `pid`, `exit_code`, `restarts`, `cpu_s`, `max_rss_mb`; "
     "on several hosts `host`",

@@ -18,8 +18,8 @@ from protocol.errors import BusError
 from protocol.keys import robot_key
 from protocol.messages import Tick
 from tests.world.driving import token
+from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
-from world.shell.persistence.journal import Journal
 
 SCENARIO = load("swap-2")
 
@@ -48,20 +48,20 @@ def test_a_robot_that_is_there_first_joins_a_world_that_comes_later() -> None:
     assert world.report["verdict"] == "arrived"
 
 
-@pytest.mark.parametrize("journalled", [False, True])
+@pytest.mark.parametrize("kept", [False, True])
 @pytest.mark.slow
-def test_a_run_that_is_over_is_left_unless_its_world_may_be_back(journalled: bool, tmp_path: Path) -> None:
-    path = tmp_path / "journal" if journalled else None
+def test_a_run_that_is_over_is_left_unless_its_world_may_be_back(kept: bool, tmp_path: Path) -> None:
+    path = tmp_path / "checkpoint" if kept else None
     if path is not None:
-        Journal.create(path, "local", SCENARIO)
-    fleet = LocalFleet(SCENARIO, journal=path)
+        Checkpoint.create(path)
+    fleet = LocalFleet(SCENARIO, checkpoint=path)
     robots = [bus.node for bus in fleet.robots.values()]
     fleet.network.run(lambda: fleet.world.report is not None)  # not all know it yet
     fleet.kill_world()
     until = time.monotonic() + 0.3
     fleet.network.run(lambda: time.monotonic() > until)
-    assert all(robot is not None and robot.finished for robot in robots) is not journalled
-    if journalled:
+    assert all(robot is not None and robot.finished for robot in robots) is not kept
+    if kept:
         fleet.start_world()
         fleet.execute()
         fleet.network.run(lambda: all(robot is not None and robot.finished for robot in robots))

@@ -55,7 +55,7 @@ def measure(
     restarts: int = 0,
     interest: Interest | None = None,
 ) -> Measured:
-    """Run a routed fleet in lock-step for about `seconds`; with `restarts` its world keeps a journal."""
+    """Run a routed fleet in lock-step for about `seconds`; with `restarts` its world keeps a checkpoint."""
     options, watch = RunOptions("routed", "lockstep", restarts=restarts), _Watch(seconds)
     with Fleet(scenario(robots, safety, interest), options, watch=watch) as fleet:
         fleet.execute(lambda: watch.over)

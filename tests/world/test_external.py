@@ -92,3 +92,40 @@ def test_a_robot_whose_lease_may_run_is_not_taken_for_static(monkeypatch: pytest
     base.obey(moves, 0.6)
     assert robot not in outside.resting()
     assert leases[-1] > 0.6, "it may move"
+
+
+def test_another_world_bounds_what_a_base_may_cover_until_its_lease_is_over() -> None:
+    """Whatever the dead world has told, and however late a Command of its open tick is sent."""
+    outside, body = External(SETTING), SETTING.body_of(1)
+    outside.sense(20)
+    outside.hear(Command(1, 1, 20, (0.1, 0.0), region=1, report=Report((0.05, 0.0), 2e-3)))
+    outside.sense(21)
+    past = outside.past
+    leased = 0.5 + body.hold + 0.2 / 0.5
+    farthest = 1.1 * 0.2 * (0.1 + leased) + body.lag * 0.2 + body.play
+    assert past.bounds == {1: pytest.approx(2e-3 + farthest)}
+    later = External(SETTING, past, 21)
+    assert (later.places, later.founding_bounds, later.lengths) == (
+        {1: (0.05, 0.0)},
+        past.bounds,
+        outside.lengths,
+    )
+    last = 22 + int(leased / 0.1)
+    for tick in range(21, last):
+        later.sense(tick)
+        later.hear(Command(1, 2, tick, (0.0, 0.0), report=Report((0.06, 0.0), 2e-3)))
+        assert later.resting() == {}, "it may still move under the lease of its earlier life"
+    later.sense(last + 1)
+    later.hear(Command(1, 2, last + 1, (0.0, 0.0), report=Report((0.06, 0.0), 2e-3)))
+    assert later.resting() == {1: (0.06, 0.0)}
+    assert later.unsettled == set()
+    assert later.bounds == {1: 2e-3}
+
+
+def test_a_base_that_never_had_a_lease_may_begin_in_another_world_at_once() -> None:
+    outside = External(SETTING)
+    outside.hear(Command(1, 1, 0, (0.0, 0.0), report=Report((0.0, 0.0), 2e-3)))
+    later = External(SETTING, outside.past, 1)
+    later.sense(1)
+    later.hear(Command(1, 2, 1, (0.0, 0.0), report=Report((0.0, 0.0), 1e-3)))
+    assert (later.resting(), later.bounds) == ({1: (0.0, 0.0)}, {1: 1e-3})

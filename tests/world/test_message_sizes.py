@@ -46,7 +46,6 @@ from world.coordinator.surroundings import MOST as MOST_THINGS
 from world.coordinator.surroundings import Surroundings
 from world.judge.contacts import Contact
 from world.shell.run import Run
-from world.world import World
 
 MOST = 1000
 LIFE = 2**40  # nobody will live as often
@@ -153,7 +152,8 @@ def test_a_command_with_all_first_lines_fits() -> None:
 
 def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() -> None:
     run = Run(crowd())
-    run.world = World(crowd(), dict.fromkeys(IDS, LIFE))
+    for life in run.world.coordinator.lives.of.values():
+        life.incarnation = LIFE
     world = run.world
     for robot in IDS:
         world.coordinator.join(robot)
@@ -180,7 +180,8 @@ def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() 
 @pytest.mark.slow
 def test_a_roster_of_all_things_that_there_may_be_fits() -> None:
     run = Run(crowd())
-    run.world = World(crowd(), dict.fromkeys(IDS, LIFE))
+    for life in run.world.coordinator.lives.of.values():
+        life.incarnation = LIFE
     lives = run.world.coordinator.lives
     for robot in IDS:
         run.world.coordinator.join(robot)

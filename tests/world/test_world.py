@@ -35,17 +35,17 @@ FIELDS = {
 
 
 def test_robots_join_before_the_first_tick():
-    world = World(two(), {2: 7})
+    world = World(two())
     assert world.coordinator.lives.awaited == {1, 2}
     assert world.open_tick() == {}
     assert world.coordinator.join(1) == 1
     assert world.open_tick() == {}
-    assert world.coordinator.join(2) == 8
+    assert world.coordinator.join(2) == 1
     assert world.open_tick().keys() == {1, 2}
     assert (world.coordinator.active, world.coordinator.waiting, world.coordinator.lives.incarnations) == (
         (1, 2),
         {1, 2},
-        {1: 1, 2: 8},
+        {1: 1, 2: 1},
     )
 
 

@@ -6,7 +6,7 @@ It knows no plant, no sensor and no truth; where disks are it is told.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Set
+from collections.abc import Mapping, Set
 from types import MappingProxyType
 
 import msgspec
@@ -14,6 +14,7 @@ from mypy_extensions import mypyc_attr
 
 from protocol.messages import (
     Command,
+    Count,
     Sense,
     Summary,
     Tick,
@@ -21,14 +22,27 @@ from protocol.messages import (
 )
 from protocol.scenario.model import Scenario
 from world.coordinator.commands import Commands
-from world.coordinator.inputs import Expected, GivenUp, Input, Joined, Lost
 from world.coordinator.interest import Interest
-from world.coordinator.lives import Lives
-from world.coordinator.membership import Membership
-from world.coordinator.missions import Missions
+from world.coordinator.lives import Lives, PastLives
+from world.coordinator.membership import Membership, PastMembership
+from world.coordinator.missions import NONE_ORDERED, Missions
 from world.coordinator.parts import Parts
 from world.coordinator.patience import blamed
 from world.coordinator.schedule import Operated, Schedule
+
+
+class PastCoordinator(msgspec.Struct, frozen=True):
+    """What a coordinator leaves behind for another one of the same run."""
+
+    tick: Count = 0  # that was open, or was to be opened next
+    founded: bool = False
+    stopped: bool = False
+    lives: PastLives | None = None
+    missions: msgspec.Raw = NONE_ORDERED
+    membership: PastMembership = PastMembership()
+    orders: list[tuple[int, str]] = []  # of the scenario, that were carried out: see `Schedule`
+    missed: Count = 0  # commands
+    refused: dict[str, Count] = {}  # commands, by reason
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
@@ -37,9 +51,8 @@ class Coordinator:
 
     Args:
         scenario: the run.
-        incarnations: last known incarnation by robot id, of earlier runs; 0 if absent.
-        version: last known version of the roster, of earlier runs.
         returning: s for which a robot that was fenced may yet come back.
+        past: of an earlier coordinator, which is no more; its tick is opened again.
 
     Attributes:
         tick: the tick that is open, or that is to be opened next.
@@ -47,31 +60,47 @@ class Coordinator:
         stopped: whether an emergency stop was asked for.
         contested: whether another coordinator of this run is there.
         told: what each robot that may listen is to be told of the open tick; None while none is open.
-        note: is told every input that the run has taken, in order, before the call that gave it returns.
-            The same inputs given to another world of the same scenario make it the same
-            (`world.shell.persistence.replay`).
     """
 
     def __init__(
-        self, scenario: Scenario, incarnations: Mapping[int, int], version: int, returning: float = 0.0
+        self, scenario: Scenario, returning: float = 0.0, past: PastCoordinator = PastCoordinator()
     ) -> None:
-        self.tick = 0
+        self.tick = past.tick
         self.active: tuple[int, ...] = ()
-        self.stopped = self.contested = False
+        self.stopped, self.contested = past.stopped, False
         self.told: dict[int, Tick] | None = None
-        self.note: Callable[[Input], None] | None = None
-        self.lives = Lives(scenario, incarnations, version, returning)
+        self.lives = Lives(scenario, returning, past.lives, past.tick)
+        self.missions = Missions(scenario, past.missions)
+        self.membership = Membership(scenario, self.lives, self.missions, past.membership)
+        self.parts = Parts(scenario, self.lives, self.lives.roster.parts)
+        if past.membership.robots is not None:
+            self.missions.recast(self.scenario)
+            self.parts.recast(self.scenario)
+        self.lives.things.recast(self.parts.loaded(self.scenario))
+        self.schedule = Schedule(scenario, past.orders)
         self.commands = Commands(self.lives, scenario.is_external)
-        self.missions = Missions(scenario)
-        self.membership = Membership(scenario, self.lives, self.missions)
-        self.parts = Parts(scenario, self.lives)
+        self.commands.missed, self.commands.refused = past.missed, Counter(past.refused)
         self._interest = Interest(scenario) if scenario.hears_near else None
-        self.schedule = Schedule(scenario)
 
-    def noted(self, taken: Input) -> None:
-        """An input was taken."""
-        if self.note is not None:
-            self.note(taken)
+    @property
+    def past(self) -> PastCoordinator:
+        """What another coordinator needs to go on from here."""
+        return PastCoordinator(
+            self.tick,
+            self.lives.founded,
+            self.stopped,
+            self.lives.past,
+            self.missions.past,
+            self.membership.past,
+            self.schedule.past,
+            self.commands.missed,
+            self.commands.refused,
+        )
+
+    def found(self, places: Mapping[int, Vector], bounds: Mapping[int, float]) -> None:
+        """Begin the ledger, with all disks within `bounds` of `places`, m."""
+        radii = {spec.id: spec.radius for spec in self.parts.loaded(self.scenario).robots}
+        self.lives.found(radii, places, bounds)
 
     @property
     def halted(self) -> bool:
@@ -114,7 +143,6 @@ class Coordinator:
         """
         incarnation = self.lives.join(robot, heard=self.tick - 1 if self.told is None else self.tick)
         self.membership.joined(robot)
-        self.noted(Joined(robot, incarnation))
         return incarnation
 
     def lost(self, robot: int, reason: str = "") -> bool:
@@ -128,23 +156,18 @@ class Coordinator:
             self._lament(robot, reason)
         if robot in self.active:
             self._leave_out(robot)
-        self.noted(Lost(robot, reason))
         return took_part
 
     def expect(self, robot: int) -> bool:
         """The process of a lost robot is being started again: it is in `lives.awaited` from now on. False if
         it was not lost."""
-        lost = self.lives.expect(robot)
-        if lost:
-            self.noted(Expected(robot))
-        return lost
+        return self.lives.expect(robot)
 
     def give_up_waiting(self, robot: int, reason: str = "") -> bool:
         """Go on without a robot of `lives.awaited`; it may still join later. As `lost` otherwise."""
         awaited = self.lives.give_up(robot)
         if awaited and reason:
             self._lament(robot, reason)
-        self.noted(GivenUp(robot, reason))
         return awaited
 
     def dismiss(self, robot: int) -> None:
@@ -190,12 +213,10 @@ class Coordinator:
             operated: who carries out orders.
         """
         if not self.lives.founded and not self.lives.awaited:
-            self.lives.found(places, bounds)
+            self.found(places, bounds)
         if not self.lives.founded:
             return False
-        note, self.note = self.note, None  # the scenario will ask for the same again
         self.schedule.carry_out(self.tick, operated)
-        self.note = note
         self.lives.apply_faults(self.tick)
         return not self.lives.awaited
 
@@ -235,10 +256,8 @@ class Coordinator:
     def accept(self, command: Command) -> bool:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""
         taken = self.commands.accept(command)
-        if taken:
-            if self._interest is not None:
-                self._interest.accept(command)
-            self.noted(command)
+        if taken and self._interest is not None:
+            self._interest.accept(command)
         return taken
 
     def close(

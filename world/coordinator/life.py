@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum, auto
 from typing import Literal
 
-from mypy_extensions import mypyc_attr
+import msgspec
+from msgspec.structs import replace
 
 
 class Status(Enum):
@@ -21,9 +21,7 @@ class Status(Enum):
 Fate = Literal["", "ended", "removed"]  # what the run has made of a process; "": nothing
 
 
-@mypyc_attr(allow_interpreted_subclasses=True)
-@dataclass(slots=True)
-class Life:
+class Life(msgspec.Struct, array_like=True):
     """The newest life of one robot id."""
 
     incarnation: int
@@ -54,6 +52,15 @@ class Life:
     def goes_on(self) -> bool:
         """Whether it has joined and is neither over nor given up on."""
         return self.status in (Status.UP, Status.PAUSED) and self.joined and not self.fenced
+
+    def over(self, tick: int) -> Life:
+        """This life as another coordinator finds it that begins with `tick`: it is over. The process of one
+        that took part is to join again."""
+        up = self.status is Status.UP
+        status, awaited = Status.LOST if up else self.status, self.awaited or up
+        return replace(
+            self, status=status, joined=False, awaited=awaited, heard=tick - 1, before=tick - 1, fenced=True
+        )
 
     def kill(self) -> None:
         """The scenario ends its process."""

@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Set
 from typing import Final
 
+import msgspec
 from mypy_extensions import mypyc_attr
 
 from protocol import messages
 from protocol.errors import JoinError
 from protocol.geometry import Disk, Shape
-from protocol.messages import Command, Grants, PartPlace, Standing, Vector
+from protocol.messages import Command, Count, Grants, Id, PartPlace, Standing, Vector
 from protocol.scenario.model import ProcessFault, RobotSpec, Scenario
 from world.coordinator.keeper import Keeper
 from world.coordinator.life import Life, Status
@@ -24,41 +25,74 @@ from world.coordinator.surroundings import Surroundings
 _EVENTS: Final = {"kill": Life.kill, "pause": Life.pause, "resume": Life.resume, "restart": Life.restart}
 
 
+class PastLives(msgspec.Struct, frozen=True):
+    """The lives of a run up to a tick, as an attribute of `Lives` each, with roster and version."""
+
+    of: dict[Id, Life]
+    applied: list[tuple[int, ProcessFault]]
+    passed_over: tuple[tuple[int, int], ...]
+    fenced: list[tuple[int, Standing]]
+    given_up: list[tuple[int, int, int, str]]
+    roster: msgspec.Raw
+    version: Count  # of the ledger
+    numbered: Count  # obstacles so far
+
+
 @mypyc_attr(allow_interpreted_subclasses=True)
 class Lives:
     """The lives of all robots of a scenario.
 
     Args:
         scenario: the run.
-        incarnations: newest of every robot in earlier runs, 0 if absent.
-        version: newest of roster and ledger in earlier runs.
         returning: s for which a robot that was fenced may yet come back.
+        past: of an earlier coordinator of this run: all lives are over, and numbers go on from there.
+        tick: that is opened first.
     """
 
     def __init__(
-        self, scenario: Scenario, incarnations: Mapping[int, int], version: int = 0, returning: float = 0.0
+        self, scenario: Scenario, returning: float = 0.0, past: PastLives | None = None, tick: int = 0
     ) -> None:
-        self.applied: list[tuple[int, ProcessFault]] = []  # tick and fault, as they happened
-        self.passed_over: tuple[tuple[int, int], ...] = ()  # tick and robot of each fault that did not happen
-        self.fenced: list[tuple[int, Standing]] = []  # tick and who was announced, as it happened
-        self.given_up: list[tuple[int, int, int, str]] = []  # tick, robot, incarnation, why
-        self._earlier = dict(incarnations)
-        self.of = {robot: Life(incarnations.get(robot, 0)) for robot in scenario.ids}
-        self._roster = Roster(version)
-        self.keeper = Keeper(scenario, version)
+        if past is None:
+            lives = {robot: Life(0) for robot in scenario.ids}
+            past = PastLives(lives, [], (), [], [], msgspec.Raw(), 0, 0)
+            roster = messages.Roster(0, ())
+        else:
+            lives = {robot: life.over(tick) for robot, life in past.of.items()}
+            roster = msgspec.msgpack.decode(past.roster, type=messages.Roster)
+        self.of = lives
+        self.applied = past.applied  # tick and fault, as they happened
+        self.passed_over = past.passed_over  # tick and robot of each fault that did not happen
+        self.fenced = past.fenced  # tick and who was announced, as it happened
+        self.given_up = past.given_up  # tick, robot, incarnation, why
+        self._roster = Roster(roster)
+        self.keeper = Keeper(scenario, past.version)
         self._begun: dict[int, int] = {}  # incarnation that has begun in the ledger, by robot
-        self.things = Surroundings(scenario)
+        self.things = Surroundings(scenario, roster.things, past.numbered)
         self._name = scenario.name
-        self._radii = {spec.id: spec.radius for spec in scenario.robots}
         self._silence = max(1, scenario.ticks(scenario.time.fence))
         self._returning = max(self._silence, scenario.ticks(returning))
         faults = sorted(scenario.process, key=lambda fault: fault.at)  # stable: as written, if at once
         self._schedule = [(scenario.ticks(fault.at), fault) for fault in faults]
+        del self._schedule[: len(past.applied) + len(past.passed_over)]
+
+    @property
+    def past(self) -> PastLives:
+        """What another coordinator needs to go on from here."""
+        return PastLives(
+            self.of,
+            self.applied,
+            self.passed_over,
+            self.fenced,
+            self.given_up,
+            self._roster.encoded,
+            self.keeper.version,
+            self.things.numbered,
+        )
 
     @property
     def incarnations(self) -> dict[int, int]:
-        """Newest incarnation of every robot, those of earlier runs included: a number is given out once."""
-        return {**self._earlier, **{robot: life.incarnation for robot, life in self.of.items()}}
+        """Newest incarnation of every robot that is or was there: a number is given out once."""
+        return {robot: life.incarnation for robot, life in self.of.items()}
 
     @property
     def up(self) -> tuple[int, ...]:
@@ -75,24 +109,27 @@ class Lives:
         )
 
     @property
-    def version(self) -> int:
-        """Newest version of roster and ledger; a following run counts on from there."""
-        return max(self._roster.version, self.keeper.version)
-
-    @property
     def founded(self) -> bool:
-        """Whether the first tick has begun: who joins from then on is a newcomer."""
+        """Whether the first tick has begun, or may: a life that joins from then on is a later one."""
         return self._roster.founded
 
-    def found(self, places: Mapping[int, Vector], bounds: Mapping[int, float]) -> None:
-        """The first tick begins with all that have joined; disks are within `bounds` of `places`, m."""
+    def found(
+        self, radii: Mapping[int, float], places: Mapping[int, Vector], bounds: Mapping[int, float]
+    ) -> None:
+        """The ledger begins, and in it the lives that have joined; disks of these radii are within `bounds`
+        of `places`, m."""
         lives = {robot: life.incarnation for robot, life in self.of.items() if life.joined}
-        self._roster.found(lives, places, self._radii)
+        self._roster.found(lives, places, radii, bounds)
         disks = {
             robot: Disk(*places[robot], radius + bounds.get(robot, 0.0))
-            for robot, radius in sorted(self._radii.items())
+            for robot, radius in sorted(radii.items())
         }
         self.keeper.found(disks, self.things.standing)
+        for member in self._roster.appearing:
+            if member.position is not None:
+                self.keeper.announce(member.robot, Disk(*member.position, member.radius))
+        for number, shape in self.things.appearing.items():
+            self.keeper.announce(-number, shape)
 
     def begin(
         self, resting: Mapping[int, Vector], bounds: Mapping[int, float], unsettled: Set[int] = frozenset()
@@ -108,14 +145,13 @@ class Lives:
         for robot, life in self.of.items():
             if not life.joined or life.fenced or self._begun.get(robot) == life.incarnation:
                 continue
+            if robot not in resting:
+                continue
             if self.keeper.lives(robot):
-                if robot not in resting:
-                    continue
                 self.keeper.fence(robot, self._place(robot, resting, bounds))
             if robot in unsettled:
                 continue
-            if robot in resting:
-                self.keeper.settle(robot, self._place(robot, resting, bounds))
+            self.keeper.settle(robot, self._place(robot, resting, bounds))
             self.keeper.rejoin(robot)
             self._begun[robot] = life.incarnation
 
@@ -204,18 +240,18 @@ class Lives:
 
     def announce_robot(self, spec: RobotSpec) -> None:
         """Another robot's disk is to appear at its start."""
-        self._radii[spec.id] = spec.radius
         self._roster.announce(spec.id, spec.radius, spec.start)
         self.keeper.announce(spec.id, Disk(*spec.start, spec.radius))
 
     def settle_robots(self, tick: int, awaited: Collection[int] = ()) -> list[int]:
         """Robots whose disks appear at the start of `tick`, and stand until their processes join; those
         of the `awaited` must before the run goes on."""
-        settled = [robot for robot in self._roster.appearing if self.keeper.appear(robot)]
+        appearing = [each.robot for each in self._roster.appearing]
+        settled = [robot for robot in appearing if self.keeper.appear(robot)]
         for robot in settled:
             self._roster.put_up(robot)
             known = self.of.get(robot)
-            incarnation = known.incarnation if known else self._earlier.get(robot, 0)
+            incarnation = known.incarnation if known else 0
             life = Life(incarnation, Status.LOST, awaited=robot in awaited, heard=tick, fenced=True)
             life.fate = "removed" if known else ""
             self.of[robot] = life

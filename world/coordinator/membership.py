@@ -11,7 +11,9 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Literal
 
-from protocol.messages import Vector
+import msgspec
+
+from protocol.messages import Id, Vector
 from protocol.scenario.checks import misfits
 from protocol.scenario.model import RobotSpec, Scenario, gain_for_fleet
 from world.coordinator.lives import Lives
@@ -21,22 +23,44 @@ _MOST = 1000  # robots at a time: their lines must fit into a State
 _MOST_IDS = 1200  # that ever were in a run: a roster names them all
 
 
+class PastMembership(msgspec.Struct, frozen=True):
+    """The fleet at a tick, and what is to change of it."""
+
+    robots: tuple[RobotSpec, ...] | None = None  # that are there; None: those of the scenario
+    announced: tuple[RobotSpec, ...] = ()  # whose disks have not appeared yet
+    awaited: frozenset[Id] = frozenset()  # of them, those that must join as soon as they have
+    newcomers: frozenset[Id] = frozenset()
+    leaving: frozenset[Id] = frozenset()
+
+
 class Membership:
     """What is to change between two ticks.
+
+    Args:
+        past: at which an earlier coordinator had arrived.
 
     Attributes:
         scenario: with the robots that are there.
         newcomers: robots whose disks have appeared, and whose processes have not joined yet.
     """
 
-    def __init__(self, scenario: Scenario, lives: Lives, missions: Missions) -> None:
-        self.scenario = scenario
-        self.newcomers: frozenset[int] = frozenset()
+    def __init__(
+        self, scenario: Scenario, lives: Lives, missions: Missions, past: PastMembership = PastMembership()
+    ) -> None:
+        self._first = scenario
+        self.scenario = scenario if past.robots is None else self._with(past.robots)
+        self.newcomers = past.newcomers
         self._lives, self._missions = lives, missions
-        self._k, self._robots = scenario.k, len(scenario.robots)
-        self._announced: dict[int, RobotSpec] = {}  # whose disks have not appeared yet
-        self._awaited: set[int] = set()  # of them, who must join as soon as they have
-        self._leaving: set[int] = set()
+        self._announced = {spec.id: spec for spec in past.announced}
+        self._awaited, self._leaving = set(past.awaited), set(past.leaving)
+
+    @property
+    def past(self) -> PastMembership:
+        """What another coordinator needs to go on from here."""
+        robots = None if self.scenario is self._first else self.scenario.robots
+        announced = tuple(self._announced.values())
+        awaited, leaving = frozenset(self._awaited), frozenset(self._leaving)
+        return PastMembership(robots, announced, awaited, self.newcomers, leaving)
 
     @property
     def pending(self) -> bool:
@@ -89,13 +113,16 @@ class Membership:
         stay = [spec for spec in self.scenario.robots if spec.id not in left]
         new = [self._announced.pop(robot) for robot in settled]
         self.newcomers = self.newcomers.union(settled) - left
-        robots = (*stay, *new)
-        k = gain_for_fleet(self._k, self._robots, len(robots))
-        interest: Literal["near", "all"] = "near" if self.scenario.hears_near else "all"  # for good
-        network = replace(self.scenario.network, interest=interest)
-        control = replace(self.scenario.control, k=k)
-        self.scenario = replace(self.scenario, robots=robots, control=control, network=network)
+        self.scenario = self._with((*stay, *new))
         return True
+
+    def _with(self, robots: tuple[RobotSpec, ...]) -> Scenario:
+        """The scenario with other robots."""
+        first = self._first
+        k = gain_for_fleet(first.k, len(first.robots), len(robots))
+        interest: Literal["near", "all"] = "near" if first.hears_near else "all"  # for good
+        network, control = replace(first.network, interest=interest), replace(first.control, k=k)
+        return replace(first, robots=robots, control=control, network=network)
 
     def unfit(self, spec: RobotSpec) -> str:
         """Why a robot cannot be added; "" if it can."""

@@ -9,7 +9,7 @@ silent stands with what it carries; another robot may take it from there.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from protocol.geometry import Disk, Shape
@@ -25,12 +25,14 @@ class Parts:
 
     Args:
         scenario: with the radii of robots that carry nothing.
+        places: where parts are; where the scenario says unless given.
     """
 
-    def __init__(self, scenario: Scenario, lives: Lives) -> None:
+    def __init__(self, scenario: Scenario, lives: Lives, places: Iterable[PartPlace] = ()) -> None:
         self._scenario, self._lives = scenario, lives
         first = len(scenario.obstacles)
         self._places = {part: PartPlace(part, first + part) for part in range(1, len(scenario.parts) + 1)}
+        self._places.update({each.part: each for each in places})
         lives.follow_parts(self.places)
 
     @property

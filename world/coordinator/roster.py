@@ -7,7 +7,9 @@ says.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from types import MappingProxyType
 
+import msgspec
 from msgspec.structs import replace
 from mypy_extensions import mypyc_attr
 
@@ -21,24 +23,21 @@ class Roster:
     """The coordinator's roster.
 
     Args:
-        version: newest version of an earlier roster of the same run, 0 for none.
+        past: the newest of an earlier coordinator of the same run.
 
     Attributes:
-        version: of the present one; 0 before the run is founded.
+        version: of the present one; 0 before the run is founded for the first time.
+        founded: whether the first tick of this coordinator has begun, or may.
     """
 
-    def __init__(self, version: int = 0) -> None:
-        self.version = version
-        self._members: dict[int, Member] = {}
+    def __init__(self, past: messages.Roster | None = None) -> None:
+        past = messages.Roster(0, ()) if past is None else past
+        self.version, self.founded = past.version, False
+        self._members = {each.robot: each for each in past.members}
         self._heard: dict[int, tuple[int, int]] = {}  # life and version that it has heard, by robot
         self._newest: messages.Roster | None = None
-        self._things: tuple[Thing, ...] = ()
-        self._parts: tuple[PartPlace, ...] = ()
-
-    @property
-    def founded(self) -> bool:
-        """Whether the first tick has begun."""
-        return bool(self._members)
+        self._written = past, msgspec.Raw()
+        self._things, self._parts = past.things, past.parts
 
     @property
     def standing(self) -> tuple[Member, ...]:
@@ -46,9 +45,9 @@ class Roster:
         return tuple(each for each in self._members.values() if each.status == "standing")
 
     @property
-    def appearing(self) -> tuple[int, ...]:
-        """Robots whose disks are announced."""
-        return tuple(each.robot for each in self._members.values() if each.status == "appearing")
+    def appearing(self) -> tuple[Member, ...]:
+        """The disks that are announced."""
+        return tuple(each for each in self._members.values() if each.status == "appearing")
 
     @property
     def ids(self) -> int:
@@ -65,22 +64,28 @@ class Roster:
         return robot in self._members and self._members[robot].status == "live"
 
     def found(
-        self, lives: Mapping[int, int], places: Mapping[int, Vector], radii: Mapping[int, float]
+        self,
+        lives: Mapping[int, int],
+        places: Mapping[int, Vector],
+        radii: Mapping[int, float],
+        bounds: Mapping[int, float] = MappingProxyType({}),
     ) -> None:
-        """Begin the run: a robot that is not there by then stands.
+        """Begin the run, or go on with it as another coordinator: a robot that is not there by then stands.
 
         Args:
             lives: incarnation of every robot that is there.
-            places: where the disk of every robot of the scenario is, m.
-            radii: of every robot, m.
+            places: where the disk of every robot of the fleet is, m.
+            radii: of every robot of the fleet, m.
+            bounds: by how much places may be off, m, where they may.
         """
         for robot in sorted(radii):
-            life = lives.get(robot, 0)
-            self._members[robot] = (
-                Member(robot, life, "live", radii[robot])
-                if life
-                else Member(robot, 0, "standing", radii[robot], places[robot])
-            )
+            if life := lives.get(robot, 0):
+                self._members[robot] = Member(robot, life, "live", radii[robot])
+            else:
+                before = self._members[robot].incarnation if robot in self._members else 0
+                place, bound = places[robot], bounds.get(robot, 0.0)
+                self._members[robot] = Member(robot, before, "standing", radii[robot], place, bound)
+        self.founded = True
         self.version += 1
 
     def admit(self, robot: int, incarnation: int) -> None:
@@ -170,6 +175,14 @@ class Roster:
         if member is not None and self._heard.get(robot) == (member.incarnation, self.version):
             return None
         return self.message
+
+    @property
+    def encoded(self) -> msgspec.Raw:
+        """The present version, for another coordinator: asked for in each tick, and changed seldom."""
+        message = self.message
+        if message is not self._written[0]:
+            self._written = message, msgspec.Raw(msgspec.msgpack.encode(message))
+        return self._written[1]
 
     @property
     def message(self) -> messages.Roster:

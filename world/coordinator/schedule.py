@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from typing import Protocol
 
 from protocol.operations import Outcome
-from protocol.scenario.model import Operation, Order, Scenario
+from protocol.scenario.model import Operation, Scenario
 
 
 class Operated(Protocol):
@@ -20,12 +21,20 @@ class Schedule:
 
     Attributes:
         done: tick, order, and why it was refused, "" if it was not; as they came.
+
+    Args:
+        past: of those that are done, tick, and why they were refused.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
-        self.done: list[tuple[int, Order, str]] = []
+    def __init__(self, scenario: Scenario, past: Sequence[tuple[int, str]] = ()) -> None:
         due = [(scenario.ticks(order.at), order) for order in scenario.orders]
         self._due = deque(sorted(due, key=lambda entry: entry[0]))  # stable: as written within a tick
+        self.done = [(tick, self._due.popleft()[1], refused) for tick, refused in past]
+
+    @property
+    def past(self) -> list[tuple[int, str]]:
+        """What another coordinator needs to go on from here."""
+        return [(tick, refused) for tick, _, refused in self.done]
 
     @property
     def pending(self) -> bool:

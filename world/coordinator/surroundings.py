@@ -21,14 +21,25 @@ class Surroundings:
     Attributes:
         standing: shapes, by number.
         appearing: shapes that are announced, by number; nothing is there yet.
+        numbered: how many there have been.
+
+    Args:
+        changes: up to now, as a roster said them.
+        numbered: how many there have been, with those of the scenario at least.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, changes: Iterable[Thing] = (), numbered: int = 0) -> None:
         self._room, self._scenario = scenario.workspace.shape, scenario
         self._listed = scenario.shapes
         self.standing: dict[int, Shape] = dict(self._listed)
         self.appearing: dict[int, Shape] = {}
-        self._number = len(self._listed)
+        self.numbered = max(numbered, len(self._listed))
+        for change in changes:
+            if change.status == "gone":
+                self.standing.pop(change.number, None)
+            else:
+                known = self.appearing if change.status == "appearing" else self.standing
+                known[change.number] = change.shape
 
     @property
     def changes(self) -> tuple[Thing, ...]:
@@ -69,9 +80,9 @@ class Surroundings:
 
     def announce(self, shape: Shape) -> int:
         """Something is to appear; its number."""
-        self._number += 1
-        self.appearing[self._number] = shape
-        return self._number
+        self.numbered += 1
+        self.appearing[self.numbered] = shape
+        return self.numbered
 
     def take_away(self, number: int) -> bool:
         """Something is gone, or does not appear after all; whether it was there."""

@@ -6,7 +6,7 @@ is kept beside.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from world.judge.clearance import Disks, Plane, Reals
@@ -28,10 +28,14 @@ class Contact:
 
 
 class Contacts:
-    """All contacts of a run, in the order in which they began."""
+    """All contacts of a run, in the order in which they began.
 
-    def __init__(self) -> None:
-        self.all: list[Contact] = []
+    Args:
+        past: those up to here; an overlap that goes on is another contact.
+    """
+
+    def __init__(self, past: Iterable[Contact] = ()) -> None:
+        self.all = [*past]
         self._latest: dict[Pair, Contact] = {}
 
     def end(self) -> None:
@@ -58,10 +62,10 @@ class Contacts:
 
 class Touches:
     """All contacts that a plant has reported, each once, as tick and pair of ids, in the order in which they
-    began."""
+    began; `past` are those up to here."""
 
-    def __init__(self) -> None:
-        self.all: list[tuple[int, Pair]] = []
+    def __init__(self, past: Iterable[tuple[int, Pair]] = ()) -> None:
+        self.all = [*past]
         self._present: set[Pair] = set()
 
     def add(self, tick: int, pairs: Sequence[Pair]) -> None:

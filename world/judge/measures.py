@@ -10,7 +10,9 @@ boundary of free space and, by convention here, everywhere outside it. Lengths i
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -48,6 +50,21 @@ class Goals:
         specs = [scenario.spec(robot) for robot in scenario.ids]
         points: Plane = np.array([complex(*spec.goal) for spec in specs])
         return cls(scenario.ids, points, np.array([complex(*spec.start) for spec in specs]))
+
+    @classmethod
+    def between(cls, ids: tuple[int, ...], ways: Iterable[tuple[Vector, Vector]], behind: float) -> Goals:
+        """Those of robots with these straight ways, from beginning to goal, m; `behind` as below."""
+        begins, points = np.array([*ways]).view(np.complex128)[..., 0].T.copy()
+        return cls(ids, points, begins, behind)
+
+    @cached_property
+    def ways(self) -> list[tuple[Vector, Vector]]:
+        """Where the straight way of each robot begins and ends, m."""
+        begins, points = self.begins.tolist(), self.points.tolist()
+        return [
+            ((begin.real, begin.imag), (point.real, point.imag))
+            for begin, point in zip(begins, points, strict=True)
+        ]
 
     def to(self, robot: int, goal: Vector, position: Vector) -> Goals:
         """From `position` on a robot is to go to `goal`: its straight way so far ends there.

@@ -11,13 +11,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
 
 from protocol.geometry import Shape
-from protocol.messages import Truth, Vector
+from protocol.messages import Count, Id, Truth, Vector
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks, NearestGaps, Plane, gaps
-from world.judge.contacts import Contacts
+from world.judge.contacts import Contact, Contacts
 from world.judge.measures import Goals, Level, levels_of
 from world.judge.trajectory import TrajectoryDigest
 
@@ -68,30 +69,114 @@ class Totals:
     contacts: Contacts = field(default_factory=Contacts)
 
 
+class Measured(msgspec.Struct, frozen=True):
+    """What a record has come to.
+
+    Attributes:
+        truth, clearance, first, increases, deviation, contacts: as in `Totals`.
+        ways: where the straight way of each robot begins and ends, m, in the order of ids.
+        behind: length of straight ways that are over, m.
+    """
+
+    truth: Truth
+    clearance: float
+    first: Level
+    increases: Count
+    deviation: dict[Id, float]
+    contacts: list[Contact]
+    ways: list[tuple[Vector, Vector]]
+    behind: float
+
+
+class PastRecord(msgspec.Struct, frozen=True):
+    """What another record needs to go on from one; asked for in each tick, and encoded as it comes to be.
+
+    Attributes:
+        measured: `Measured`, with the last batch.
+        aside: list of the configurations since then.
+    """
+
+    measured: msgspec.Raw
+    aside: msgspec.Raw
+
+
+_encode = msgspec.msgpack.encode
+_measured = msgspec.msgpack.Decoder(Measured).decode
+_configurations = msgspec.msgpack.Decoder(list[tuple[Vector, ...]]).decode
+
+
 class Record:
     """Folds segments into totals.
 
     Args:
+        scenario: with the robots that are there.
         positions: of all disks in the order of robot ids, m.
         parts: straight motions that a tick consists of.
+        past: to go on from; the digest is of the configurations from the newest of these on.
+        obstacles: shapes by number; those of the scenario unless given.
 
     Attributes:
         segment: the present one.
     """
 
-    def __init__(self, scenario: Scenario, positions: Sequence[Vector], parts: int = 1) -> None:
-        self.segment = segment_of(scenario, Goals.of(scenario))
-        self._plane = as_plane([positions])
-        self._aside: list[tuple[Vector, ...]] = []
+    def __init__(
+        self,
+        scenario: Scenario,
+        positions: Sequence[Vector],
+        parts: int = 1,
+        past: PastRecord | None = None,
+        obstacles: Mapping[int, Shape] | None = None,
+    ) -> None:
+        before = None if past is None else _measured(past.measured)
+        goals = Goals.of(scenario)
+        if before is not None:
+            goals = Goals.between(scenario.ids, before.ways, before.behind)
+        self.segment = segment_of(scenario, goals, obstacles)
         self._parts = parts
         self._batch = parts * max(1, min(_BATCH, _LARGEST // parts // len(self.segment.disks)))
-        truth = self.segment.truth(0, positions)
-        self._totals = Totals(
-            truth, truth.clearance, Level(truth.phi, truth.log_potential), dict.fromkeys(scenario.ids, 0.0)
-        )
+        self._aside: list[tuple[Vector, ...]] = []
+        self._measured: msgspec.Raw | None = None  # as in `PastRecord`
+        self._written, self._encoded = 0, bytearray()  # of those put aside
+        self._news: list[Truth] = []
         self._digest = TrajectoryDigest(scenario.ids)
-        self._digest.add([0], [positions])
-        self._news = [truth]
+        if past is None or before is None:
+            truth = self.segment.truth(0, positions)
+            level, deviation = Level(truth.phi, truth.log_potential), dict.fromkeys(scenario.ids, 0.0)
+            self._totals = Totals(truth, truth.clearance, level, deviation)
+        else:
+            contacts = Contacts(before.contacts)
+            self._totals = Totals(
+                before.truth, before.clearance, before.first, before.deviation, before.increases, contacts
+            )
+            self._aside.extend(_configurations(past.aside))
+        self._plane = as_plane([self._totals.truth.positions])
+        self._measure()
+        truth = self._totals.truth
+        self._news = self._news or [truth]
+        self._digest = TrajectoryDigest(scenario.ids)
+        self._digest.add([truth.tick], [truth.positions])
+
+    @property
+    def past(self) -> PastRecord:
+        """What another record needs to go on from here."""
+        if self._measured is None:
+            totals, goals = self._totals, self.segment.goals
+            measured = Measured(
+                totals.truth,
+                totals.clearance,
+                totals.first,
+                totals.increases,
+                totals.deviation,
+                totals.contacts.all,
+                goals.ways,
+                goals.behind,
+            )
+            self._measured, self._written, self._encoded = msgspec.Raw(_encode(measured)), 0, bytearray()
+        for each in self._aside[self._written :]:
+            self._encoded += _encode(each)
+        self._written = len(self._aside)
+        array = b"\xdc" + self._written.to_bytes(2, "big")  # msgpack's: so many follow
+        return PastRecord(self._measured, msgspec.Raw(array + self._encoded))
 
     def add(self, positions: Sequence[Vector], between: Sequence[tuple[Vector, ...]] = ()) -> None:
         """The configuration one tick later, reached by straight motion since the one before; if a tick has
@@ -106,7 +191,7 @@ class Record:
     ) -> None:
         """From the newest configuration on, which is `positions` now, the robots of another scenario are
         judged, among obstacles of these shapes, by number."""
-        totals = self.totals
+        totals, self._measured = self.totals, None
         self.segment = segment_of(scenario, self.segment.goals.of_fleet(scenario), obstacles)
         totals.contacts.end()
         totals.deviation = {robot: totals.deviation.get(robot, 0.0) for robot in scenario.ids}
@@ -117,7 +202,7 @@ class Record:
 
     def set_goal(self, robot: int, goal: Vector) -> None:
         """From the newest configuration on a robot is to go to `goal`, m."""
-        truth = self.totals.truth
+        truth, self._measured = self.totals.truth, None
         goals = self.segment.goals.to(robot, goal, truth.positions[truth.robots.index(robot)])
         self.segment = self.segment._replace(goals=goals)
 
@@ -149,6 +234,7 @@ class Record:
         aside, self._aside = self._aside, []
         if not aside:
             return
+        self._measured = None
         plane, parts, totals = as_plane(aside), self._parts, self._totals
         before = np.concatenate((self._plane, plane[:-1]))
         disks, during = self.segment.gaps(before, plane)

@@ -2,15 +2,32 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
+import msgspec
+
 from protocol.geometry import Shape
-from protocol.messages import Vector
+from protocol.messages import Count, Id, Vector
 from protocol.scenario.model import Scenario
 from world.judge.contacts import Touches
-from world.judge.record import Record
+from world.judge.record import PastRecord, Record
 
 VERDICTS = ("arrived", "collision", "timeout", "deadlock", "interrupted", "aborted")
+
+
+class PastReferee(msgspec.Struct, frozen=True):
+    """What a referee has seen of a run; for how long no robot has moved begins anew.
+
+    Attributes:
+        worlds: ticks with which those worlds began that went on from others.
+    """
+
+    record: PastRecord
+    touches: list[tuple[Count, tuple[Id, Id]]]
+    worlds: tuple[Count, ...] = ()
+    verdict: str = ""
+    reason: str = ""
 
 
 class Referee:
@@ -24,28 +41,50 @@ class Referee:
     timeout: the limit is reached.
 
     Args:
+        scenario: with the robots that are there, and what they carry.
         positions: of all disks in the order of robot ids, m.
         parts: straight motions that a tick consists of.
+        past: of an earlier world.
+        obstacles: shapes by number; those of the scenario unless given.
 
     Attributes:
         verdict, reason: empty while the run goes on.
+        worlds: ticks with which those worlds began that went on from others.
         record: of the truth.
         touches: contacts that the plant saw by itself.
     """
 
-    def __init__(self, scenario: Scenario, positions: Sequence[Vector], parts: int) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        positions: Sequence[Vector],
+        parts: int,
+        past: PastReferee | None = None,
+        obstacles: Mapping[int, Shape] | None = None,
+    ) -> None:
         time = scenario.time
         self.verdict = self.reason = ""
-        self.record = Record(scenario, positions, parts)
-        self.touches = Touches()
+        self.worlds: tuple[int, ...] = ()
+        self.record = Record(scenario, positions, parts, None if past is None else past.record, obstacles)
+        self.touches = Touches(() if past is None else past.touches)
         self._carries = bool(scenario.parts)
-        self._anchors = {spec.id: complex(*spec.start) for spec in scenario.robots}
+        self._anchors = {spec.id: spec.start for spec in scenario.robots}
         self._tolerance = time.tolerance
         self._limit, self._patience = scenario.ticks(time.limit), scenario.ticks(time.deadlock)
         self._texts = (f"{time.deadlock:g} s", f"{time.limit:g} s")
         changes = [fault.at for fault in scenario.process] + [part.until for part in scenario.link.partition]
         changes += [order.at for order in scenario.orders]
         self._moved = max((scenario.ticks(at) for at in changes), default=0)
+        if past is not None:
+            truth = self.record.totals.truth
+            self.verdict, self.reason, self.worlds = past.verdict, past.reason, (*past.worlds, truth.tick)
+            self._anchors = dict(zip(truth.robots, truth.positions, strict=True))
+            self.reset_deadlock_timer(truth.tick)
+
+    @property
+    def past(self) -> PastReferee:
+        """What another referee needs to go on from here."""
+        return PastReferee(self.record.past, self.touches.all, self.worlds, self.verdict, self.reason)
 
     def arrived(self, positions: Sequence[Vector]) -> list[int]:
         """Ids of robots within the tolerance of their goal; `positions` in the order of ids, m."""
@@ -75,9 +114,7 @@ class Referee:
     ) -> None:
         """Robots came and went at `tick`, among obstacles of these shapes."""
         self.record.set_fleet(scenario, positions, shapes)
-        self._anchors = {
-            spec.id: self._anchors.get(spec.id, complex(*spec.start)) for spec in scenario.robots
-        }
+        self._anchors = {spec.id: self._anchors.get(spec.id, spec.start) for spec in scenario.robots}
         self.reset_deadlock_timer(tick)
 
     def decide(
@@ -118,9 +155,8 @@ class Referee:
 
     def _follow(self, tick: int, ids: Sequence[int], positions: Sequence[Vector]) -> None:
         """Take note of robots that got away from where they were last noted."""
-        for robot, (x, y) in zip(ids, positions, strict=True):
-            place = complex(x, y)
-            if abs(place - self._anchors[robot]) > self._tolerance:
+        for robot, place in zip(ids, positions, strict=True):
+            if math.dist(place, self._anchors[robot]) > self._tolerance:
                 self._anchors[robot] = place
                 self._moved = max(self._moved, tick)
 

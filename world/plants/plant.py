@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib.util import find_spec
 from typing import NamedTuple, Protocol
 
+import msgspec
+
 from protocol.errors import UsageError
-from protocol.messages import Vector
+from protocol.messages import Id, Vector
 from protocol.scenario.model import RobotSpec, Scenario
 
 
@@ -19,6 +22,48 @@ class Report(NamedTuple):
     velocity: Vector = (0.0, 0.0)  # m/s, of the control point
     heading: float = 0.0  # rad
     stop: Vector | None = None  # m, from here to where it stands if it hears nothing more; None: it stands
+
+
+class PastDisks(msgspec.Struct, frozen=True):
+    """Where a world leaves the disks, at the end of a tick.
+
+    Attributes:
+        ids: of the robots that are there, ascending; the next three lists are in this order.
+        positions: of their centres, m.
+        headings: rad; empty where no body has one.
+        lengths: path length of each, in this world, m.
+        before: path lengths of robots in earlier worlds, and of those that left, m.
+        bounds: by how much places may be off until all bases stand, m, where they may.
+        moving: robots outside that may not stand yet.
+        largest_bound: of all reports so far, m; None where the truth is known.
+    """
+
+    ids: tuple[Id, ...]
+    positions: list[Vector]
+    headings: list[float]
+    lengths: list[float]
+    before: dict[Id, float]
+    bounds: dict[Id, float] = {}
+    moving: tuple[Id, ...] = ()
+    largest_bound: float | None = None
+
+    def moved(self, scenario: Scenario) -> Scenario:
+        """The scenario with these places as starts."""
+        places = dict(zip(self.ids, self.positions, strict=True))
+        headings = dict(zip(self.ids, self.headings, strict=False))
+        robots = [
+            replace(spec, start=places[spec.id], heading=headings.get(spec.id, spec.heading))
+            for spec in scenario.robots
+        ]
+        return replace(scenario, robots=tuple(robots))
+
+    @property
+    def ways(self) -> dict[int, float]:
+        """Path length of every robot that is or was there, m; of all that had the same id together."""
+        ways = dict(self.before)
+        for robot, length in zip(self.ids, self.lengths, strict=True):
+            ways[robot] = ways.get(robot, 0.0) + length
+        return ways
 
 
 class Plant(Protocol):

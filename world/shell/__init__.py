@@ -1,1 +1,1 @@
-"""What joins the core to network, clock and disk: the node, admission, pacing, publishers, the journal."""
+"""What joins the core to network, clock and disk: the node, admission, pacing, publishers, the checkpoint."""

@@ -18,11 +18,11 @@ from protocol import joining
 from protocol.errors import JoinError
 from protocol.messages import Health
 from world.coordinator.life import Fate, Life
-from world.shell.persistence.journal import Journal, Seated
+from world.shell.checkpoint import Checkpoint
 from world.shell.processes import Processes
 from world.shell.run import Run
 
-AWAY = 60.0  # s that robots wait for a world that keeps a journal: to be started again, and to replay it
+AWAY = 60.0  # s that robots wait for a world that keeps a checkpoint to be started again
 RESERVATION = 2.0  # s between admission and liveliness token
 CHANCES = 2  # how often a process that lives may be given up: after that its robot stays down
 _RETRY = 0.2  # s, while another process is joining under the same id, or a disk is not there yet
@@ -50,7 +50,7 @@ class Admissions:
         ids: of the robots.
         lockstep, epoch: what those who are admitted are told.
         clock: tells the time, s.
-        journal: where the world notes who was admitted; robots wait for a world that has one to come back.
+        checkpoint: of the world, if it keeps one: then robots wait for another world.
         processes: that an earlier world admitted.
 
     Attributes:
@@ -65,7 +65,7 @@ class Admissions:
         lockstep: bool,
         clock: Callable[[], float] = time.monotonic,
         epoch: int = 0,
-        journal: Journal | None = None,
+        checkpoint: Checkpoint | None = None,
         processes: Processes | None = None,
     ) -> None:
         self.slots = {robot: Slot() for robot in ids}
@@ -73,7 +73,7 @@ class Admissions:
         self._former: set[int] = set()  # who was told to wait for its disk
         self._early: dict[int, float] = {}  # s, by the clock: when who is told to wait for its disk asked
         self._name, self._lockstep, self._clock, self._epoch = run, lockstep, clock, epoch
-        self._journal = journal
+        self._checkpoint = checkpoint
         self.processes = Processes() if processes is None else processes
 
     def expect(self, robot: int) -> None:
@@ -150,8 +150,6 @@ class Admissions:
             world.coordinator.lost(
                 robot, "showed no sign of life after it was admitted; another process came"
             )
-        if self._journal is not None:
-            self._journal.note(Seated(robot, join.session))
         try:
             slot.granted = world.coordinator.join(robot)
         except JoinError as error:
@@ -178,7 +176,7 @@ class Admissions:
         return joining.Overview(run.scenario, self._lockstep, goals)
 
     def _admission(self, slot: Slot, run: Run) -> joining.Admission:
-        away = AWAY if self._journal is not None and self._journal.kept else 0.0
+        away = AWAY if self._checkpoint is not None and self._checkpoint.kept else 0.0
         founded = run.world.coordinator.lives.founded
         return joining.Admission(slot.granted, self._lockstep, run.scenario, away, founded, self._epoch)
 
@@ -227,12 +225,10 @@ class Admissions:
         return [robot for robot, slot in self.slots.items() if slot.missing <= since]
 
     def resume(self, robot: int, life: Life) -> None:
-        """An earlier world admitted the robot's newest process, whose seat nobody takes while it is there; if
-        its life goes on its token is to be seen again."""
+        """An earlier world admitted the robot's newest process: no other one takes its seat while it is
+        there."""
         slot = self.slots[robot]
         slot.session, slot.granted = self.processes.newest.get(robot, ""), life.incarnation
-        if life.goes_on:
-            self.miss(robot)
 
     def absent(self) -> frozenset[int]:
         """Robots without an admitted process whose token is there."""

@@ -4,7 +4,8 @@ Lock-step: a tick begins when every robot that takes part is there, and ends whe
 Real time: ticks end by the wall clock, whoever has commanded; the first waits for a while. All waits are
 bounded: a robot that is not heard in time is given up (it stands still, and is fenced) and named
 (`world/shell/failure_detector.py`).
-With a journal the node goes on where another one died: the tick that was open then is told again.
+With a checkpoint the node goes on where another one died, as another coordinator: all lives are over, and all
+robots join again before the tick is told that was open then.
 """
 
 from __future__ import annotations
@@ -32,13 +33,10 @@ from protocol.messages import Command, Tick
 from protocol.operations import encode_reply
 from protocol.scenario.model import Scenario
 from world.shell.admission import Admissions
+from world.shell.checkpoint import Checkpoint, Progress
 from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDetector, returning
 from world.shell.operations import Operations
 from world.shell.pacing import Pacing
-from world.shell.persistence import snapshot
-from world.shell.persistence.journal import Began
-from world.shell.persistence.replay import Resumed
-from world.shell.processes import Processes
 from world.shell.publishers import Publishers
 from world.shell.run import Phase, Run, drawn_epoch
 from world.shell.shutdown import Shutdown
@@ -60,8 +58,8 @@ class WorldNode:
         clock: tells the time, s; for tests.
         say: takes what a person should know.
         note: takes what is worth a line in a log.
-        past: where to go on. What has to outlive this process is noted in its journal; whoever is missing
-            may come back within GRACE, unless another process takes its seat.
+        checkpoint: where to go on, and where what has to outlive this process is written before it is told.
+            A robot that is missing may come back within GRACE, unless another process takes its seat.
         tell: is told the report.
 
     Attributes:
@@ -83,7 +81,7 @@ class WorldNode:
         clock: Callable[[], float] = time.monotonic,
         say: Callable[[str], None] = lambda _: None,
         note: Callable[[str], None] = lambda _: None,
-        past: Resumed | None = None,
+        checkpoint: Checkpoint | None = None,
         tell: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> None:
         self.report: dict[str, Any] | None = None
@@ -91,15 +89,15 @@ class WorldNode:
         lockstep = lockstep and not scenario.is_external
         self._pacing = Pacing(lockstep, speed, clock)
         self._lockstep = lockstep
-        self._journal = None if past is None else past.journal
+        self._checkpoint = checkpoint
         self._tell, self._note = tell, note
         waits = returning(gathering, restarts, lockstep=lockstep)
-        self._run = Run(scenario, returning=waits) if past is None else past.run
-        lives = self._run.world.coordinator.lives
-        processes = Processes() if past is None else past.processes
-        epoch = drawn_epoch() if past is None else past.journal.head.epoch
-        self._epoch, self._session = epoch, session_of(epoch)
-        self._admissions = Admissions(run, lives.of, lockstep, clock, epoch, self._journal, processes)
+        before = Progress() if checkpoint is None else checkpoint.progress
+        self._run = Run(scenario, before.past, returning=waits)
+        lives, epoch = self._run.world.coordinator.lives, drawn_epoch()
+        self._epoch, self._epochs, self._session = epoch, (*before.epochs, epoch), session_of(epoch)
+        self._own = {session_of(each) for each in self._epochs}  # tokens of dead worlds may still go
+        self._admissions = Admissions(run, lives.of, lockstep, clock, epoch, checkpoint, before.processes)
         ids = {*scenario.ids, *lives.of, *(each.robot for each in lives.roster.members)}
         ids.update(spec.id for spec in scenario.newcomers)
         self._publishers = Publishers(bus, run, ids, epoch)
@@ -118,15 +116,15 @@ class WorldNode:
             self._tell_again,
             gathering=gathering,
             patience=patience,
-            grace=0.0 if past is None else GRACE,
+            grace=0.0 if checkpoint is None else GRACE,
             restarts=restarts,
             say=say,
         )
         self._shutdown = Shutdown(self._admissions, self._pacing)
         self._operations.begin(self._run)
         self._pacing.wait()
-        if past is not None:
-            self._remember(past)
+        if before.epochs:
+            self._remember(before)
         bus.subscribe(*[robot_key(run, i, "command") for i in sorted(ids)])
         bus.watch(robot_tokens(run))
         for stream in ("steering", "scenario", "operation"):
@@ -136,14 +134,23 @@ class WorldNode:
         bus.watch(world_tokens(run))
         if self._run.world.verdict:
             self._end()
-        elif past is not None:
-            self._advance()  # what the scenario does as a tick opens comes before anybody is admitted
+        elif before.epochs:
+            self._advance()  # what the scenario does as a tick opens comes before any robot is admitted
 
-    def _remember(self, past: Resumed) -> None:
-        """Go on where another process died. Whoever took part then is there until the grace is over."""
-        self._failures.expected.update(past.expected)
-        for robot, life in past.run.world.coordinator.lives.of.items():
+    def _remember(self, before: Progress) -> None:
+        """Go on where another process died."""
+        self._failures.expected.update(before.expected)
+        self._run.began = time.monotonic() - max(0.0, time.time() - before.began)
+        for robot, life in self._run.world.coordinator.lives.of.items():
             self._admissions.resume(robot, life)
+
+    def _save(self) -> None:
+        """Write down where the run is, before that is told."""
+        checkpoint, run = self._checkpoint, self._run
+        if checkpoint is not None and checkpoint.kept:
+            began = time.time() - (time.monotonic() - run.began)
+            processes, expected = self._admissions.processes, self._failures.expected
+            checkpoint.write(Progress(self._epochs, began, processes, expected, run.world.past))
 
     @property
     def world(self) -> World:
@@ -163,7 +170,9 @@ class WorldNode:
         elif isinstance(event, Presence):
             self._on_presence(event)
         else:
-            event.reply(self._reply(event))
+            reply = self._reply(event)
+            self._save()
+            event.reply(reply)
             self._advance()
 
     def _on_command(self, key: str, payload: bytes) -> None:
@@ -187,7 +196,7 @@ class WorldNode:
             self._run.rejected["key"] += 1
             return
         if robot is None:
-            if session != self._session:
+            if session not in self._own:
                 self._on_world(session, event.alive)
         elif robot not in self._publishers:
             self._run.rejected["identity"] += 1
@@ -279,6 +288,7 @@ class WorldNode:
         for robot in run.world.coordinator.newcomers:
             self._admissions.expect(robot)
         ticks = self._failures.gather(run)
+        self._save()
         if ticks is None:
             return False
         if self._pacing.holds(run.world.tick, run.scenario.time.step):
@@ -288,8 +298,6 @@ class WorldNode:
         if run.world.tick == 0:
             run.began = self._pacing.now()
             self._note(f"scenario {run.scenario.name!r} begins with robots {list(run.scenario.ids)}")
-            if self._journal is not None:
-                self._journal.note(Began(time.time()))
         self._pacing.begin(run.world.tick, run.scenario.time.step)
         summary = run.world.coordinator.summary
         if summary is not None and summary.tick == run.world.tick:
@@ -313,9 +321,6 @@ class WorldNode:
     def _close(self) -> None:
         run = self._run
         run.world.close_tick()
-        if self._journal is not None and snapshot.is_due(run.world):
-            self._publishers.truths(run.world.news())  # a snapshot takes it as handed out
-            self._journal.compact(snapshot.take(run, self._admissions.processes, self._failures.expected))
         self._publishers.goals(run.world.goal_news())
         run.opened = False
         if run.world.verdict:
@@ -332,6 +337,7 @@ class WorldNode:
         self.finished = True
 
     def _end(self) -> None:
+        self._save()
         self._shutdown.begin(self._run)
         self._announce_end()
 

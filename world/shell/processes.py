@@ -37,10 +37,6 @@ class Processes(msgspec.Struct):
             return life.fate
         return self.over.get(robot, {}).get(session, "")
 
-    def copy(self) -> Processes:
-        """As they are at present."""
-        return Processes(dict(self.newest), {robot: dict(fates) for robot, fates in self.over.items()})
-
     def _keep(self, robot: int, session: str, fate: Fate) -> None:
         if session and fate:
             fates = self.over.setdefault(robot, {})

@@ -11,7 +11,7 @@ from typing import Any
 
 from protocol.messages import Clock, Health, Tick
 from protocol.scenario.model import Scenario
-from world.world import World
+from world.world import Past, World
 
 
 def traffic(
@@ -46,7 +46,7 @@ class Phase(Enum):
 
 
 class Run:
-    """A run with its judge.
+    """A run with its judge, from its beginning or from where an earlier world has left it.
 
     Attributes:
         phase: how far the run is.
@@ -56,9 +56,9 @@ class Run:
         received, rejected: commands accepted, and payloads refused by reason.
     """
 
-    def __init__(self, scenario: Scenario, *, returning: float = 0.0) -> None:
+    def __init__(self, scenario: Scenario, past: Past = Past(), *, returning: float = 0.0) -> None:
         self.phase = Phase.RUNNING
-        self.world = World(scenario, returning=returning)
+        self.world = World(scenario, past, returning=returning)
         self.starters = frozenset(scenario.ids)
         self.opened = False
         self.began = time.monotonic()

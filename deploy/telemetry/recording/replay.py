@@ -98,7 +98,8 @@ class Trajectory(NamedTuple):
 
 
 def trajectory(recording: Recording) -> Trajectory:
-    """Recompute the trajectory up to the last tick known.
+    """Recompute the trajectory up to the last tick known, as the result's digest has it: from the beginning,
+    or from the tick with which the last of several worlds began.
 
     Raises:
         RecordingError: a tick is missing that cannot be worked out either, or in which robots came or went.
@@ -108,11 +109,12 @@ def trajectory(recording: Recording) -> Trajectory:
             f"{recording.path} goes on from {recording.preceding}: name the file with which the run begins"
         )
     known = _known(recording)
-    missing = set(range(max(known))).difference(known)
+    begin = max((recording.result or {}).get("worlds", ()), default=0)
+    missing = set(range(begin, max(known))).difference(known)
     moves = _Moves(recording, missing) if missing else None
     digest = TrajectoryDigest(())
     here = _Plane((), [])
-    for tick in range(max(known) + 1):
+    for tick in range(begin, max(known) + 1):
         there = moves.follow(here, tick) if moves and tick in missing else known[tick]
         if there.robots != here.robots:
             if tick - 1 in missing:

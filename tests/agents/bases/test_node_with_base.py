@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 import time
+from pathlib import Path
 
 import pytest
 
@@ -15,6 +16,7 @@ from protocol.bus.bus import Event, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.errors import JoinError
 from tests.agents.bases.wheels import STEP, Wheels
+from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
 
 SETTINGS = ("time.step=0.1", "sensing.noise=0.003", "sensing.noise_bound=0.006", "time.endless=true")
@@ -25,6 +27,7 @@ class Floor:
 
     def __init__(self, bus, scenario) -> None:
         self.deadline, self.finished = 0.0, False
+        self.closest = math.inf  # m, smallest distance of two so far
         self.wheels = {robot: Wheels(scenario, robot, random.Random(robot)) for robot in scenario.ids}
         self._bus, self._began, self._steps = bus, time.monotonic(), 0
         self._tell = {
@@ -41,6 +44,8 @@ class Floor:
     def wake(self, now: float) -> None:
         while self._steps * STEP <= now - self._began:
             self._steps += 1
+            one, other = self.wheels.values()
+            self.closest = min(self.closest, math.dist(one.control, other.control))
             for robot, each in self.wheels.items():
                 each.roll(self._steps * STEP)
                 if self._steps % 4 == 0:
@@ -53,11 +58,14 @@ class Floor:
 class Stage:
     """A world, two robots and their floor."""
 
-    def __init__(self, *settings: str) -> None:
+    def __init__(self, *settings: str, checkpoint: Path | None = None) -> None:
         self.network = LocalNetwork()
-        scenario = load("turtlebots-2", [*SETTINGS, *settings], 1)
+        self.scenario = scenario = load("turtlebots-2", [*SETTINGS, *settings], 1)
         self.said: dict[int, list[str]] = {robot: [] for robot in scenario.ids}
-        self.world = self._seat(lambda bus: WorldNode(bus, "yard", scenario))
+        self._path = checkpoint
+        if checkpoint is not None:
+            Checkpoint.create(checkpoint)
+        self.start_world()
         self.floor = self._seat(lambda bus: Floor(bus, scenario))
         self.robots = {
             robot: self._seat(
@@ -70,6 +78,16 @@ class Stage:
         bus = self.network.connect()
         bus.node = made(bus)
         return bus.node
+
+    def start_world(self) -> None:
+        kept = None if self._path is None else Checkpoint(self._path, "yard", self.scenario)
+        self._bus, self._kept = self.network.connect(), kept
+        self.world = self._bus.node = WorldNode(self._bus, "yard", self.scenario, checkpoint=kept)
+
+    def kill_world(self) -> None:
+        self._bus.close()
+        assert self._kept is not None
+        self._kept.close()
 
     def play(self, until, seconds: float = 20.0) -> None:
         end = time.monotonic() + seconds
@@ -91,6 +109,32 @@ def test_robots_join_once_they_know_where_they_are_and_drive():
     reported = stage.world.world.simulation.places
     for robot, place in reported.items():
         assert math.dist(place, stage.floor.wheels[robot].control) < 0.06
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seconds", [0.0, 3.0], ids=["while they drive", "once they stand"])
+def test_another_world_takes_over_bases_that_drive(seconds: float, tmp_path: Path) -> None:
+    """They face each other, and move on although the places in which they may be overlapped."""
+    stage = Stage("world.plant=external", checkpoint=tmp_path / "checkpoint")
+    stage.play(lambda: min(map(stage.away, (1, 2))) > 0.1)
+    stage.kill_world()
+    tick, end = stage.world.world.tick, time.monotonic() + seconds
+    stage.play(lambda: time.monotonic() >= end)
+    stage.start_world()
+    begun = stage.world.world
+    assert (begun.tick, begun.coordinator.lives.up) == (tick, ())
+    stage.play(lambda: len(begun.coordinator.lives.up) == 2)
+    before = [wheels.control for wheels in stage.floor.wheels.values()]
+    stage.play(
+        lambda: all(
+            math.dist(wheels.control, place) > 0.1
+            for wheels, place in zip(stage.floor.wheels.values(), before, strict=True)
+        ),
+        40.0,
+    )
+    assert stage.floor.closest > sum(spec.radius for spec in stage.scenario.robots)
+    assert begun.report()["collisions"] == 0
+    assert begun.report()["worlds"] == [tick]
 
 
 @pytest.mark.slow

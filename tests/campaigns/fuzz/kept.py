@@ -10,26 +10,23 @@ from functools import cache
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
-from typing import Any
 from unittest.mock import patch
 
 import msgspec
 
 from deploy.run.local import LocalFleet
 from deploy.telemetry.recording.reader import read
-from protocol.codec import DAMAGED
-from protocol.errors import JournalError, RecordingError, UsageError
+from protocol.errors import CheckpointError, RecordingError, UsageError
 from protocol.scenario.model import Time
 from tests.campaigns.fuzz.mutation import Target, damaged_bytes, damaged_tree
 from tests.deploy.telemetry.recording.recorded import record
 from tests.world.driving import two
-from world.judge import trajectory
-from world.shell.persistence import records
-from world.shell.persistence.journal import Journal
-from world.shell.persistence.replay import resume
+from world.shell import checkpoint
+from world.shell.checkpoint import _FRAME, Checkpoint, _frame, _place, _whole
 
 _SCENARIO = two()
 _TICKS = 12
+_STATE = 1 << 16  # bytes between its two states
 
 
 @cache
@@ -44,62 +41,41 @@ def folder() -> Path:
 
 
 @cache
-def _journal() -> bytes:
-    """That of a run in its first ticks, which begins with a snapshot."""
+def _checkpoint() -> bytes:
+    """That of a run in its first ticks."""
     path = folder() / "valid"
-    Journal.create(path, "local", _SCENARIO)
-    with patch.object(trajectory, "LINK", _TICKS // 2):
-        fleet = LocalFleet(_SCENARIO, journal=path)
+    with patch.object(checkpoint, "_STATE", _STATE):
+        Checkpoint.create(path)
+        fleet = LocalFleet(_SCENARIO, checkpoint=path)
         fleet.network.run(lambda: fleet.world.world.tick >= _TICKS)
-    fleet.kill_world()
+        fleet.kill_world()
     return path.read_bytes()
 
 
-@cache
-def _payloads() -> list[bytes]:
-    return [payload for _, payload, _ in records.records(folder() / "valid")]
-
-
-def _draw_journal(rng: Random) -> bytes:
-    """Damage to the bytes, or records that are whole and say something else."""
-    valid = _journal()
+def _draw_checkpoint(rng: Random) -> bytes:
+    """Damage to the bytes, or a newest state that is whole and says something else."""
+    valid = _checkpoint()
     if rng.randrange(8) == 0:
         return valid
     if rng.randrange(4) == 0:
         return damaged_bytes(valid, valid[::-1], rng)
-    payloads = list(_payloads())
-    for _ in range(rng.randint(1, 3)):
-        place = rng.randrange(len(payloads)) if rng.randrange(8) else 0
-        match rng.randrange(4):
-            case 0 if place:
-                del payloads[place]
-            case 1 if place:
-                payloads.insert(place, rng.choice(payloads[1:]))
-            case 2:
-                payloads[place] = damaged_bytes(payloads[place], rng.choice(payloads), rng)
-            case _:
-                payloads[place] = _lied(payloads[place], rng)
-        if len(payloads) < 2:
-            break
-    return records.MAGIC + b"".join(map(records.record, payloads))
+    with patch.object(checkpoint, "_STATE", _STATE):
+        number, payload = max(filter(None, (_whole(valid[_place(index) :]) for index in (0, 1))))
+        if rng.randrange(2):
+            changed = damaged_bytes(payload, valid, rng)
+        else:
+            changed = msgspec.msgpack.encode(damaged_tree(msgspec.msgpack.decode(payload), rng))
+        place = _place((number + 1) % 2)
+    framed = bytearray(_FRAME.size) + changed
+    _frame(number + 1, framed)
+    return valid[:place] + framed + valid[place + len(framed) :]
 
 
-def _lied(payload: bytes, rng: Random) -> bytes:
-    try:
-        tree: Any = msgspec.msgpack.decode(payload)
-    except DAMAGED:  # by what was changed before
-        return payload
-    return msgspec.msgpack.encode(damaged_tree(tree, rng))
-
-
-def _read_journal(drawn: bytes) -> bool:
-    path = folder() / "journal"
+def _read_checkpoint(drawn: bytes) -> bool:
+    path = folder() / "checkpoint"
     path.write_bytes(drawn)
-    journal = Journal(path, "local", _SCENARIO)
-    try:
-        resume(journal, _SCENARIO)
-    finally:
-        journal.remove()
+    with patch.object(checkpoint, "_STATE", _STATE):
+        Checkpoint(path, "local", _SCENARIO).remove()
     return True
 
 
@@ -132,6 +108,6 @@ def _count(found: Sequence[object]) -> None:
 
 
 KEPT = {
-    "journal": Target(_draw_journal, _read_journal, JournalError, 1),
+    "checkpoint": Target(_draw_checkpoint, _read_checkpoint, CheckpointError, 1),
     "recording": Target(_draw_recording, _read_recording, RecordingError, 1),
 }

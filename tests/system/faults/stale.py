@@ -17,7 +17,7 @@ from protocol.keys import robot_key
 from protocol.scenario.model import ProcessFault, RobotSpec, Scenario
 from tests.system.orders.guests import SWAP
 from world.coordinator.life import Life
-from world.shell.persistence.journal import Journal
+from world.shell.checkpoint import Checkpoint
 
 ENDLESS = replace(SWAP, time=replace(SWAP.time, endless=True))
 RESTARTED = replace(SWAP, process=(ProcessFault(2, 0.5, "restart"),))
@@ -52,9 +52,9 @@ class Overheard:
 
 
 def kept(folder: Path, scenario: Scenario = RESTARTED) -> LocalFleet:
-    """A fleet whose world keeps a journal."""
-    Journal.create(folder / "journal", "local", scenario)
-    return LocalFleet(scenario, journal=folder / "journal")
+    """A fleet whose world keeps a checkpoint."""
+    Checkpoint.create(folder / "checkpoint")
+    return LocalFleet(scenario, checkpoint=folder / "checkpoint")
 
 
 def deafen_launcher(fleet: LocalFleet) -> None:

@@ -9,7 +9,6 @@ import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import closing
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +20,6 @@ from deploy.processes import table
 from deploy.processes.hosts.table import parse_hosts
 from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
-from deploy.run.local import LocalFleet
 from deploy.run.operator import operating
 from deploy.run.options import RunOptions, Transport, fresh_run_name
 from deploy.telemetry.recording.reader import read
@@ -35,16 +33,12 @@ from protocol.operations import Steer
 from protocol.scenario.model import Scenario
 from tests.deploy.processes.ports import free_ports
 from tests.deploy.telemetry.monitor.watched import until
+from tests.system.orders.test_scheduled_orders import EVERYTHING
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
 
 QUICK = load("swap-6")
 Rows = dict[str, dict[str, Any]]
-
-
-@cache
-def undisturbed() -> str:
-    return str(LocalFleet(QUICK).execute()["trajectory_sha256"])
 
 
 class Killer:
@@ -84,13 +78,14 @@ def unhurt(report: dict[str, Any]) -> bool:
     ("transport", "names"),
     [("mesh", [table.WORLD]), ("routed", [table.WORLD, table.ROUTER, table.WORLD])],
 )
-def test_lock_step_goes_on_bit_for_bit(transport: Transport, names: list[str]) -> None:
-    killer = Killer([(random.randrange(1, 200), name) for name in names])
+def test_lock_step_goes_on(transport: Transport, names: list[str]) -> None:
+    killer = Killer([(random.randrange(1, 100), name) for name in names])
     deaths = list(killer.due)
     report, rows = run(QUICK, RunOptions(transport, restarts=3, speed=10.0), killer)
     assert killer.due == []
     assert unhurt(report), (deaths, report)
-    assert report["trajectory_sha256"] == undisturbed(), deaths
+    assert len(report["worlds"]) == names.count(table.WORLD)
+    assert report["faults"]["given_up"] == []
     assert all(rows[name]["restarts"] == names.count(name) for name in names)
     assert all(row["exit_code"] == 0 for row in rows.values())
 
@@ -116,6 +111,16 @@ def test_real_time_goes_on_too() -> None:
     assert all(rows[name]["restarts"] == 1 for _, name in deaths)
 
 
+def test_what_was_asked_for_outlives_the_world() -> None:
+    """Robots that came and went, obstacles, an emergency stop, and faults of processes."""
+    killer = Killer([(random.randrange(10, 100), table.WORLD) for _ in range(2)])
+    deaths = list(killer.due)
+    report, _ = run(EVERYTHING, RunOptions(restarts=3, speed=5.0), killer)
+    assert unhurt(report), (deaths, report)
+    assert [order["tick"] for order in report["orders"]] == [10, 20, 30, 40, 50, 60, 61, 80, 80, 84, 86]
+    assert len(report["faults"]["process"]) == 1
+
+
 @pytest.mark.parametrize("name", [table.WORLD, "router-right"])
 def test_on_two_hosts(name: str) -> None:
     left, right = free_ports(2)
@@ -126,7 +131,7 @@ def test_on_two_hosts(name: str) -> None:
     options = RunOptions(hosts=parse_hosts({"hosts": hosts}, QUICK.ids), restarts=3, speed=10.0)
     report, rows = run(QUICK, options, Killer([(60, name)]))
     assert unhurt(report)
-    assert report["trajectory_sha256"] == undisturbed()
+    assert len(report["worlds"]) == (name == table.WORLD)
     assert rows[name]["restarts"] == 1
 
 
@@ -136,7 +141,7 @@ def test_a_recording_goes_on(name: str, tmp_path: Path) -> None:
     report, _ = run(QUICK, RunOptions(restarts=3, speed=10.0), Killer([(60, name)]), path)
     recording = read(path)
     assert recording.result is not None
-    assert trajectory(recording).sha256 == report["trajectory_sha256"] == undisturbed()
+    assert trajectory(recording).sha256 == report["trajectory_sha256"]
 
 
 @pytest.mark.parametrize("name", [table.WORLD, table.ROUTER])
@@ -148,31 +153,31 @@ def test_more_deaths_than_the_policy_allows_end_the_run(name: str) -> None:
     assert rows[name]["restarts"] == 1
 
 
-def test_a_world_without_its_journal_begins_nothing_anew(
+def test_a_world_without_its_checkpoint_begins_nothing_anew(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    journals: list[Path] = []
+    checkpoints: list[Path] = []
     row = table.world
-    monkeypatch.setattr(table, "world", lambda *a, **k: journals.append(k["journal"]) or row(*a, **k))
+    monkeypatch.setattr(table, "world", lambda *a, **k: checkpoints.append(k["checkpoint"]) or row(*a, **k))
 
     def act(fleet: Fleet, clock: Clock) -> None:
-        if clock.tick >= 10 and journals[0].exists():
-            journals[0].unlink()
+        if clock.tick >= 10 and checkpoints[0].exists():
+            checkpoints[0].unlink()
             fleet.signal(table.WORLD, signal.SIGKILL)
 
     report, _ = run(QUICK, RunOptions(restarts=1, speed=1.0), act)
     assert report["verdict"] == "aborted"
-    assert f"the journal {journals[0]} is not there" in capfd.readouterr().err
+    assert f"the checkpoint {checkpoints[0]} is not there" in capfd.readouterr().err
 
 
 def test_a_world_under_another_launcher(tmp_path: Path) -> None:
     """Its clock is held from the beginning, so that it dies in the middle of the run on any machine."""
-    journal, name = tmp_path / "yard.journal", fresh_run_name()
+    checkpoint, name = tmp_path / "yard.checkpoint", fresh_run_name()
     with Supervisor() as supervisor:
         supervisor.start([table.router(Connection("router"))])
         connection = Connection(connect=(supervisor.report(table.ROUTER, 20.0),))
         command = [sys.executable, "-m", "disknav", "node", "world", "swap-6", "--run", name]
-        command += ["--router", connection.connect[0], "--journal", str(journal)]
+        command += ["--router", connection.connect[0], "--checkpoint", str(checkpoint)]
         with subprocess.Popen(command) as first, operating(connection, name) as operator:
             _steer(connection, name, Steer(step=60))
             supervisor.start([table.robot(connection, name, robot) for robot in QUICK.ids])
@@ -180,8 +185,8 @@ def test_a_world_under_another_launcher(tmp_path: Path) -> None:
             first.kill()
         again = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
     assert "world: goes on at tick 60" in again.stderr
-    assert json.loads(again.stdout)["trajectory_sha256"] == undisturbed()
-    assert not journal.exists()
+    assert unhurt(json.loads(again.stdout))
+    assert not checkpoint.exists()
 
 
 def _steer(connection: Connection, run: str, steer: Steer) -> None:

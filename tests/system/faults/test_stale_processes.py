@@ -29,15 +29,11 @@ from tests.system.faults.stale import (
 from tests.system.orders.guests import GUEST, SWAP
 from tests.system.orders.turnover import asked
 from tests.world.driving import token
-from world.judge import trajectory
 
 
 @pytest.mark.parametrize("death", ["", "appearing", "standing", "later"])
-def test_a_deaf_process_of_a_removed_robot_is_not_the_next_ones(
-    tmp_path: Path, death: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Whether or not the world dies, when the next disk is to appear, or is there, or from a snapshot."""
-    monkeypatch.setattr(trajectory, "LINK", 20)
+def test_a_deaf_process_of_a_removed_robot_is_not_the_next_ones(tmp_path: Path, death: str) -> None:
+    """Whether or not the world dies, when the next disk is to appear, or is there, or later."""
     fleet = kept(tmp_path, ENDLESS)
     deafen_launcher(fleet)
     go(fleet, 12)

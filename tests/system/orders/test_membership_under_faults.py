@@ -12,7 +12,7 @@ from protocol.scenario.file import parse_toml
 from tests.campaigns.observe import observe
 from tests.system.orders.guests import GUEST, SWAP, step, to_be
 from tests.system.orders.turnover import Turnover, asked
-from world.shell.persistence.journal import Journal
+from world.shell.checkpoint import Checkpoint
 
 
 def test_no_fault_that_the_world_passes_over_ends_the_process_of_the_next_robot() -> None:
@@ -63,8 +63,8 @@ def test_a_newcomer_that_is_paused_has_no_process_before_it_may_join(event: str)
 
 
 def test_a_restarted_world_knows_who_came_and_went(tmp_path: Path) -> None:
-    Journal.create(tmp_path / "journal", "local", SWAP)
-    fleet = LocalFleet(SWAP, journal=tmp_path / "journal")
+    Checkpoint.create(tmp_path / "checkpoint")
+    fleet = LocalFleet(SWAP, checkpoint=tmp_path / "checkpoint")
     step(fleet, 10)
     assert asked(fleet, {"add": GUEST}).accepted
     to_be(fleet, 7, "live")
@@ -74,18 +74,18 @@ def test_a_restarted_world_knows_who_came_and_went(tmp_path: Path) -> None:
     fleet.kill_world()
     fleet.start_world()
     after = fleet.world.world
-    assert (after.truth, after.coordinator.lives.roster.members) == (
-        before.truth,
-        before.coordinator.lives.roster.members,
-    )
+    assert after.truth == before.truth
+    assert [
+        (each.robot, each.incarnation, each.radius) for each in after.coordinator.lives.roster.members
+    ] == [(each.robot, each.incarnation, each.radius) for each in before.coordinator.lives.roster.members]
     report = fleet.execute()
     assert (report["verdict"], report["collisions"], report["robots"]) == ("arrived", 0, [2, 3, 4, 7])
 
 
 @pytest.mark.parametrize("removed", [False, True], ids=["who is to come", "who has gone"])
 def test_a_restarted_world_can_tell_everybody_whom_its_roster_names(tmp_path: Path, removed: bool) -> None:
-    Journal.create(tmp_path / "journal", "local", SWAP)
-    fleet = LocalFleet(SWAP, journal=tmp_path / "journal")
+    Checkpoint.create(tmp_path / "checkpoint")
+    fleet = LocalFleet(SWAP, checkpoint=tmp_path / "checkpoint")
     step(fleet, 10)
     assert asked(fleet, {"add": GUEST}).accepted
     if removed:

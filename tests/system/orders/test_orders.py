@@ -27,7 +27,7 @@ from protocol.messages import Clock
 from protocol.scenario.model import Journey, Operation, Point, Scenario
 from tests.deploy.processes.ports import free_ports
 from tests.deploy.telemetry.monitor.watched import until
-from world.shell.persistence.journal import Journal
+from world.shell.checkpoint import Checkpoint
 
 SCENARIO = load("swap-4")
 TOLERANCE = SCENARIO.time.tolerance
@@ -39,11 +39,13 @@ def sent(robot: int, *points: Point, within: float | None = None) -> Operation:
 
 
 class Ordered(LocalFleet):
-    """Robot 2 is sent elsewhere at tick 30; where there is a journal the world dies at tick 45."""
+    """Robot 2 is sent elsewhere at tick 30; where there is a checkpoint the world dies at tick 45."""
 
-    def __init__(self, scenario: Scenario, journal: Path | None = None) -> None:
-        super().__init__(scenario, speed=6.0, watch=self._look, journal=journal)  # for the clock to be told
-        self._doom = journal is not None
+    def __init__(self, scenario: Scenario, checkpoint: Path | None = None) -> None:
+        super().__init__(
+            scenario, speed=6.0, watch=self._look, checkpoint=checkpoint
+        )  # for the clock to be told
+        self._doom = checkpoint is not None
         self.replies: list[dict[str, Any]] = []
 
     def _look(self, clock: Clock) -> None:
@@ -79,8 +81,8 @@ def test_a_robot_goes_where_it_is_sent(law: str) -> None:
 
 @pytest.mark.slow
 def test_an_order_outlives_the_world(tmp_path: Path) -> None:
-    Journal.create(tmp_path / "journal", "local", SCENARIO)
-    verdict, away, _ = outcome(Ordered(SCENARIO, tmp_path / "journal"))
+    Checkpoint.create(tmp_path / "checkpoint")
+    verdict, away, _ = outcome(Ordered(SCENARIO, tmp_path / "checkpoint"))
     assert (verdict, away <= TOLERANCE) == ("arrived", True)
 
 

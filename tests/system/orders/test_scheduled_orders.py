@@ -14,6 +14,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from protocol.scenario.model import Journey, Obstacle, Order, ProcessFault, RobotSpec, Scenario, Time
 from tests.campaigns.observe import observe
+from world.shell.checkpoint import Checkpoint
 
 GUEST = RobotSpec(3, 0.03, (0.2, 0.1), (-0.2, 0.1))
 EVERYTHING = resolved(
@@ -72,19 +73,19 @@ def test_real_processes_drive_the_same_trajectory(report: dict[str, Any]) -> Non
     assert found["faults"]["given_up"] == []
 
 
-def test_a_world_that_died_asks_for_the_same_again(report: dict[str, Any], tmp_path: Path) -> None:
-    from world.shell.persistence.journal import Journal
-
-    journal = tmp_path / "journal"
-    Journal.create(journal, "local", EVERYTHING)
-    with LocalFleet(EVERYTHING, journal=journal) as fleet:
-        for _ in range(70):
+@pytest.mark.parametrize("tick", [15, 21, 31, 45, 55, 60, 61, 70, 85])
+def test_a_world_that_died_has_asked_for_the_same(report: dict[str, Any], tmp_path: Path, tick: int) -> None:
+    checkpoint = tmp_path / "checkpoint"
+    Checkpoint.create(checkpoint)
+    with LocalFleet(EVERYTHING, checkpoint=checkpoint) as fleet:
+        for _ in range(tick):
             fleet.step()
         fleet.kill_world()
         fleet.start_world()
         found = fleet.execute()
-    assert found["trajectory_sha256"] == report["trajectory_sha256"]
-    assert found["orders"] == report["orders"]
+    assert (found["verdict"], found["collisions"], found["robots"]) == ("arrived", 0, [1, 2])
+    assert (found["worlds"], found["orders"]) == ([tick], report["orders"])
+    assert found["faults"]["process"] == report["faults"]["process"]
 
 
 def test_a_later_life_of_one_process_hears_whom_the_first_did_not_know() -> None:

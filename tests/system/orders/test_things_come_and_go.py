@@ -1,4 +1,4 @@
-"""Things that come and go while a fleet runs: acknowledged, refused by reason, journaled, drawn."""
+"""Things that come and go while a fleet runs: acknowledged, refused by reason, remembered, drawn."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.scenario.model import Obstacle
 from tests.forks import Forks
-from world.shell.persistence.journal import Journal
+from world.shell.checkpoint import Checkpoint
 
 SWAP = load("swap-4")
 LISTED = replace(SWAP, obstacles=(Obstacle(center=(0.2, 0.2), radius=0.02),))
@@ -60,8 +60,8 @@ def test_a_thing_that_is_placed_is_kept_clear_of_until_it_is_taken() -> None:
 
 
 def test_a_restarted_world_knows_what_came_and_went(tmp_path: Path) -> None:
-    Journal.create(tmp_path / "journal", "local", LISTED)
-    fleet = LocalFleet(LISTED, journal=tmp_path / "journal")
+    Checkpoint.create(tmp_path / "checkpoint")
+    fleet = LocalFleet(LISTED, checkpoint=tmp_path / "checkpoint")
     step(fleet, 10)
     assert asked(fleet, BAR)["accepted"]
     step(fleet, 3)

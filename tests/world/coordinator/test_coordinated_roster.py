@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from protocol import messages
 from protocol.errors import RosterError
 from world.coordinator.roster import Roster
 
@@ -23,7 +24,7 @@ def status(roster: Roster, robot: int) -> str:
 
 
 def test_every_change_is_a_new_version_and_versions_go_on_from_earlier_runs():
-    roster = Roster(7)
+    roster = Roster(messages.Roster(7, ()))
     roster.found({1: 4, 2: 4, 3: 4}, PLACES, RADII)
     assert roster.version == 8
     roster.fence(2, PLACES[2])
@@ -50,7 +51,7 @@ def test_a_roster_is_told_until_the_present_life_has_acknowledged_it():
 def test_a_disk_that_was_announced_stands_once_it_is_put_up():
     roster = founded(1, 2, 3)
     roster.announce(9, 0.1, HERE)
-    assert roster.appearing == (9,)
+    assert [each.robot for each in roster.appearing] == [9]
     roster.put_up(9)
     assert (roster.appearing, status(roster, 9)) == ((), "standing")
     roster.admit(9, 1)

@@ -1,8 +1,9 @@
-"""The world dies at any moment, another one goes on from its journal, and no trajectory shows it."""
+"""The world dies at any moment, another one goes on, and nothing touches, jumps or is forgotten."""
 
 from __future__ import annotations
 
 import itertools
+import math
 import os
 from collections.abc import Callable
 from dataclasses import replace
@@ -17,20 +18,16 @@ from hypothesis import strategies as st
 
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from protocol.bus.bus import Bus, Event, Publish
-from protocol.errors import JournalError
+from protocol.bus.bus import Bus, Event, Publish, Sample
+from protocol.codec import decode
+from protocol.keys import robot_key, world_key
+from protocol.messages import Grants, Tick, Truth, Vector
 from protocol.scenario.model import ProcessFault, Scenario
 from protocol.streams import Stream
-from tests.world.driving import advance, two
-from world.coordinator.inputs import Closed
-from world.judge import trajectory
+from tests.system.orders.test_scheduled_orders import EVERYTHING
+from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
-from world.shell.persistence import records
-from world.shell.persistence.journal import Journal
-from world.shell.persistence.replay import resume
-from world.shell.persistence.snapshot import Snapshot
 
-QUICK = load("swap-4", ["control.speed=0.3"])
 FAULTS = ((2, 0.2, "pause"), (2, 0.9, "resume"), (4, 0.3, "restart"), (3, 0.25, "pause"), (3, 0.5, "resume"))
 FAULTY = replace(
     load(
@@ -41,15 +38,14 @@ FAULTY = replace(
     ),
     process=tuple(ProcessFault(*event) for event in FAULTS),  # type: ignore[arg-type]
 )  # fmt: skip
-COURSES = [QUICK, FAULTY]
-
-
-_compact = Journal.compact
-
-
-@pytest.fixture(autouse=True)
-def _frequent_snapshots(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(trajectory, "LINK", 40)
+COURSES = {
+    "quick": load("swap-4", ["control.speed=0.3"]),
+    "faulty": FAULTY,
+    "orders": EVERYTHING,
+    "parts": load("parts-3"),
+    "wheels": load("turtlebots-4"),
+    "near": load("swap-6", ["control.speed=0.3", "network.interest=near"]),
+}
 
 
 class Death(BaseException):
@@ -57,35 +53,32 @@ class Death(BaseException):
 
 
 class Doom:
-    """Counts the operations by which anybody outside can tell what a world did, and dies at some of them.
+    """Counts the operations by which any process can tell what a world did, and dies at some of them.
 
-    Each write to the journal is three: before it, in the middle of it, after it; to begin it anew with a
-    snapshot is two; each publication is one.
+    A write of the checkpoint is three: before it, in the middle of it, after it; a publication is one.
     """
 
     def __init__(self, at: list[int]) -> None:
         self.at = set(at)
         self.count = itertools.count()
-        self.deaths = self.snapshots = 0
+        self.deaths = 0
 
     def pass_by(self) -> None:
         if next(self.count) in self.at:
             self.deaths += 1
             raise Death
 
-    def write(self, file: int, record: bytes) -> None:
+    def write(self, file: int, content: bytes, place: int) -> int:
         self.pass_by()
-        half = len(record) // 2
-        os.write(file, record[:half])
+        half = len(content) // 2
+        _pwrite(file, content[:half], place)
         self.pass_by()
-        os.write(file, record[half:])
+        written = _pwrite(file, content[half:], place + half)
         self.pass_by()
+        return half + written
 
-    def compact(self, journal: Journal, snapshot: Snapshot) -> None:
-        self.pass_by()
-        _compact(journal, snapshot)
-        self.snapshots += 1
-        self.pass_by()
+
+_pwrite = os.pwrite
 
 
 class DoomedBus:
@@ -110,10 +103,10 @@ class DoomedBus:
 class MortalFleet(LocalFleet):
     """A world that dies by its doom, and has a successor at once."""
 
-    def __init__(self, scenario: Scenario, journal: Path, doom: Doom, *, lockstep: bool = True) -> None:
+    def __init__(self, scenario: Scenario, checkpoint: Path, doom: Doom, *, lockstep: bool = True) -> None:
         self.doom = doom
-        Journal.create(journal, "local", scenario)
-        super().__init__(scenario, journal=journal, lockstep=lockstep)
+        Checkpoint.create(checkpoint)
+        super().__init__(scenario, checkpoint=checkpoint, lockstep=lockstep)
 
     def start_world(self) -> None:
         try:
@@ -155,80 +148,95 @@ class Mortal:
         return self._node.finished
 
 
-@cache
-def undisturbed(number: int) -> str:
-    report = LocalFleet(COURSES[number]).execute()
-    assert report["verdict"] == "arrived"
-    return str(report["trajectory_sha256"])
+class Witness:
+    """Hears what all worlds of a run say, and holds them to it.
+
+    Attributes:
+        ways: length of the way of each robot, m, by what was said of where it is.
+    """
+
+    finished, deadline = False, math.inf
+
+    def __init__(self, fleet: LocalFleet, scenario: Scenario) -> None:
+        self._scenario = scenario
+        self._places: dict[tuple[int, int], Vector] = {}
+        self._grants: dict[tuple[int, int], tuple[int, Grants]] = {}
+        bus = fleet.network.connect()
+        ids = {*scenario.ids, *(spec.id for spec in scenario.newcomers)}
+        bus.subscribe(world_key("local", "truth"), *[robot_key("local", robot, "tick") for robot in ids])
+        bus.node = self
+
+    def handle(self, event: Event) -> None:
+        message = decode(event.key, event.payload) if isinstance(event, Sample) else None
+        if isinstance(message, Truth):
+            for robot, place in zip(message.robots, message.positions, strict=True):
+                assert self._places.setdefault((message.tick, robot), place) == place
+                before = self._places.get((message.tick - 1, robot), place)
+                assert math.dist(before, place) <= 2.0 * self._longest, (message.tick, robot)
+        elif isinstance(message, Tick) and message.grants is not None:
+            grants, life = message.grants, (message.robot, message.incarnation)
+            epoch, before = self._grants.get(life, (message.epoch, grants))
+            assert epoch == message.epoch, "a life has one coordinator"
+            assert grants.version >= before.version
+            self._grants[life] = epoch, grants
+
+    @property
+    def _longest(self) -> float:
+        return self._scenario.control.speed * self._scenario.time.step
+
+    def wake(self, now: float) -> None:
+        """Nothing is due by the wall clock."""
 
 
-def disturbed(
-    number: int, folder: Path, deaths: list[int], *, lockstep: bool = True
-) -> tuple[Doom, dict[str, Any]]:
+def run(name: str, folder: Path, deaths: list[int], *, lockstep: bool = True) -> tuple[Doom, dict[str, Any]]:
     """The report of a course whose world dies at these operations."""
     doom = Doom(deaths)
-
-    def compact(journal: Journal, snapshot: Snapshot) -> None:
-        doom.compact(journal, snapshot)
-
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(records, "write", doom.write)
-        patch.setattr(Journal, "compact", compact)
-        fleet = MortalFleet(COURSES[number], folder / "journal", doom, lockstep=lockstep)
+        patch.setattr(os, "pwrite", doom.write)
+        fleet = MortalFleet(COURSES[name], folder / "checkpoint", doom, lockstep=lockstep)
+        Witness(fleet, COURSES[name])
         return doom, fleet.execute()
 
 
 @cache
-def operations(number: int) -> int:
-    """How many there are in a course."""
+def undisturbed(name: str) -> tuple[int, dict[str, Any]]:
+    """How many operations there are in a course, and its report."""
     with TemporaryDirectory() as folder:
-        doom, report = disturbed(number, Path(folder), [])
-    assert report["trajectory_sha256"] == undisturbed(number)
-    assert doom.snapshots
-    return next(doom.count)
+        doom, report = run(name, Path(folder), [])
+    plain = LocalFleet(COURSES[name]).execute()
+    assert report["trajectory_sha256"] == plain["trajectory_sha256"]  # to keep a checkpoint changes nothing
+    assert (report["verdict"], report["worlds"]) == ("arrived", [])
+    return next(doom.count), report
+
+
+def check(name: str, doom: Doom, report: dict[str, Any]) -> None:
+    _, calm = undisturbed(name)
+    assert (report["verdict"], report["collisions"]) == ("arrived", 0), report["reason"]
+    assert len(report["worlds"]) <= doom.deaths
+    assert report["worlds"] == sorted(report["worlds"])
+    assert report["orders"] == calm["orders"]
+    assert report["faults"]["process"] == calm["faults"]["process"]
+    assert report["min_clearance"] > 0.0
+    assert report["phi"]["first"] == calm["phi"]["first"]
+    for spec in COURSES[name].robots:
+        if str(spec.id) in report["positions"]:
+            straight = math.dist(spec.start, report["positions"][str(spec.id)])
+            assert report["path_lengths"][str(spec.id)] >= straight - 1e-9
 
 
 @pytest.mark.slow
-@given(data=st.data(), number=st.integers(0, len(COURSES) - 1))
+@given(data=st.data(), name=st.sampled_from(sorted(COURSES)))
 @settings(max_examples=40, deadline=None)
 @pytest.mark.long(10)
-def test_the_trajectory_is_that_of_a_run_without_deaths(data: st.DataObject, number: int) -> None:
-    last = operations(number) - 1
+def test_another_world_goes_on(data: st.DataObject, name: str) -> None:
+    last = undisturbed(name)[0] - 1
     deaths = data.draw(st.lists(st.integers(0, last), min_size=1, max_size=3))
     with TemporaryDirectory() as folder:
-        doom, report = disturbed(number, Path(folder), deaths)
-    assert doom.deaths > 0 or min(deaths) > 0.9 * last  # how much is said at the end is a matter of time
-    assert report["trajectory_sha256"] == undisturbed(number)
-    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
+        check(name, *run(name, Path(folder), deaths))
 
 
 @pytest.mark.slow
-def test_in_real_time_ticks_go_on_from_the_journal(tmp_path: Path) -> None:
-    _, report = disturbed(0, tmp_path, [200, 400], lockstep=False)
-    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
-
-
-def test_a_journal_that_leads_elsewhere_is_refused(tmp_path: Path) -> None:
-    path, scenario = tmp_path / "journal", two()
-    Journal.create(path, "yard", scenario)
-    journal = Journal(path, "yard", scenario)
-    journal.note(Closed(0))  # of a tick that never was
-    journal.close()
-    with pytest.raises(JournalError, match="leads elsewhere: entry 0"):
-        resume(Journal(path, "yard", scenario), scenario)
-
-
-def test_a_replay_that_ends_up_in_another_place_is_refused(tmp_path: Path) -> None:
-    path, scenario = tmp_path / "journal", two()
-    Journal.create(path, "yard", scenario)
-    journal = Journal(path, "yard", scenario)
-    world = resume(journal, scenario).run.world
-    world.coordinator.note = lambda entry: journal.note(
-        Closed(entry.checksum ^ 1) if isinstance(entry, Closed) else entry
-    )
-    for robot in (1, 2):
-        world.coordinator.join(robot)
-    advance(world, {1: (0.02, 0.0)})
-    journal.close()
-    with pytest.raises(JournalError, match="in tick 1; was it written by another version"):
-        resume(Journal(path, "yard", scenario), scenario)
+@pytest.mark.parametrize("name", ["quick", "wheels"])
+def test_in_real_time_too(name: str, tmp_path: Path) -> None:
+    doom, report = run(name, tmp_path, [200, 900], lockstep=False)
+    assert (report["verdict"], report["collisions"], len(report["worlds"])) == ("arrived", 0, doom.deaths)

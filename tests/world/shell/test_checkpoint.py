@@ -1,0 +1,226 @@
+"""The checkpoint as a file: what was written last is read; what is not whole or of another run is refused."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import msgspec
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from protocol.errors import CheckpointError
+from protocol.messages import Standing
+from tests.world.driving import advance, joined, two
+from world.shell import checkpoint as module
+from world.shell.checkpoint import Checkpoint, Progress
+from world.shell.processes import Processes
+from world.world import World
+
+SCENARIO = two()
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _small_files() -> object:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "_STATE", 1 << 13)
+        yield
+
+
+def states(count: int) -> list[Progress]:
+    """Of a run tick by tick."""
+    world, found = joined(SCENARIO), []
+    for tick in range(count):
+        advance(world, {1: (0.02, 0.0)})
+        processes = Processes({1: "a", 2: "b"}, {1: {"c": "ended"}})
+        found.append(Progress((7, 8), 12.5 + tick, processes, {2: 1}, world.past))
+    return found
+
+
+def opened(path: Path, run: str = "yard") -> Checkpoint:
+    return Checkpoint(path, run, SCENARIO)
+
+
+def left(path: Path) -> Progress:
+    """What a world finds."""
+    found = opened(path)
+    found.close()
+    return found.progress
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    path = tmp_path / "checkpoint"
+    Checkpoint.create(path)
+    return path
+
+
+@pytest.fixture
+def written(path: Path) -> Path:
+    checkpoint = opened(path)
+    for state in states(3):
+        checkpoint.write(state)
+    checkpoint.close()
+    return path
+
+
+def test_what_was_written_last_is_read_again(path: Path) -> None:
+    assert left(path) == Progress()
+    for state in states(3):
+        checkpoint = opened(path)
+        checkpoint.write(state)
+        checkpoint.close()
+        found = left(path)
+        assert found.past.coordinator.tick == state.past.coordinator.tick
+        assert (found.epochs, found.began, found.processes, found.expected) == (
+            state.epochs,
+            state.began,
+            state.processes,
+            state.expected,
+        )
+        assert World(SCENARIO, found.past).truth == World(SCENARIO, state.past).truth
+
+
+@given(st.data())
+@settings(max_examples=100, deadline=None)
+def test_of_a_write_that_was_cut_short_the_state_before_is_left(
+    tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+) -> None:
+    path = tmp_path_factory.mktemp("torn") / "checkpoint"
+    Checkpoint.create(path)
+    checkpoint, (first, second, third) = opened(path), states(3)
+    checkpoint.write(first)
+    checkpoint.write(second)
+    before = path.read_bytes()
+    checkpoint.write(third)
+    checkpoint.close()
+    after = path.read_bytes()
+    differ = [place for place, (old, new) in enumerate(zip(before, after, strict=False)) if old != new]
+    cut = data.draw(st.integers(differ[0], differ[-1]))
+    path.write_bytes(after[:cut] + before[cut:])
+    found = left(path)
+    assert found.past.coordinator.tick == 2
+
+
+def test_a_first_state_that_was_cut_short_has_told_nothing(path: Path) -> None:
+    checkpoint, (state,) = opened(path), states(1)
+    checkpoint.write(state)
+    checkpoint.close()
+    content = path.read_bytes()
+    half = content.rindex(b"worlds")
+    path.write_bytes(content[:half] + bytes(len(content) - half))
+    assert left(path) == Progress()
+
+
+@given(st.data())
+@settings(max_examples=100, deadline=None)
+def test_of_a_file_that_was_cut_short_nothing_is_half_read(
+    tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+) -> None:
+    path = tmp_path_factory.mktemp("short") / "checkpoint"
+    Checkpoint.create(path)
+    checkpoint, (state,) = opened(path), states(1)
+    checkpoint.write(state)
+    checkpoint.close()
+    size = path.stat().st_size
+    os.truncate(path, size - data.draw(st.one_of(st.integers(1, 2000), st.integers(1, size))))
+    content = path.read_bytes()
+    with pytest.raises(CheckpointError, match=str(path)):
+        opened(path)
+    assert path.read_bytes() == content
+
+
+@given(st.data())
+@settings(max_examples=100, deadline=None)
+def test_one_damaged_byte_is_refused_or_leaves_the_state_before(
+    tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
+) -> None:
+    path = tmp_path_factory.mktemp("damaged") / "checkpoint"
+    Checkpoint.create(path)
+    checkpoint = opened(path)
+    for state in states(2):
+        checkpoint.write(state)
+    checkpoint.close()
+    content = bytearray(path.read_bytes())
+    place = data.draw(st.sampled_from([at for at, byte in enumerate(content) if byte]))
+    content[place] ^= data.draw(st.integers(1, 255))
+    path.write_bytes(content)
+    try:
+        found = left(path)
+    except CheckpointError as error:
+        assert str(path) in str(error)
+        assert place < len(module._MAGIC)
+    else:
+        assert found.past.coordinator.tick in (1, 2)
+
+
+def test_a_checkpoint_of_something_else_is_refused_by_name(
+    written: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(CheckpointError, match="of run 'yard', not of 'other'"):
+        opened(written, "other")
+    with pytest.raises(CheckpointError, match="of another scenario than"):
+        Checkpoint(written, "yard", replace(SCENARIO, seed=1))
+    with monkeypatch.context() as patch:
+        patch.setattr(module, "boot", lambda: "another")
+        with pytest.raises(CheckpointError, match="from before this machine was last started"):
+            opened(written)
+    with monkeypatch.context() as patch:
+        patch.setattr(module, "_decoder", msgspec.msgpack.Decoder(Standing))
+        with pytest.raises(CheckpointError, match="of another version of disknav"):
+            opened(written)
+    written.write_text("something else entirely")
+    with pytest.raises(CheckpointError, match="of another version of disknav, or none"):
+        opened(written)
+    written.unlink()
+    with pytest.raises(CheckpointError, match="is not there"):
+        opened(written)
+
+
+def test_two_worlds_cannot_have_one_checkpoint(written: Path) -> None:
+    checkpoint = opened(written)
+    with pytest.raises(CheckpointError, match="in use"):
+        opened(written)
+    checkpoint.close()
+    opened(written).close()
+
+
+def test_what_is_there_is_not_overwritten(written: Path) -> None:
+    with pytest.raises(CheckpointError, match="File exists"):
+        Checkpoint.create(written)
+
+
+@pytest.mark.parametrize("room", [0, 5, None])
+def test_a_full_disk_is_said_once_and_leaves_nothing_to_go_on_from(
+    path: Path, room: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def write(*_: object) -> int:
+        if room is None:
+            raise OSError(28, "No space left on device")
+        return room
+
+    said: list[str] = []
+    checkpoint = Checkpoint(path, "yard", SCENARIO, said.append)
+    monkeypatch.setattr(os, "pwrite", write)
+    for state in states(2):
+        checkpoint.write(state)
+    assert len(said) == 1
+    assert "full" in said[0] or "No space" in said[0]
+    assert not path.exists()
+    assert not checkpoint.kept
+    checkpoint.remove()
+
+
+def test_where_it_can_be_neither_written_nor_removed_nothing_goes_on(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object, **__: object) -> int:
+        raise OSError(5, "Input/output error")
+
+    checkpoint, (state,) = opened(path), states(1)
+    monkeypatch.setattr(os, "pwrite", fail)
+    monkeypatch.setattr(Path, "unlink", fail)
+    with pytest.raises(CheckpointError, match="can neither be written"):
+        checkpoint.write(state)

@@ -1,0 +1,228 @@
+"""The checkpoint: a small file from which another world goes on with a run after this one has died.
+
+It says what `world.world.Past` says: where the disks are, which robots there are, what was asked for, what
+was judged. It is written before anything is announced that is not in it, once a tick and with each answer,
+and so is never behind what robots, operators or the launcher know.
+
+What a world does not take up from another one is its lives. It draws an epoch of its own, under which no
+message of an earlier one counts, and founds the ledger on the places, where all disks stand. A robot that has
+not joined again has no life there, and its Commands are refused; once it has, it has only lines of this
+ledger. In a simulation no disk has moved meanwhile: the plant is the world's, and its bodies stand. A base
+outside may drive on while its lease lasts: its place is held with a bound that covers this, and its next life
+begins only after it.
+
+The file has two places for a state, which are written in turn, so that one of them is whole at every moment.
+It is kept by the system when this process is killed, but not forced to the disk: one from before the machine
+was last started is refused.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import os
+import struct
+import zlib
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Final, NoReturn
+
+import msgspec
+
+from protocol.codec import DAMAGED
+from protocol.errors import CheckpointError
+from protocol.messages import Count, Epoch, Id
+from protocol.scenario.model import Scenario
+from world.shell.processes import Processes
+from world.world import Past
+
+_MAGIC: Final = b"disknav checkpoint 1\n"
+_STATE: Final = 1 << 20  # bytes of each of the two places for a state; what is not written takes no room
+_FRAME: Final = struct.Struct("<QII")  # number and size of a state; CRC-32 of these, 0, and the state
+_BOOT: Final = Path("/proc/sys/kernel/random/boot_id")
+
+
+class Progress(msgspec.Struct, frozen=True):
+    """How far the worlds of a run have come."""
+
+    epochs: tuple[Epoch, ...] = ()  # of the coordinators so far
+    began: float = 0.0  # s, wall clock: when the first tick began
+    processes: Processes = msgspec.field(default_factory=Processes)
+    expected: dict[Id, Count] = {}  # for how many next lives of each robot the worlds have waited so far
+    past: Past = Past()
+
+
+class _State(msgspec.Struct, frozen=True):
+    """What is in the file."""
+
+    run: str
+    scenario: str  # digest of it
+    boot: str  # names the time since the machine was started; empty where the system has no such name
+    progress: Progress
+
+
+_encoder = msgspec.msgpack.Encoder()
+_decoder = msgspec.msgpack.Decoder(_State)
+
+
+class Checkpoint:
+    """The checkpoint of one world, held by this process alone until it is closed.
+
+    Args:
+        path: the file; `create` makes it.
+        run, scenario: what it must be a checkpoint of.
+        say: is told if it cannot be kept any longer.
+
+    Attributes:
+        progress: of earlier worlds.
+        kept: whether it can be written; once it cannot, the file is removed, and no world goes on from it.
+
+    Raises:
+        CheckpointError: the file is not there, is damaged, is in use, or is of something else. It is left as
+            it was then.
+    """
+
+    def __init__(
+        self, path: Path, run: str, scenario: Scenario, say: Callable[[str], None] = lambda _: None
+    ) -> None:
+        self.path, self.kept = path, True
+        self._of, self._say, self._buffer = (run, _digest(scenario), boot()), say, bytearray()
+        try:
+            self._file = os.open(path, os.O_RDWR | os.O_CLOEXEC)
+        except FileNotFoundError:
+            _refuse(path, "is not there: where the run was is not known, so it cannot go on")
+        except OSError as error:
+            _refuse(path, f"cannot be kept: {error.strerror}")
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            self._number, state = _newest(path)
+            self.progress = Progress() if state is None else self._checked(state)
+        except BaseException as error:
+            os.close(self._file)
+            if isinstance(error, BlockingIOError):
+                _refuse(path, "is in use by another world")
+            raise
+
+    @staticmethod
+    def create(path: Path) -> None:
+        """Make the file for a run that has not begun.
+
+        Raises:
+            CheckpointError: it cannot be written, or is there already.
+        """
+        try:
+            with path.open("xb") as file:
+                file.write(_MAGIC)
+                file.truncate(_place(2))
+        except OSError as error:
+            _refuse(path, f"cannot be kept: {error.strerror}")
+
+    def write(self, progress: Progress) -> None:
+        """Replace the older of the two states. When this returns another world would go on from this one.
+
+        Raises:
+            CheckpointError: it cannot be written, and the file cannot be removed either: to go on would leave
+                a checkpoint that is behind.
+        """
+        if not self.kept:
+            return
+        self._number += 1
+        content = self._buffer  # is large, and written in each tick
+        _encoder.encode_into(_State(*self._of, progress), content, _FRAME.size)
+        _frame(self._number, content)
+        try:
+            if len(content) > _STATE:
+                raise OSError(0, "the state is too large")
+            if os.pwrite(self._file, content, _place(self._number % 2)) < len(content):
+                raise OSError(0, "the disk is full")
+        except OSError as error:
+            self._abandon(error)
+
+    def remove(self) -> None:
+        """The run is over, or no world can go on with it: nothing is left of it."""
+        if self.kept:
+            self.path.unlink(missing_ok=True)
+            self.close()
+
+    def close(self) -> None:
+        """Leave the file to the next process."""
+        if self.kept:
+            self.kept = False
+            os.close(self._file)
+
+    def _abandon(self, why: OSError) -> None:
+        try:
+            self.remove()
+        except OSError as error:
+            _refuse(self.path, f"can neither be written ({why.strerror}) nor removed ({error.strerror})")
+        self._say(
+            f"cannot keep the checkpoint {self.path}: {why.strerror}; "
+            f"the run goes on, but the next death of this world ends it"
+        )
+
+    def _checked(self, state: _State) -> Progress:
+        run, scenario, start = self._of
+        if state.run != run:
+            _refuse(self.path, f"is of run {state.run!r}, not of {run!r}")
+        if state.scenario != scenario:
+            _refuse(self.path, "is of another scenario than the one that is to be run")
+        if state.boot != start:
+            _refuse(self.path, "is from before this machine was last started, and may be behind")
+        return state.progress
+
+
+@cache
+def boot() -> str:
+    """What the system calls the time since the machine was started; empty where it has no such name."""
+    return _BOOT.read_text().strip() if _BOOT.exists() else ""
+
+
+def _digest(scenario: Scenario) -> str:
+    """Of everything that the scenario says."""
+    return hashlib.sha256(_encoder.encode(scenario)).hexdigest()
+
+
+def _refuse(path: Path, why: str) -> NoReturn:
+    raise CheckpointError(f"the checkpoint {path} {why}")
+
+
+def _place(index: int) -> int:
+    return len(_MAGIC) + index * _STATE
+
+
+def _frame(number: int, content: bytearray) -> None:
+    """Fill in what comes before a payload."""
+    size = len(content) - _FRAME.size
+    _FRAME.pack_into(content, 0, number, size, 0)
+    _FRAME.pack_into(content, 0, number, size, zlib.crc32(content))
+
+
+def _whole(content: bytes) -> tuple[int, bytes] | None:
+    """Number and payload at a place; None if that is not what was written."""
+    number, size, _ = _FRAME.unpack_from(content)
+    framed = bytearray(content[: _FRAME.size + size])
+    if not number or len(framed) < _FRAME.size + size:
+        return None
+    _frame(number, framed)
+    return (number, content[_FRAME.size :][:size]) if content.startswith(framed) else None
+
+
+def _newest(path: Path) -> tuple[int, _State | None]:
+    """Number of the newest state, 0 for none, and the state."""
+    content = path.read_bytes()
+    if not content.startswith(_MAGIC):
+        _refuse(path, "is of another version of disknav, or none at all")
+    if len(content) != _place(2):
+        _refuse(path, "is damaged: it was cut short")
+    places = [content[_place(index) :][:_STATE] for index in (0, 1)]
+    states = [each for place in places if (each := _whole(place))]
+    if not states:
+        if all(map(any, places)):  # else the first world died as it wrote its first state
+            _refuse(path, "is damaged: neither of its two states is whole")
+        return 0, None
+    number, payload = max(states)
+    try:
+        return number, _decoder.decode(payload)
+    except DAMAGED as error:
+        _refuse(path, f"is of another version of disknav, or damaged: {error}")
