@@ -230,7 +230,7 @@ class Robot:
             goal=self.goal,
             displacement=self._moved,
             neighbours=self.hearing.neighbours,
-            things=self._roster.shapes,
+            obstacles=self._roster.shapes,
         )
 
     def _report(self) -> Report | None:

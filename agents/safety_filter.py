@@ -79,7 +79,7 @@ class SafetyFilter:
                 break
             shape = estimate.shape or shape
         for peer, side in self.lines.crossed(estimate.x, estimate.y, shape):
-            estimate.confine(side, f"the line with robot {peer}" if peer > 0 else f"thing {-peer}")
+            estimate.confine(side, f"the line with robot {peer}" if peer > 0 else f"obstacle {-peer}")
 
     @property
     def _boundary(self) -> Boundary:

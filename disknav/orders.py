@@ -115,9 +115,9 @@ class Orders:
         """Remove an obstacle; raises as `place` does."""
         self._operate({"take": number})
 
-    def things(self) -> dict[int, Shape]:
+    def obstacles(self) -> dict[int, Shape]:
         """Present obstacles by number, without those that are yet to appear."""
-        there = self._operator.operate().things
+        there = self._operator.operate().obstacles
         return {each.number: each.shape for each in there if each.status == "standing"}
 
     def _operate(self, asked: dict[str, Any]) -> int:

@@ -274,7 +274,7 @@ def _between(point: Point, one: Point, other: Point) -> bool:
 
 
 def obstructed(room: Shape, shapes: Mapping[int, Shape], radius: float) -> Iterator[tuple[int, int]]:
-    """Pairs of things, or of boundary (`ROOM`) and thing, that a disk of `radius` (m) does not pass between.
+    """Pairs of obstacles, or of boundary (`ROOM`) and obstacle, between which no disk of `radius` (m) passes.
 
     Of what is no disk, the disk around it counts.
     """

@@ -77,7 +77,7 @@ class Finished(msgspec.Struct, frozen=True, tag="finished", tag_field="reply"):
 class Overview(msgspec.Struct, frozen=True, tag="scenario", tag_field="reply"):
     """For monitors; only a lock-step run can be steered.
 
-    `goals`: of robots that were ordered elsewhere, how things stand now; all others go by the scenario.
+    `goals`: of robots that were ordered elsewhere, how obstacles stand now; all others go by the scenario.
     """
 
     scenario: Scenario

@@ -135,10 +135,10 @@ class Member(msgspec.Struct, frozen=True, array_like=True, gc=False):
 Presence = Literal["appearing", "standing", "gone"]
 
 
-class Thing(msgspec.Struct, frozen=True, array_like=True, gc=False):
+class PlacedObstacle(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """What stands in the workspace and is no robot: a disk, or a convex polygon."""
 
-    number: Id  # of the thing; those that the scenario lists come first
+    number: Id  # of the obstacle; those that the scenario lists come first
     status: Presence  # appearing: nothing is there yet; gone: nothing is there any more
     points: tuple[Vector, ...] = ()  # m, corners of a polygon, or the centre of a disk
     radius: Size = 0.0  # m, of a disk
@@ -146,7 +146,7 @@ class Thing(msgspec.Struct, frozen=True, array_like=True, gc=False):
     def __post_init__(self) -> None:
         problem = "" if self.status == "gone" or len(self.points) == 1 else defect(self.points)
         if problem:
-            raise ValueError(f"thing {self.number} {problem}")
+            raise ValueError(f"obstacle {self.number} {problem}")
 
     @property
     def shape(self) -> Shape:
@@ -160,7 +160,7 @@ class PartPlace(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """Where a part of the scenario is: on the floor, or on a robot."""
 
     part: Id  # its number
-    thing: Count = 0  # number of its obstacle; of a carried part, the number reserved for it; 0 for none
+    obstacle: Count = 0  # number of its obstacle; of a carried part, the number reserved for it; 0 for none
     carrier: Count = 0  # the robot that has it, live or standing; 0 for none
 
 
@@ -169,7 +169,7 @@ class Roster(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
     version: Count  # of two rosters the one with the higher number holds
     members: tuple[Member, ...]  # all ids that ever were in the run, ascending
-    things: tuple[Thing, ...] = ()  # that came or went; what the scenario lists stands unless it is gone here
+    obstacles: tuple[PlacedObstacle, ...] = ()  # that came or went; others are the scenario's
     parts: tuple[PartPlace, ...] = ()  # all of the scenario, once the run is founded
 
 
@@ -287,7 +287,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     halted: bool = False  # whether an emergency stop is in force: all robots stand
     missed: Count = 0  # commands that never came, over all robots and ticks so far
     rejected: dict[str, Count] = {}  # messages that the world dropped, by reason
-    things: tuple[Thing, ...] = ()  # that came or went; what the scenario lists stands unless it is gone here
+    obstacles: tuple[PlacedObstacle, ...] = ()  # that came or went; others are the scenario's
     newcomers: tuple[Id, ...] = ()  # robots that were added, stand in their places, and have no process yet
     parts: tuple[PartPlace, ...] = ()  # where the parts of the scenario are
     passed_over: tuple[tuple[Count, Id], ...] = ()  # tick and robot of each fault so far that finds no disk

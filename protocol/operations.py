@@ -18,8 +18,8 @@ is one of
 
 An empty request asks for the state. The reply has `accepted`, `number` of the goal or obstacle, `text` (why
 it was refused, or a warning), and the state: the present `tick`, `halted`, `moving` (robots that a stop has
-not brought to a stand yet), `roster`, `things` that stand or are to appear, and `goals` of all robots, each
-as in a `GoalStatus`. A stop has succeeded once `halted` is true and `moving` is empty.
+not brought to a stand yet), `roster`, `obstacles` that stand or are to appear, and `goals` of all robots, as
+in a `GoalStatus`. A stop has succeeded once `halted` is true and `moving` is empty.
 
 A request under `world/steering` changes the pace of a lock-step run: `{"pause": true}` holds the clock,
 `{"pause": false}` lets it go on, `{"step": n}` holds it after n more ticks, `{"speed": x}` limits simulated
@@ -39,7 +39,7 @@ from msgspec import Meta
 
 from protocol.codec import DAMAGED
 from protocol.errors import MessageError
-from protocol.messages import Count, GoalStatus, Id, Roster, Thing
+from protocol.messages import Count, GoalStatus, Id, PlacedObstacle, Roster
 from protocol.scenario.body import NonNegative
 from protocol.scenario.model import ACTIONS, Operation
 from protocol.scenario.tables import read_table, written
@@ -69,7 +69,7 @@ class Reply(Outcome, frozen=True, kw_only=True):
         tick: the present one; of a stop, the first in which it is in force.
         halted: whether all robots are to stand.
         moving: robots that do not stand yet; empty unless `halted`.
-        things: all that stand or are to appear.
+        obstacles: all that stand or are to appear.
         goals: of all robots, by increasing id.
     """
 
@@ -77,7 +77,7 @@ class Reply(Outcome, frozen=True, kw_only=True):
     halted: bool = False
     moving: tuple[Id, ...] = ()
     roster: Roster = Roster(0, ())
-    things: tuple[Thing, ...] = ()
+    obstacles: tuple[PlacedObstacle, ...] = ()
     goals: tuple[GoalStatus, ...] = ()
 
     def goal(self, robot: int) -> GoalStatus | None:

@@ -51,7 +51,7 @@ class World:
 
     def __init__(self, scenario: Scenario, past: Past = Past(), *, returning: float = 0.0) -> None:
         coordinator = self.coordinator = Coordinator(scenario, returning, past.coordinator)
-        fleet, obstacles = coordinator.scenario, coordinator.lives.things.standing
+        fleet, obstacles = coordinator.scenario, coordinator.lives.obstacles.standing
         self.simulation: External | Simulation
         if fleet.is_external:
             self.simulation = External(fleet, past.disks, self.tick)
@@ -147,7 +147,7 @@ class World:
         referee.record.add(simulation.plant.positions, simulation.plant.between)
         resized = self._handle()
         if coordinator.lives.settle():
-            referee.record.set_obstacles(coordinator.lives.things.standing)
+            referee.record.set_obstacles(coordinator.lives.obstacles.standing)
             resized |= coordinator.parts.settle()
         if resized:
             self._judge_anew()
@@ -167,11 +167,11 @@ class World:
         return coordinator.parts.handle(live, self.simulation.places)
 
     def _judge_anew(self) -> None:
-        """From now on, by the disks that robots are with what they carry, among the things that stand."""
+        """From now on, by the disks that robots are with what they carry, among the obstacles that stand."""
         loaded = self.coordinator.parts.loaded(self.scenario)
-        things = self.coordinator.lives.things
-        self.referee.set_fleet(loaded, self.simulation.plant.positions, things.standing, self.tick)
-        things.recast(loaded)
+        obstacles = self.coordinator.lives.obstacles
+        self.referee.set_fleet(loaded, self.simulation.plant.positions, obstacles.standing, self.tick)
+        obstacles.recast(loaded)
 
     def _turn_over(self) -> None:
         """Between two ticks: who was added and may appear is there, who was removed is not."""
@@ -220,8 +220,8 @@ class World:
     def _order(self, order: Journey) -> Outcome:
         """Send a robot elsewhere, from the next tick on that is opened."""
         coordinator, robot = self.coordinator, order.robot
-        things = coordinator.lives.things.standing
-        refusal = coordinator.missions.refusal(order, coordinator.lives.standing, things)
+        obstacles = coordinator.lives.obstacles.standing
+        refusal = coordinator.missions.refusal(order, coordinator.lives.standing, obstacles)
         if refusal:
             return Outcome(False, text=refusal)
         outcome = coordinator.missions.accept(order, self.tick, self.simulation.place(robot))
@@ -234,7 +234,7 @@ class World:
         self.referee.set_goal(robot, goal, self.tick)
 
     def goal_statuses(self) -> tuple[GoalStatus, ...]:
-        """How things stand with the goals of all robots, by increasing id."""
+        """How obstacles stand with the goals of all robots, by increasing id."""
         arrived = set(self.referee.arrived(self.simulation.plant.positions))
         statuses = map(self.coordinator.missions.status, self.scenario.ids)
         return tuple(
@@ -273,14 +273,14 @@ class World:
         return self.simulation.plant.fixed
 
     def _place(self, order: Obstacle) -> Outcome:
-        """Have a thing put up.
+        """Have an obstacle put up.
 
         It stands once every robot that takes part has acknowledged its place; none can be added before the
         first tick.
         """
         coordinator = self.coordinator
         refusal = "" if coordinator.lives.founded else "the run has not begun"
-        refusal = refusal or coordinator.lives.things.refusal(order, self.simulation.plant.positions)
+        refusal = refusal or coordinator.lives.obstacles.refusal(order, self.simulation.plant.positions)
         if refusal:
             return Outcome(False, text=refusal)
         number = coordinator.lives.announce(order.shape)
@@ -288,13 +288,13 @@ class World:
         return Outcome(True, number, coordinator.missions.covered(order.shape))
 
     def _take(self, number: int) -> Outcome:
-        """A thing was taken out of the workspace, or is not to appear after all."""
+        """An obstacle was taken out of the workspace, or is not to appear after all."""
         coordinator = self.coordinator
         if part := coordinator.parts.owns(number):
-            return Outcome(False, text=f"thing {number} is part {part}, which robots carry")
+            return Outcome(False, text=f"obstacle {number} is part {part}, which robots carry")
         if not (coordinator.lives.founded and coordinator.lives.take_away(number)):
-            return Outcome(False, text=f"there is no thing {number}")
-        self.referee.set_obstacles(coordinator.lives.things.standing, self.tick)
+            return Outcome(False, text=f"there is no obstacle {number}")
+        self.referee.set_obstacles(coordinator.lives.obstacles.standing, self.tick)
         return Outcome(True, number)
 
     def _halt(self, halted: bool) -> Outcome:

@@ -80,7 +80,7 @@ class AugmentedLaw:
         """Take in where all are; before anything else in a tick."""
         x, y = view.position
         attraction = self._attraction
-        self.obstacles = [] if attraction is None else attraction.repelling(view.position, view.things)
+        self.obstacles = [] if attraction is None else attraction.repelling(view.position, view.obstacles)
         others, self._moving = view.neighbours.disks(), view.neighbours.moving()
         oldest = view.tick
         for state in self._moving:
@@ -122,7 +122,7 @@ class AugmentedLaw:
         left = math.dist(view.position, aim)
         if self._winds:
             if left > self._tolerance:
-                self._right_of_way.look(view.tick, view.position, left, self._moving, view.things)
+                self._right_of_way.look(view.tick, view.position, left, self._moving, view.obstacles)
         elif self._progress is not None:
             stuck = self._progress.strength > 0.0
             self._dispersal.look(view.tick, view.position, left, self._moving, stuck=stuck)
@@ -130,7 +130,7 @@ class AugmentedLaw:
 
     def _along(self, view: View, goal: Vector) -> Vector:
         """The goal as it were if the way to it were straight, m."""
-        return goal if self._attraction is None else self._attraction.aim(view.position, goal, view.things)
+        return goal if self._attraction is None else self._attraction.aim(view.position, goal, view.obstacles)
 
     @property
     def _winds(self) -> bool:

@@ -25,12 +25,12 @@ class View:
         goal: own, m; it may be another one in the next tick.
         displacement: really executed during the last tick, m.
         neighbours: peers as last received, and static disks.
-        things: static obstacles.
+        obstacles: static obstacles.
 
     Attributes: the arguments.
     """
 
-    __slots__ = ("displacement", "goal", "neighbours", "position", "things", "tick")
+    __slots__ = ("displacement", "goal", "neighbours", "obstacles", "position", "tick")
 
     def __init__(
         self,
@@ -40,10 +40,10 @@ class View:
         goal: Vector,
         displacement: Vector,
         neighbours: Neighbours,
-        things: Sequence[Shape] = (),
+        obstacles: Sequence[Shape] = (),
     ) -> None:
         self.tick, self.position, self.goal = tick, position, goal
-        self.displacement, self.neighbours, self.things = displacement, neighbours, things
+        self.displacement, self.neighbours, self.obstacles = displacement, neighbours, obstacles
 
 
 class Law(Protocol):

@@ -102,7 +102,7 @@ def _order(robot: int, turn: int) -> int:
 
 @final
 class RightOfWay(GivingWay):
-    """One robot's part in jams where things leave little room."""
+    """One robot's part in jams where obstacles leave little room."""
 
     def __init__(self, robot: int, radius: float, lap: float, period: float) -> None:
         """As `GivingWay`."""
@@ -111,7 +111,7 @@ class RightOfWay(GivingWay):
         self._awaited: dict[int, float] = {}  # peers that go first, and how far from their goals they were, m
 
     def look(
-        self, tick: int, position: Vector, left: float, peers: Sequence[PeerState], things: Sequence[Shape]
+        self, tick: int, position: Vector, left: float, peers: Sequence[PeerState], obstacles: Sequence[Shape]
     ) -> None:
         """Take in a tick in which the robot may go on.
 
@@ -119,7 +119,7 @@ class RightOfWay(GivingWay):
             position: own, m.
             left: length of the way to the goal, m.
             peers: those that move.
-            things: static obstacles.
+            obstacles: static obstacles.
         """
         self._leave_trail(position)
         if not self._is_held(tick, left):
@@ -128,7 +128,7 @@ class RightOfWay(GivingWay):
         before = self._before(tick, cluster(position, self._radius, wanting))
         if before:
             self._awaited = {peer.robot: math.sqrt(peer.gamma) for peer in before}
-            self._back_off(tick, self._siding(position, peers, things), WAIT + QUEUE * len(before))
+            self._back_off(tick, self._siding(position, peers, obstacles), WAIT + QUEUE * len(before))
 
     def let_pass(self, tick: int, position: Vector, peers: Sequence[PeerState]) -> None:
         """Take in a tick in which the robot may give way: if all that it gives way to have passed, or are
@@ -155,12 +155,12 @@ class RightOfWay(GivingWay):
         on_its_way = self._awaited[peer.robot] - math.sqrt(peer.gamma) > APART * self._radius
         return clear and on_its_way and dx * peer.vx + dy * peer.vy > 0.0
 
-    def _siding(self, position: Vector, peers: Sequence[PeerState], things: Sequence[Shape]) -> Vector:
+    def _siding(self, position: Vector, peers: Sequence[PeerState], obstacles: Sequence[Shape]) -> Vector:
         """The last place on the own way where the others can pass, or else its beginning, m."""
         near = (ASIDE + APART) * self._radius
         jam = [(p.x, p.y) for p in peers if p.placed and math.dist(position, (p.x, p.y)) < near + p.radius]
         for crumb in reversed(self._trail):
-            wide = all(thing.distance(*crumb) >= ASIDE * self._radius for thing in things)
+            wide = all(obstacle.distance(*crumb) >= ASIDE * self._radius for obstacle in obstacles)
             if wide and all(math.dist(crumb, place) >= APART * self._radius for place in jam):
                 return crumb
         return self._trail[0]

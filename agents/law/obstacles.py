@@ -31,18 +31,18 @@ from protocol.messages import Vector
 Reals = NDArray[np.float64]
 Plane = NDArray[np.complex128]
 
-MARGIN: Final = 0.02  # of the own radius, by which ways keep clear of things; their corners by twice that
+MARGIN: Final = 0.02  # of the own radius, by which ways keep clear of obstacles; their corners by twice that
 NARROW: Final = 1e-4  # the same where nothing wider leads to the goal
 _DOOR: Final = 2.5  # radii, the width below which ways lead through the middle of a gap
 _ASIDE: Final = 0.6  # distances of contact before and after a gap, where corners around the two are in sight
 _ARC: Final = math.pi / 3.0  # of a rounded corner that one point stands for, at most
 _DISK: Final = 12  # points around a disk
-_NEARER: Final = 0.98  # of its clearance, that a robot beside a thing may lose on its way
+_NEARER: Final = 0.98  # of its clearance, that a robot beside an obstacle may lose on its way
 _CHUNK: Final = 1 << 14  # segments looked at together
 
 
 class WayPoints:
-    """Points beside the corners of all things, and which of them see each other. Immutable.
+    """Points beside the corners of all obstacles, and which of them see each other. Immutable.
 
     Attributes:
         points: of which shortest ways are made, (n,).
@@ -64,18 +64,18 @@ class WayPoints:
         self.lengths = self._graph(before[free], after[free])
 
     def visible(self, begin: Plane, end: Plane, *beside: complex) -> NDArray[np.bool_]:
-        """Which straight ways keep clear of everything; less so of things near one of the places `beside`."""
+        """Which straight ways clear all obstacles; those near one of the places `beside` by less."""
         clear = np.full(len(self._shapes), self._clear)
         for place in beside:
             clear = np.minimum(clear, self._clearances(place))
         return self._seen(begin, end, clear)
 
     def _clearances(self, place: complex) -> Reals:
-        """How far a way that ends at a place must keep from each thing, m."""
+        """How far a way that ends at a place must keep from each obstacle, m."""
         return np.array([_NEARER * shape.distance(place.real, place.imag) for shape in self._shapes])
 
     def _free(self, room: Shape, points: Plane) -> NDArray[np.bool_]:
-        """Which points are clear of all things and inside."""
+        """Which points are clear of all obstacles and inside."""
         free = [
             room.distance(z.real, z.imag) <= -self._clear
             and all(shape.distance(z.real, z.imag) >= self._clear for shape in self._shapes)
@@ -99,7 +99,7 @@ class WayPoints:
         return lengths
 
     def _seen(self, begin: Plane, end: Plane, clear: Reals) -> NDArray[np.bool_]:
-        """Which straight ways keep `clear` (m, by thing) of everything."""
+        """Which straight ways keep `clear` (m, by obstacle) of everything."""
         seen = np.ones(len(begin), dtype=bool)
         for index, (corner, edge) in enumerate(self._segments):
             distance = _from_ways(self._centres[index], begin, end)
@@ -291,14 +291,14 @@ class Attraction:
         alone: whether it is the only one.
 
     Attributes:
-        winds: whether ways lead around things, as of the last `aim`.
+        winds: whether ways lead around obstacles, as of the last `aim`.
         straight: how far the way that `aim` last found leads straight on, m; infinite where it does not turn.
     """
 
     def __init__(self, room: Shape, radius: float, alone: bool = False) -> None:
         self._room, self._radius = room, radius
         self._widths = ((1.0, False), (1.0, True)) if alone else ((_TWO, False), (1.0, False), (1.0, True))
-        self._things: list[Shape] = []
+        self._obstacles: list[Shape] = []
         self._routes: list[Route | FieldRoute] = []
         self._clearances: Clearances | None = None
         self._goal: Vector | None = None
@@ -311,13 +311,13 @@ class Attraction:
         """Of the narrowest passages that the way found last may lead through, m."""
         return 2.0 * self._radius * (self._widths[self._choice][0] if self.winds else 1.0)
 
-    def aim(self, position: Vector, goal: Vector, things: Sequence[Shape]) -> Vector:
+    def aim(self, position: Vector, goal: Vector, obstacles: Sequence[Shape]) -> Vector:
         """The goal as it were if the shortest way to it were straight: ahead of `position`, as far, m."""
         self.straight = math.inf
-        if not things:
-            self._things, self.winds = [], False
+        if not obstacles:
+            self._obstacles, self.winds = [], False
             return goal
-        self._follow(things)
+        self._follow(obstacles)
         if goal != self._goal:
             self._goal, self._choice = goal, 0
         found = self._ahead(position, goal) if self.winds else None
@@ -329,20 +329,20 @@ class Attraction:
         scale = length / self.straight
         return position[0] + scale * dx, position[1] + scale * dy
 
-    def repelling(self, position: Vector, things: Sequence[Shape]) -> list[Peer]:
+    def repelling(self, position: Vector, obstacles: Sequence[Shape]) -> list[Peer]:
         """What repels at `position` (m), as disks: among very many obstacles only those near by."""
-        self._follow(things)
-        near = self._map.near(*position) if len(things) > MANY else things
+        self._follow(obstacles)
+        near = self._map.near(*position) if len(obstacles) > MANY else obstacles
         return obstacle_disks(self._room, near, *position)
 
-    def leads(self, start: Vector, goal: Vector, things: Sequence[Shape]) -> bool:
+    def leads(self, start: Vector, goal: Vector, obstacles: Sequence[Shape]) -> bool:
         """Whether a way from `start` to `goal` is known."""
-        self.aim(start, goal, things)
+        self.aim(start, goal, obstacles)
         return not self.winds or self._ahead(start, goal) is not None
 
-    def way(self, start: Vector, goal: Vector, things: Sequence[Shape]) -> list[Vector]:
+    def way(self, start: Vector, goal: Vector, obstacles: Sequence[Shape]) -> list[Vector]:
         """Corners of the way that a robot is pulled along from `start`, the goal last, m."""
-        if not (self.leads(start, goal, things) and self.winds):
+        if not (self.leads(start, goal, obstacles) and self.winds):
             return [goal]
         corners = [start]
         while corners[-1] != goal:
@@ -362,17 +362,17 @@ class Attraction:
                 return found
         return None
 
-    def _follow(self, things: Sequence[Shape]) -> None:
-        if self._things == list(things):
+    def _follow(self, obstacles: Sequence[Shape]) -> None:
+        if self._obstacles == list(obstacles):
             return
-        self._things, self._routes, self._choice = list(things), [], 0
+        self._obstacles, self._routes, self._choice = list(obstacles), [], 0
         self._clearances = None
-        self.winds = not is_sphere_world(self._room, dict(enumerate(things, 1)), self._radius)
+        self.winds = not is_sphere_world(self._room, dict(enumerate(obstacles, 1)), self._radius)
 
     @property
     def _map(self) -> Clearances:
         if self._clearances is None:
-            self._clearances = clearances(self._room, tuple(self._things), self._radius)
+            self._clearances = clearances(self._room, tuple(self._obstacles), self._radius)
         return self._clearances
 
     def _route(self, choice: int) -> Route | FieldRoute:
@@ -383,6 +383,6 @@ class Attraction:
         return self._routes[choice]
 
     def _ways(self, clear: float, narrow: bool) -> Route | FieldRoute:
-        if len(self._things) > MANY:
+        if len(self._obstacles) > MANY:
             return FieldRoute(self._map, clear)
-        return Route(way_points(self._room, tuple(self._things), clear, narrow))
+        return Route(way_points(self._room, tuple(self._obstacles), clear, narrow))

@@ -37,7 +37,7 @@ class PartCarrier:
         claim: what peers are told.
         radius: of the disk that has to be kept clear, m.
         handles: what to ask for, once the disk is kept clear.
-        held: the thing that is about to be taken up, which only the smaller disk keeps clear of; 0 for none.
+        held: the obstacle that is about to be taken up: only the smaller disk keeps clear of it; 0 for none.
     """
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
@@ -168,7 +168,7 @@ class PartCarrier:
             self._look = self._tick  # somebody died, or something came: think again
             self._choose()
             return
-        self.held = self._perception.things.get(part, 0)
+        self.held = self._perception.obstacles.get(part, 0)
         if self._place is None or self._seen != layout:
             self._seen = layout
             errand = self._planner.errand(part, self._position, layout)

@@ -246,7 +246,7 @@ class Layout:
 
     Attributes:
         parts: where each stands, m; one on a robot whose life is over stands where that robot does.
-        others: things that are no parts, and robots whose lives are over, as disks that carry nothing.
+        others: obstacles that are no parts, and robots whose lives are over, as disks that carry nothing.
         held: of parts on such robots, the radius of the disk that both are, m.
         promised: where parts are to stand that robots have in hand or claim, m.
         robots: where robots are that live, without the one that looks, m.

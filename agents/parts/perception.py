@@ -156,7 +156,7 @@ class Perception:
 
     Attributes:
         carriers: which part a robot has, of those whose lives are not over.
-        things: as which things parts stand.
+        obstacles: as which obstacles parts stand.
         layout: where they do.
         peers: whose lives are not over.
         claims: which part of the scenario they claim.
@@ -175,7 +175,7 @@ class Perception:
         self.peers = [state for state in peers if state.robot not in stand]
         self.claims = self._claims()
         self.carriers = {robot: part for robot, part in carried.items() if robot not in stand}
-        self.things = {each.part: each.thing for each in roster.parts if not each.carrier}
+        self.obstacles = {each.part: each.obstacle for each in roster.parts if not each.carrier}
         fallen = {part: stand[robot] for robot, part in carried.items() if robot in stand}
         at = self._on_the_ground(roster)
         at |= {part: each.position for part, each in fallen.items() if each.position is not None}
@@ -183,7 +183,7 @@ class Perception:
         self._under = {part: robots[each.robot] for part, each in fallen.items() if each.robot in robots}
         self.layout = Layout(
             at,
-            (*self._things(roster), *robots.values()),
+            (*self._obstacles(roster), *robots.values()),
             {part: each.radius for part, each in fallen.items()},
             self._promised([state.robot for state in self.peers]),
             tuple(state.position for state in self.peers if state.position is not None),
@@ -222,16 +222,16 @@ class Perception:
         parts |= {part for robot, part in self.carriers.items() if robot in robots}
         return {part: self._scenario.parts[part - 1].goal for part in parts}
 
-    def _things(self, roster: KnownRoster) -> list[Shape]:
+    def _obstacles(self, roster: KnownRoster) -> list[Shape]:
         """What stands, or is to appear, and is no part."""
         first = len(self._scenario.obstacles)
         shapes = {number: shape for number, shape in self._scenario.shapes.items() if number <= first}
-        parts = {each.thing for each in roster.parts}
-        for thing in roster.things:
-            if thing.status == "gone":
-                shapes.pop(thing.number, None)
-            elif thing.number not in parts:
-                shapes[thing.number] = thing.shape
+        parts = {each.obstacle for each in roster.parts}
+        for obstacle in roster.obstacles:
+            if obstacle.status == "gone":
+                shapes.pop(obstacle.number, None)
+            elif obstacle.number not in parts:
+                shapes[obstacle.number] = obstacle.shape
         return [shapes[number] for number in sorted(shapes)]
 
     def _empty(self, member: Member, carried: dict[int, int]) -> Disk:
@@ -245,16 +245,20 @@ class Perception:
 
     def _on_the_ground(self, roster: KnownRoster) -> dict[int, Vector]:
         """Where parts stand that nobody has, m."""
-        came = {thing.number: thing.points[0] for thing in roster.things if thing.status == "standing"}
+        came = {
+            obstacle.number: obstacle.points[0]
+            for obstacle in roster.obstacles
+            if obstacle.status == "standing"
+        }
         first, parts = len(self._scenario.obstacles), self._scenario.parts
         listed = {first + number: part.start for number, part in enumerate(parts, 1)}
         known = {**listed, **came}
-        return {part: known[thing] for part, thing in self.things.items() if thing in known}
+        return {part: known[obstacle] for part, obstacle in self.obstacles.items() if obstacle in known}
 
     def is_at(self, part: int, goal: Vector) -> bool:
         """Whether a part stands at a place, m."""
         return (
-            part in self.things
+            part in self.obstacles
             and part in self.layout.parts
             and math.dist(self.layout.parts[part], goal) < 1e-9
         )

@@ -9,7 +9,7 @@ from agents.peers.far import NOTHING, FarPicture
 from agents.peers.state import Peer, PeerState
 from protocol.codec import keeps_newest
 from protocol.geometry import Shape
-from protocol.messages import Member, PartPlace, Roster, Thing
+from protocol.messages import Member, PartPlace, PlacedObstacle, Roster
 from protocol.scenario.model import RobotSpec
 
 
@@ -30,14 +30,14 @@ class KnownRoster:
     Attributes:
         version: of it; 0 as long as there is none.
         members: every robot that it names, by id, in its order.
-        things: that came or went, as it says.
+        obstacles: that came or went, as it says.
         parts: where each is.
         shapes: of all obstacles that are there, or are to appear.
     """
 
     def __init__(self, robot: int, listed: Mapping[int, Shape]) -> None:
         self.version = 0
-        self.things: tuple[Thing, ...] = ()
+        self.obstacles: tuple[PlacedObstacle, ...] = ()
         self.parts: tuple[PartPlace, ...] = ()
         self._robot, self._listed = robot, listed
         self.members: Mapping[int, Member] = {}
@@ -48,14 +48,14 @@ class KnownRoster:
         if roster.version <= self.version:
             return []
         before, self.members = self.members, _by_id(roster.members)
-        if roster.things != self.things:
+        if roster.obstacles != self.obstacles:
             shapes = dict(self._listed)
-            for thing in roster.things:
-                shapes.pop(thing.number, None)
-                if thing.status != "gone":
-                    shapes[thing.number] = thing.shape
+            for obstacle in roster.obstacles:
+                shapes.pop(obstacle.number, None)
+                if obstacle.status != "gone":
+                    shapes[obstacle.number] = obstacle.shape
             self.shapes = list(shapes.values())
-        self.version, self.things, self.parts = roster.version, roster.things, roster.parts
+        self.version, self.obstacles, self.parts = roster.version, roster.obstacles, roster.parts
         return [
             each
             for each in self.members.values()

@@ -15,7 +15,7 @@ from deploy.output import EXIT_OTHERWISE, check_json, is_standard_output, write_
 from deploy.security.membership import Membership
 from deploy.security.roster import OPERATOR
 from protocol.errors import MessageError, UsageError
-from protocol.messages import GoalStatus, Thing, Vector
+from protocol.messages import GoalStatus, PlacedObstacle, Vector
 from protocol.operations import Reply, read_operation
 from protocol.scenario.model import Operation
 
@@ -163,7 +163,7 @@ def place(
         if reply.text:
             print(f"beware: it {reply.text}")
         operator.stands(reply.number, within)
-    print(f"thing {reply.number} stands")
+    print(f"obstacle {reply.number} stands")
 
 
 @app.command()
@@ -184,11 +184,11 @@ def take(
     operation = _operation({"take": number})
     with _operating(run, router, secure) as operator:
         _done(operator, operation)
-    print(f"thing {number} is gone")
+    print(f"obstacle {number} is gone")
 
 
 @app.command()
-def things(
+def obstacles(
     run: options.Run,
     json_file: options.Json = None,
     router: options.Router = None,
@@ -202,8 +202,8 @@ def things(
     """
     check_json(json_file)
     with _operating(run, router, secure) as operator:
-        there = operator.operate().things
-    write_json([msgspec.structs.asdict(thing) for thing in there], json_file)
+        there = operator.operate().obstacles
+    write_json([msgspec.structs.asdict(obstacle) for obstacle in there], json_file)
     if not is_standard_output(json_file):
         print("\n".join(map(_line, there)) or "there are no obstacles")
 
@@ -336,10 +336,10 @@ def _obstacle(numbers: list[float], radius: float | None) -> dict[str, Any]:
     return {"center": points[0], "radius": radius}
 
 
-def _line(thing: Thing) -> str:
-    where = " ".join(map(_point, thing.points))
-    what = f"disk of {thing.radius:g} m at {where}" if len(thing.points) == 1 else f"polygon {where}"
-    return f"{thing.number}: {what}{'' if thing.status == 'standing' else ', ' + thing.status}"
+def _line(obstacle: PlacedObstacle) -> str:
+    where = " ".join(map(_point, obstacle.points))
+    what = f"disk of {obstacle.radius:g} m at {where}" if len(obstacle.points) == 1 else f"polygon {where}"
+    return f"{obstacle.number}: {what}{'' if obstacle.status == 'standing' else ', ' + obstacle.status}"
 
 
 def _point(point: Vector) -> str:

@@ -126,7 +126,7 @@ def _circle(count: int, radius: float) -> list[Point]:
 
 # -- among obstacles
 
-_TRIES = 20_000  # places tried for one thing or robot
+_TRIES = 20_000  # places tried for one obstacle or robot
 _Corners = tuple[Point, ...]
 
 
@@ -155,8 +155,8 @@ def forest(count: int, seed: int = 0) -> Scenario:
 def boxes(count: int, seed: int = 0) -> Scenario:
     """8 boxes in 4 m by 4 m, robots of 0.05 m with starts and goals 0.2 m apart (GCBF+, SingleIntegrator)."""
     random = generator(seed, Purpose.SCENARIO)
-    things = _scattered(random, (), many=8, reach=1.8, sides=(0.1, 0.5), turned=True)
-    starts, goals = (_free_places(random, things, count) for _ in range(2))
+    obstacles = _scattered(random, (), many=8, reach=1.8, sides=(0.1, 0.5), turned=True)
+    starts, goals = (_free_places(random, obstacles, count) for _ in range(2))
     robots = tuple(RobotSpec(n + 1, 0.05, starts[n], goals[n]) for n in range(count))
     return validated(
         Scenario(
@@ -167,7 +167,7 @@ def boxes(count: int, seed: int = 0) -> Scenario:
             Workspace(points=_box((0.0, 0.0), 2.0, 2.0)),
             Time(step=0.03, limit=60.0, tolerance=0.1),
             Control(speed=1.0),
-            obstacles=things,
+            obstacles=obstacles,
         )
     )
 
@@ -259,17 +259,17 @@ def _scattered(
         x, y, along, across, turn = map(float, random.random(5))
         ahead, aside = (0.5 * (sides[0] + part * (sides[1] - sides[0])) for part in (along, across))
         centre = ((2.0 * x - 1.0) * reach, (2.0 * y - 1.0) * reach)
-        thing = Obstacle(points=_box(centre, ahead, aside, math.tau * turn if turned else 0.0))
-        if all(thing.shape.distance(*point) > room for point, room in keep):
-            found.append(thing)
+        obstacle = Obstacle(points=_box(centre, ahead, aside, math.tau * turn if turned else 0.0))
+        if all(obstacle.shape.distance(*point) > room for point, room in keep):
+            found.append(obstacle)
             if len(found) == many:
                 return tuple(found)
     raise UsageError(f"no room for {many} boxes")
 
 
-def _free_places(random: np.random.Generator, things: tuple[Obstacle, ...], count: int) -> list[Point]:
-    """Centres at least 0.2 m apart and 0.1 m from every thing and wall."""
-    shapes, places = [thing.shape for thing in things], list[Point]()
+def _free_places(random: np.random.Generator, obstacles: tuple[Obstacle, ...], count: int) -> list[Point]:
+    """Centres at least 0.2 m apart and 0.1 m from every obstacle and wall."""
+    shapes, places = [obstacle.shape for obstacle in obstacles], list[Point]()
     for _ in range(_TRIES):
         x, y = (float(part) for part in 3.8 * random.random(2) - 1.9)
         apart = all(math.dist((x, y), other) > 0.2 for other in places)

@@ -208,7 +208,7 @@ def try_out(scenario: Scenario) -> None:
             goal=own.goal,
             displacement=(0.0, 0.0),
             neighbours=neighbours,
-            things=tuple(scenario.shapes.values()),
+            obstacles=tuple(scenario.shapes.values()),
         )
         begin = time.perf_counter()
         law.velocity(view)

@@ -51,7 +51,7 @@ class Launcher:
         self._started &= set(clock.newcomers)
 
     def carry_out(self, fault: ProcessFault) -> None:
-        """Do one thing to a process; nothing to one that has not come yet."""
+        """Carry out one fault on a process; nothing to one that has not come yet."""
         robot, processes = fault.robot, self._processes
         if not processes.knows(robot):
             return

@@ -17,7 +17,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode, encode
 from protocol.errors import BusError, MessageError, UsageError
 from protocol.keys import checked_run, robot_key, world_key
-from protocol.messages import GoalStatus, Member, Thing, Vector, Wish
+from protocol.messages import GoalStatus, Member, PlacedObstacle, Vector, Wish
 from protocol.operations import Reply, decode_reply
 from protocol.process.log import LOG
 from protocol.process.signals import STOP
@@ -107,20 +107,20 @@ class Operator:
 
         return self._awaited(found, within, f"robot {robot} has not appeared within {within:g} s")
 
-    def stands(self, number: int, within: float) -> Thing:
-        """Wait until a thing that was accepted stands in its place.
+    def stands(self, number: int, within: float) -> PlacedObstacle:
+        """Wait until an obstacle that was accepted stands in its place.
 
         Raises:
             BusError: it does not, `within` s later: a robot is in its place; or it was taken away.
         """
 
-        def found(reply: Reply) -> Thing | None:
-            thing = next((each for each in reply.things if each.number == number), None)
-            if thing is None:
-                raise BusError(f"thing {number} was taken away")
-            return thing if thing.status == "standing" else None
+        def found(reply: Reply) -> PlacedObstacle | None:
+            obstacle = next((each for each in reply.obstacles if each.number == number), None)
+            if obstacle is None:
+                raise BusError(f"obstacle {number} was taken away")
+            return obstacle if obstacle.status == "standing" else None
 
-        return self._awaited(found, within, f"thing {number} has not appeared within {within:g} s")
+        return self._awaited(found, within, f"obstacle {number} has not appeared within {within:g} s")
 
     def _awaited(self, found: Callable[[Reply], T | None], within: float, text: str) -> T:
         """Ask for the state until `found` finds something in it, at most `within` s."""

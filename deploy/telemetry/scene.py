@@ -230,7 +230,7 @@ class FleetScene:
         self._now = 0
         self._truth = _BEFORE
         self._down: frozenset[int] = frozenset()
-        self._things = dict(scenario.shapes)
+        self._obstacles = dict(scenario.shapes)
         self._told = Clock(0, 0.0, (), (), "")
         self._lines: dict[int, tuple[messages.Line, ...]] = {}
         limit = max(8, _TRAIL_POINTS // len(scenario.ids))
@@ -279,16 +279,18 @@ class FleetScene:
 
     def _on_clock(self, clock: Clock) -> list[str]:
         """Which topics are changed by who is down, and by what came or went."""
-        if clock.standing == self._told.standing and clock.things == self._told.things:
+        if clock.standing == self._told.standing and clock.obstacles == self._told.obstacles:
             return []
         self._told = clock
-        before = self._down, self._things
+        before = self._down, self._obstacles
         self._down = frozenset(each.robot for each in clock.standing)
-        gone = {thing.number for thing in clock.things}
-        came = {thing.number: thing.shape for thing in clock.things if thing.status == "standing"}
+        gone = {obstacle.number for obstacle in clock.obstacles}
+        came = {
+            obstacle.number: obstacle.shape for obstacle in clock.obstacles if obstacle.status == "standing"
+        }
         listed = {number: shape for number, shape in self._scenario.shapes.items() if number not in gone}
-        self._things = listed | came
-        changed = (self._down != before[0], self._things != before[1])
+        self._obstacles = listed | came
+        changed = (self._down != before[0], self._obstacles != before[1])
         return [topic for topic, new in zip(("/scene/robots", "/scene/room"), changed, strict=True) if new]
 
     def _on_truth(self, truth: Truth) -> list[str]:
@@ -331,7 +333,7 @@ class FleetScene:
     def _updates(self) -> dict[str, Callable[[], Json]]:
         draw, cast = self._drawing, self._cast
         return {
-            "/scene/room": lambda: update([draw.room(self._stamp, self._things.values())]),
+            "/scene/room": lambda: update([draw.room(self._stamp, self._obstacles.values())]),
             "/scene/robots": self._robots,
             "/scene/goals": lambda: update([draw.goals(self._stamp, cast.goals)]),
             "/scene/lines": lambda: update([draw.separating_lines(self._stamp, self._lines, cast.places)]),

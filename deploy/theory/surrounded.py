@@ -41,11 +41,11 @@ def theorem_for(scenario: Scenario) -> tuple[Theorem | None, tuple[str, ...]]:
     shapes = scenario.shapes
     polygons = [number for number, shape in shapes.items() if not isinstance(shape, Disk)]
     if polygons:
-        reasons.append(f"{_counted(len(polygons), 'thing')} among which robots move {_are(polygons)} no disk")
+        reasons.append(f"{_counted(len(polygons), 'obstacle')} among the robots {_are(polygons)} no disk")
     if scenario.parts:
         reasons.append("no theorem is known for parts that are carried")
     if shapes and len(scenario.robots) > 1:
-        reasons.append("no theorem is known for several robots among things that stand")
+        reasons.append("no theorem is known for several robots among obstacles that stand")
     if shapes and not reasons:
         reasons += _not_apart(scenario)
     if reasons:
@@ -57,7 +57,7 @@ def _not_apart(scenario: Scenario) -> Iterator[str]:
     """Things that one robot does not pass between."""
     pairs = obstructed(scenario.workspace.shape, scenario.shapes, scenario.robots[0].radius)
     for one, other in pairs:
-        between = f"thing {other} and the boundary" if one == ROOM else f"things {one} and {other}"
+        between = f"obstacle {other} and the boundary" if one == ROOM else f"obstacles {one} and {other}"
         yield f"the robot does not pass between {between}"
 
 
@@ -78,7 +78,7 @@ _SAYS: dict[Theorem | None, str] = {
 }
 _LAW = {
     True: "In a sphere world the law pulls straight, as in the theorem.",
-    False: "The law follows the shortest way among the things; only tests say how often it arrives.",
+    False: "The law follows the shortest way among the obstacles; only tests say how often it arrives.",
 }
 _ORDER = {
     True: "Parts find their way to their goals one after another; only tests say how often all do.",
@@ -100,7 +100,7 @@ class Barrier(NamedTuple):
 
 def barriers(scenario: Scenario) -> list[Barrier]:
     """Robots whose goals no controller reaches while all obstacles stand; an exact decision."""
-    room, obstacles = scenario.workspace.shape, [thing.shape for thing in scenario.obstacles]
+    room, obstacles = scenario.workspace.shape, [obstacle.shape for obstacle in scenario.obstacles]
     found = []
     near = passages(room, obstacles, 2.0 * max(spec.radius for spec in scenario.robots))
     for spec in scenario.robots:
@@ -120,7 +120,7 @@ class Surrounded:
     """Everything that is said. Lengths in m.
 
     theorem: which one speaks of this world; `reasons`, why not where there is none.
-    density: area of robots and things over that of the workspace.
+    density: area of robots and obstacles over that of the workspace.
     start, goal: the smallest clearance there.
     unreachable: robots that no controller brings to their goals, all other robots away.
     no_way: robots whose goals can be reached, but for which the law finds no way.
@@ -130,7 +130,7 @@ class Surrounded:
 
     scenario: str
     robots: int
-    things: int
+    obstacles: int
     density: float
     tight: float | None
     k: float
@@ -153,7 +153,7 @@ class Surrounded:
         """Tables and sentences for the terminal."""
         table = Table(title=self.scenario, show_header=False, title_justify="left")
         carried = f" and {self.parts} parts" if self.parts else ""
-        among = f"{self.robots} among {self.things} things{carried}"
+        among = f"{self.robots} among {self.obstacles} obstacles{carried}"
         table.add_row("robots", f"{among}, together covering {self.density:.0%} of the workspace")
         table.add_row("start", f"smallest clearance {self.start:.4f} m")
         table.add_row("goals", f"smallest clearance {self.goal:.4f} m")
@@ -182,7 +182,7 @@ def surrounded(scenario: Scenario) -> Surrounded:
     return Surrounded(
         scenario=scenario.name,
         robots=len(scenario.robots),
-        things=len(scenario.obstacles),
+        obstacles=len(scenario.obstacles),
         density=float((radii**2).sum() / workspace**2),
         tight=tight(Disks.of(scenario), Goals.of(scenario)),
         k=scenario.k,
@@ -208,7 +208,7 @@ def _has_order(scenario: Scenario) -> bool:
     """Whether robots could bring one part after another to its goal."""
     layout = Layout(
         {number: part.start for number, part in enumerate(scenario.parts, 1)},
-        tuple(thing.shape for thing in scenario.obstacles),
+        tuple(obstacle.shape for obstacle in scenario.obstacles),
     )
     starts = [each.start for each in scenario.robots]
     radii = {each.radius for each in scenario.robots}

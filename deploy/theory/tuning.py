@@ -109,8 +109,8 @@ def gain_for(scenario: Scenario) -> float:
 def crowd(scenario: Scenario) -> tuple[Array, float]:
     """Radii of everything that is in the way, robots first, and of the workspace, m, as `automatic_k` takes
     them; what is not round counts by its area."""
-    things = [_round(shape) for shape in scenario.shapes.values()]
-    radii = np.array([*(robot.radius for robot in scenario.robots), *things])
+    obstacles = [_round(shape) for shape in scenario.shapes.values()]
+    radii = np.array([*(robot.radius for robot in scenario.robots), *obstacles])
     return radii, _round(scenario.workspace.shape)
 
 

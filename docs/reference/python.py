@@ -14,11 +14,11 @@ def page() -> str:
     """As Markdown."""
     lines = ["# `import disknav`", "", "From signatures and docstrings. [Examples](../guides/python.md)."]
     for name in disknav.__all__:
-        thing = getattr(disknav, name)
-        own = thing.__module__.startswith("disknav")
-        lines += ["", f"## `{name}{_signature(thing) if own else ''}`", "", _text(thing)]
-        if inspect.isclass(thing) and own:
-            lines += _members(thing)
+        obstacle = getattr(disknav, name)
+        own = obstacle.__module__.startswith("disknav")
+        lines += ["", f"## `{name}{_signature(obstacle) if own else ''}`", "", _text(obstacle)]
+        if inspect.isclass(obstacle) and own:
+            lines += _members(obstacle)
     return "\n".join(lines) + "\n"
 
 
@@ -32,9 +32,9 @@ def _members(kind: type) -> Iterator[str]:
             yield from ("", f"### `.{name}{_signature(member)}`", "", _text(member))
 
 
-def _signature(thing: Any) -> str:
+def _signature(obstacle: Any) -> str:
     try:
-        found = inspect.signature(getattr(thing, "__func__", thing))
+        found = inspect.signature(getattr(obstacle, "__func__", obstacle))
     except (TypeError, ValueError):
         return ""
     parameters = [each for each in found.parameters.values() if each.name not in ("self", "cls")]
@@ -45,9 +45,9 @@ def _default(parameter: inspect.Parameter) -> str:
     return "" if parameter.default is parameter.empty else f"={parameter.default!r}"
 
 
-def _text(thing: Any) -> str:
+def _text(obstacle: Any) -> str:
     """A docstring, its sections of arguments and errors as lists."""
-    text = inspect.getdoc(thing) or ""
+    text = inspect.getdoc(obstacle) or ""
     text = re.sub(r"^(Args|Attributes|Returns|Raises):$", r"**\1**\n", text, flags=re.MULTILINE)
     text = re.sub(r"^    (\w[\w, ]*): ", r"- `\1`: ", text, flags=re.MULTILINE)
     return re.sub(r"^ {4,8}(?=\S)", "  ", text, flags=re.MULTILINE)

@@ -17,10 +17,10 @@ FIELDS = {
     "verdict": "`collision` outranks `arrived`, `timeout`, `deadlock`, `interrupted` and `aborted`",
     "reason": "for the verdict, for people",
     "arrived": "ids of robots that are within the tolerance of their goals at the end",
-    "collisions": "contact intervals between two disks, or a disk and the boundary or a thing",
-    "contacts": "the first of them: `pair` (0: the boundary, -n: thing n), `from` and `until` (s), `deepest` "
-    "overlap (m)",
-    "min_clearance": "m, smallest gap between two disks, or a disk and the boundary or a thing, over "
+    "collisions": "contact intervals between two disks, or a disk and the boundary or an obstacle",
+    "contacts": "the first of them: `pair` (0: the boundary, -n: obstacle n), `from` and `until` (s), "
+    "`deepest` overlap (m)",
+    "min_clearance": "m, smallest gap between two disks, or a disk and the boundary or an obstacle, over "
     "continuous time; negative is overlap",
     "nrl": "lengths of all paths over all straight distances from start to goal; 1 is straight",
     "path_lengths": "m, by robot",

@@ -341,7 +341,7 @@ def _events(scenario: Scenario) -> Iterator[Finding]:
 
 
 def _orders(scenario: Scenario, sound: Sound, room: Shape | None) -> Iterator[Finding]:
-    """Each asks for one thing, of robots and obstacles that there are at some time."""
+    """Each asks for one operation, of robots and obstacles that there are at some time."""
     ids = _known(scenario, sound)
     obstacles = len(scenario.obstacles) + sum(order.place is not None for order in scenario.orders)
     for index, order in enumerate(scenario.orders):

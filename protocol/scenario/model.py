@@ -342,7 +342,7 @@ class Operation:
             return "emergency stop" if self.halt else "released"
         if self.add is not None or self.remove is not None:
             return f"robot {self.remove} goes" if self.add is None else f"robot {self.add.id} comes"
-        return "a thing comes" if self.take is None else f"thing {self.take} goes"
+        return "an obstacle comes" if self.take is None else f"obstacle {self.take} goes"
 
 
 ACTIONS = tuple(field.name for field in fields(Operation))
@@ -420,7 +420,7 @@ class Scenario:
     def shapes(self) -> dict[int, Shape]:
         """Obstacles from the start, by number; parts follow those that the scenario lists."""
         parts = [Disk(*part.start, part.radius) for part in self.parts]
-        return dict(enumerate([*(thing.shape for thing in self.obstacles), *parts], 1))
+        return dict(enumerate([*(obstacle.shape for obstacle in self.obstacles), *parts], 1))
 
     def loaded_radius(self, robot: int, part: int) -> float:
         """Radius of the disk that a robot is while it carries a part, m."""

@@ -75,17 +75,17 @@ def inside(room: Shape, point: Point, radius: float, steps: Steps) -> Iterator[F
 
 
 def obstacle(
-    thing: Obstacle, steps: Steps, sound: Sound, room: Shape | None
+    obstacle: Obstacle, steps: Steps, sound: Sound, room: Shape | None
 ) -> tuple[Shape | None, list[Finding]]:
     """The shape of an obstacle, None where it has none, and what is wrong with it."""
     shape: Shape | None = None
     findings: list[Finding] = []
     if not sound(*steps):
         return None, []
-    if thing.points is not None and thing.center is None and thing.radius is None:
-        shape, findings = _polygon(thing.points, (*steps, "points"))
-    elif thing.center is not None and thing.radius is not None and thing.points is None:
-        shape = thing.shape
+    if obstacle.points is not None and obstacle.center is None and obstacle.radius is None:
+        shape, findings = _polygon(obstacle.points, (*steps, "points"))
+    elif obstacle.center is not None and obstacle.radius is not None and obstacle.points is None:
+        shape = obstacle.shape
     else:
         findings = [(steps, "must be a disk, with `center` and `radius`, or a convex polygon, with `points`")]
     if shape is not None and room is not None and _outside(shape, room):
@@ -210,5 +210,5 @@ def room_at_start(scenario: Scenario, robot: int) -> tuple[float, str]:
     for number, shape in scenario.shapes.items():
         gap = shape.distance(*own.start) - own.radius
         if gap < room:
-            room, what = gap, f"thing {number}"
+            room, what = gap, f"obstacle {number}"
     return room, what

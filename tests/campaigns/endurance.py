@@ -58,7 +58,7 @@ def patrol(robots: int) -> Scenario:
 def run(
     dice: Dice, robots: int = ROBOTS, seconds: float = SECONDS, kill_every: float = KILL_EVERY
 ) -> Outcome:
-    """One run; the violation is the first thing that does not hold."""
+    """One run; the violation is the first claim that does not hold."""
     kills = dice.seed % 2 == 1
     lives: defaultdict[tuple[str, int], list[Sample]] = defaultdict(list)
     killed: list[str] = []

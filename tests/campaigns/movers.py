@@ -78,7 +78,10 @@ def without_order(world: World, dead: int, before: Mapping[int, Vector]) -> str:
     part = world.coordinator.parts.carried_by(dead)
     layout = Layout(
         {**before, part: places[dead]},
-        (*(thing.shape for thing in scenario.obstacles), Disk(*places[dead], scenario.spec(dead).radius)),
+        (
+            *(obstacle.shape for obstacle in scenario.obstacles),
+            Disk(*places[dead], scenario.spec(dead).radius),
+        ),
         {part: scenario.loaded_radius(dead, part)},
     )
     planner = Planner(scenario, min(each.radius for each in scenario.robots))
@@ -90,10 +93,10 @@ def without_order(world: World, dead: int, before: Mapping[int, Vector]) -> str:
 
 def _standing(world: World) -> dict[int, Vector]:
     """Where the parts are that no robot carries, m."""
-    known = world.coordinator.lives.things.standing
+    known = world.coordinator.lives.obstacles.standing
     places = world.coordinator.parts.places
     return {
-        each.part: (known[each.thing].around.x, known[each.thing].around.y)
+        each.part: (known[each.obstacle].around.x, known[each.obstacle].around.y)
         for each in places
         if not each.carrier
     }

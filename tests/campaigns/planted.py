@@ -1,4 +1,4 @@
-"""Fleets with a planted fault: some modules as their sources say, with one thing wrong in them."""
+"""Fleets with a planted fault: some modules as their sources say, with one fault in them."""
 
 from __future__ import annotations
 

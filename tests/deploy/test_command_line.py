@@ -58,7 +58,7 @@ def test_json_is_a_file_wherever_there_is_a_result() -> None:
     assert {each.metavar for each in found.values()} == {"FILE"}
 
 
-def test_short_options_mean_one_thing() -> None:
+def test_short_options_mean_one_obstacle() -> None:
     meanings: dict[str, set[str]] = {}
     for command in ALL.values():
         for parameter in command.params:

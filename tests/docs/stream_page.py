@@ -87,7 +87,7 @@ _INNER = (
     messages.BaseMotion,
     messages.Roster,
     messages.Member,
-    messages.Thing,
+    messages.PlacedObstacle,
     messages.PartPlace,
     messages.Report,
     messages.Claim,

@@ -1,4 +1,4 @@
-"""A law that wants a touch: at full speed at the nearest disk, wall or thing, back, anywhere, or to where
+"""A law that wants a touch: at full speed at the nearest disk, wall or obstacle, back, anywhere, or to where
 clearance falls fastest, each for some ticks; the filter has to hold against it.
 
 disknav run turtlebots-6 --set control.law=tests.laws.adversary:Adversary --set time.endless=true
@@ -70,8 +70,8 @@ class Adversary:
         gap = -self._room.distance(x, y)
         for peer in view.neighbours.disks():
             gap = min(gap, math.hypot(peer.x - x, peer.y - y) - peer.radius)
-        for thing in view.things:
-            gap = min(gap, thing.distance(x, y))
+        for obstacle in view.obstacles:
+            gap = min(gap, obstacle.distance(x, y))
         return gap - self._radius
 
 

@@ -164,7 +164,7 @@ def test_extensions_and_text_that_is_not_utf8() -> None:
         assert refused("disknav/test/robot/1/state", payload) in ("shape", "type")
 
 
-def test_whoever_comes_with_the_same_or_an_equal_thing_gets_the_same_result() -> None:
+def test_whoever_comes_with_the_same_or_an_equal_obstacle_gets_the_same_result() -> None:
     made = []
 
     @keeps_newest

@@ -178,24 +178,24 @@ def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() 
 
 
 @pytest.mark.slow
-def test_a_roster_of_all_things_that_there_may_be_fits() -> None:
+def test_a_roster_of_all_obstacles_that_there_may_be_fits() -> None:
     run = Run(crowd())
     for life in run.world.coordinator.lives.of.values():
         life.incarnation = LIFE
     lives = run.world.coordinator.lives
     for robot in IDS:
         run.world.coordinator.join(robot)
-    lives.things = Surroundings(replace(crowd(), workspace=Workspace(1000.0), obstacles=(SPECK,) * MOST))
+    lives.obstacles = Surroundings(replace(crowd(), workspace=Workspace(1000.0), obstacles=(SPECK,) * MOST))
     lives.keeper.found({}, dict.fromkeys(range(1, MOST + 1), SPECK.shape))
     assert all(lives.take_away(number) for number in range(1, MOST + 1))
     for number in range(MOST_THINGS):
         order = ROUNDISH if number < 62 else DISK  # nearly as many corners as may come
         lives.announce(order.shape)
-    assert "at a time" in lives.things.refusal(DISK, [])
+    assert "at a time" in lives.obstacles.refusal(DISK, [])
     lives.take_away(MOST + MOST_THINGS)
-    assert "corners" in lives.things.refusal(ROUNDISH, [])
+    assert "corners" in lives.obstacles.refusal(ROUNDISH, [])
     told = run.world.open_tick()[IDS[0]]
-    things = [
+    obstacles = [
         Binding(LIFE + n, -n, (1.0, 0.0, 0.1), ROUNDISH.points, 0.0, True)
         if n <= 62
         else Binding(LIFE + n, -n, (1.0, 0.0, 0.1), (POINT,), DISK.radius, True)
@@ -203,7 +203,7 @@ def test_a_roster_of_all_things_that_there_may_be_fits() -> None:
     ]
     grants = bound(IDS, IDS[0])
     told = msgspec.structs.replace(
-        told, grants=msgspec.structs.replace(grants, bindings=(*grants.bindings, *things))
+        told, grants=msgspec.structs.replace(grants, bindings=(*grants.bindings, *obstacles))
     )
     assert_fits(told, robot_key("r", IDS[0], "tick"))
     assert_fits(run.clock(), world_key("r", "clock"))

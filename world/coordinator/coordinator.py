@@ -76,7 +76,7 @@ class Coordinator:
         if past.membership.robots is not None:
             self.missions.recast(self.scenario)
             self.parts.recast(self.scenario)
-        self.lives.things.recast(self.parts.loaded(self.scenario))
+        self.lives.obstacles.recast(self.parts.loaded(self.scenario))
         self.schedule = Schedule(scenario, past.orders)
         self.commands = Commands(self.lives, scenario.is_external)
         self.commands.missed, self.commands.refused = past.missed, Counter(past.refused)

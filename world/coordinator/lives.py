@@ -67,7 +67,7 @@ class Lives:
         self._roster = Roster(roster)
         self.keeper = Keeper(scenario, past.version)
         self._begun: dict[int, int] = {}  # incarnation that has begun in the ledger, by robot
-        self.things = Surroundings(scenario, roster.things, past.numbered)
+        self.obstacles = Surroundings(scenario, roster.obstacles, past.numbered)
         self._name = scenario.name
         self._silence = max(1, scenario.ticks(scenario.time.fence))
         self._returning = max(self._silence, scenario.ticks(returning))
@@ -86,7 +86,7 @@ class Lives:
             self.given_up,
             self._roster.encoded,
             self.keeper.version,
-            self.things.numbered,
+            self.obstacles.numbered,
         )
 
     @property
@@ -124,11 +124,11 @@ class Lives:
             robot: Disk(*places[robot], radius + bounds.get(robot, 0.0))
             for robot, radius in sorted(radii.items())
         }
-        self.keeper.found(disks, self.things.standing)
+        self.keeper.found(disks, self.obstacles.standing)
         for member in self._roster.appearing:
             if member.position is not None:
                 self.keeper.announce(member.robot, Disk(*member.position, member.radius))
-        for number, shape in self.things.appearing.items():
+        for number, shape in self.obstacles.appearing.items():
             self.keeper.announce(-number, shape)
 
     def begin(
@@ -164,18 +164,18 @@ class Lives:
         return self.keeper.news(robot) if self._begun.get(robot) == life.incarnation else None
 
     def announce(self, shape: Shape) -> int:
-        """A thing is to appear, once everybody live keeps clear of it; its number."""
-        number = self.things.announce(shape)
+        """An obstacle is to appear, once everybody live keeps clear of it; its number."""
+        number = self.obstacles.announce(shape)
         self.keeper.announce(-number, shape)
-        self._roster.follow_things(self.things.changes)
+        self._roster.follow_obstacles(self.obstacles.changes)
         return number
 
     def take_away(self, number: int) -> bool:
-        """A thing is gone, or does not appear after all; whether there was one."""
-        known = self.things.take_away(number)
+        """An obstacle is gone, or does not appear after all; whether there was one."""
+        known = self.obstacles.take_away(number)
         if known:
             self.keeper.remove(-number)
-        self._roster.follow_things(self.things.changes)
+        self._roster.follow_obstacles(self.obstacles.changes)
         return known
 
     def follow_parts(self, parts: tuple[PartPlace, ...]) -> None:
@@ -192,10 +192,10 @@ class Lives:
 
     def settle(self) -> bool:
         """Put up what everybody keeps clear of; whether anything stands now that did not."""
-        settled = [number for number in self.things.appearing if self.keeper.appear(-number)]
+        settled = [number for number in self.obstacles.appearing if self.keeper.appear(-number)]
         for number in settled:
-            self.things.put_up(number)
-        self._roster.follow_things(self.things.changes)
+            self.obstacles.put_up(number)
+        self._roster.follow_obstacles(self.obstacles.changes)
         return bool(settled)
 
     def roster_for(self, robot: int) -> messages.Roster | None:

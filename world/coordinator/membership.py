@@ -135,6 +135,6 @@ class Membership:
             return f"robot {robot}: at most {_MOST} robots are there at a time"
         if not status and self._lives.ids >= _MOST_IDS:
             return f"robot {robot}: {_MOST_IDS} ids were in this run already; use one that has left"
-        obstacle, things = self._missions.obstacle, self._lives.things.standing
-        at_start = obstacle(robot, spec.radius, spec.start, self._lives.standing, things)
-        return at_start or obstacle(robot, spec.radius, spec.goal, (), things)
+        obstacle, obstacles = self._missions.obstacle, self._lives.obstacles.standing
+        at_start = obstacle(robot, spec.radius, spec.start, self._lives.standing, obstacles)
+        return at_start or obstacle(robot, spec.radius, spec.goal, (), obstacles)

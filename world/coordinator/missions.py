@@ -90,7 +90,7 @@ class Missions:
         return self._since.get(robot, 0)
 
     def status(self, robot: int) -> GoalStatus:
-        """How things stand with a robot of the scenario."""
+        """How obstacles stand with a robot of the scenario."""
         return self._status[robot]
 
     def news(self) -> list[GoalStatus]:
@@ -102,13 +102,13 @@ class Missions:
         self,
         order: Journey,
         standing: Iterable[Standing],
-        things: Mapping[int, Shape] = MappingProxyType({}),
+        obstacles: Mapping[int, Shape] = MappingProxyType({}),
     ) -> str:
         """Why an order cannot be carried out; "" if it can.
 
         Args:
             standing: disks that stand, and may stand in a point.
-            things: what else stands, by number.
+            obstacles: what else stands, by number.
         """
         robot = order.robot
         if robot not in self._missions:
@@ -121,7 +121,7 @@ class Missions:
             return f"a robot has at most {MOST_POINTS} points ahead; {ahead} are there already"
         others = [each for each in standing if each.robot != robot]
         radius = self._scenario.spec(robot).radius
-        reasons = (self.obstacle(robot, radius, point, others, things) for point in order.points)
+        reasons = (self.obstacle(robot, radius, point, others, obstacles) for point in order.points)
         return next((reason for reason in reasons if reason), "")
 
     def accept(self, order: Journey, tick: int, position: Vector) -> Outcome:
@@ -190,7 +190,7 @@ class Missions:
         self._news.append(said)
 
     def covered(self, shape: Shape) -> str:
-        """Whose present goal a thing covers, "" if nobody's."""
+        """Whose present goal an obstacle covers, "" if nobody's."""
         whose = [
             robot
             for robot, mission in self._missions.items()
@@ -206,17 +206,17 @@ class Missions:
         radius: float,
         point: Vector,
         standing: Iterable[Standing],
-        things: Mapping[int, Shape],
+        obstacles: Mapping[int, Shape],
     ) -> str:
         """Why the disk of a robot, of `radius` m, cannot be at a point (m); "" if it can."""
         where = f"({point[0]:g}, {point[1]:g})"
         beyond = self._scenario.workspace.shape.distance(*point) + radius
         if beyond >= 0.0:
             return f"{where}: robot {robot} would reach {beyond:.3g} m out of the workspace"
-        for number, shape in things.items():
+        for number, shape in obstacles.items():
             depth = radius - shape.distance(*point)
             if depth >= 0.0:
-                return f"{where}: robot {robot} would overlap thing {number} by {depth:.3g} m"
+                return f"{where}: robot {robot} would overlap obstacle {number} by {depth:.3g} m"
         for each in standing:
             depth = radius + self._scenario.spec(each.robot).radius - math.dist(point, each.position)
             if depth >= 0.0:

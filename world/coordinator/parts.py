@@ -1,9 +1,9 @@
-"""Parts: which stand on the floor, and who carries which. Robots ask with their commands, and this decides.
+"""Parts: which stand on the floor, and which robot carries which. Robots ask with their commands.
 
-A part that is taken up is a thing that is gone, and in the same version of the roster its carrier is the
-larger disk, which it keeps clear of everything before it asks. One that is put down appears like any thing,
-once everybody has acknowledged its place, and until then its carrier remains the larger disk. Who falls
-silent stands with what it carries; another robot may take it from there.
+A part that is taken up is an obstacle that is gone, and in the same version of the roster its carrier is the
+larger disk, which it keeps clear of everything before it asks. One that is put down appears like an obstacle,
+once all robots keep clear of its place; until then its carrier remains the larger disk. A silent carrier
+stands with its part, which another robot may take from there.
 """
 
 from __future__ import annotations
@@ -42,10 +42,10 @@ class Parts:
 
     def in_place(self, part: int) -> bool:
         """Whether a part stands at its goal."""
-        place, known = self._places[part], self._lives.things.standing
-        if place.carrier or place.thing not in known:
+        place, known = self._places[part], self._lives.obstacles.standing
+        if place.carrier or place.obstacle not in known:
             return False
-        return known[place.thing].distance(*self._spec(part).goal) <= (
+        return known[place.obstacle].distance(*self._spec(part).goal) <= (
             self._scenario.time.tolerance - self._spec(part).radius
         )
 
@@ -58,9 +58,9 @@ class Parts:
         """Which part a robot carries, 0 if none."""
         return next((each.part for each in self.places if each.carrier == robot), 0)
 
-    def owns(self, thing: int) -> int:
-        """Which part stands, or is to stand, as a thing; 0 if none."""
-        return next((each.part for each in self.places if each.thing == thing), 0)
+    def owns(self, obstacle: int) -> int:
+        """Which part stands, or is to stand, as an obstacle; 0 if none."""
+        return next((each.part for each in self.places if each.obstacle == obstacle), 0)
 
     def recast(self, scenario: Scenario) -> None:
         """Robots came and went."""
@@ -99,10 +99,12 @@ class Parts:
 
     def settle(self) -> bool:
         """Let go of parts that stand; whether a disk is another now."""
-        down = [each for each in self.places if each.carrier and each.thing in self._lives.things.standing]
+        down = [
+            each for each in self.places if each.carrier and each.obstacle in self._lives.obstacles.standing
+        ]
         for place in down:
             self._lives.resize(place.carrier, self._scenario.spec(place.carrier).radius)
-            self._places[place.part] = PartPlace(place.part, place.thing)
+            self._places[place.part] = PartPlace(place.part, place.obstacle)
         self._lives.follow_parts(self.places)
         return bool(down)
 
@@ -113,9 +115,9 @@ class Parts:
         if place.carrier:
             self._take_over(robot, place, at)
             return
-        shape = self._lives.things.standing.get(place.thing)
+        shape = self._lives.obstacles.standing.get(place.obstacle)
         if shape is not None and self._reaches(at[robot], self._scenario.spec(robot).radius, shape):
-            self._lives.take_away(place.thing)
+            self._lives.take_away(place.obstacle)
             self._load(robot, place)
 
     def _take_over(self, robot: int, place: PartPlace, at: Mapping[int, Vector]) -> None:
@@ -139,15 +141,15 @@ class Parts:
         wanted = None if handles is None or handles.part != place.part else handles.place
         down = None if wanted is None else Disk(*wanted, spec.radius)
         fits = down is not None and self._reaches(at[robot], radius, down)
-        if place.thing:
+        if place.obstacle:
             if (heard and not fits) or self._lives.status_of(robot) != "live":
                 self._withdraw(place)
         elif down is not None and fits and self._is_free(down):
             self._places[place.part] = PartPlace(place.part, self._lives.announce(down), robot)
 
     def _withdraw(self, place: PartPlace) -> None:
-        if place.thing:
-            self._lives.take_away(place.thing)
+        if place.obstacle:
+            self._lives.take_away(place.obstacle)
             self._places[place.part] = PartPlace(place.part, carrier=place.carrier)
 
     def _reaches(self, centre: Vector, radius: float, shape: Shape) -> bool:
@@ -157,8 +159,8 @@ class Parts:
 
     def _is_free(self, down: Disk) -> bool:
         """Whether nothing else stands, or is to stand, where a part is put down, and that is inside."""
-        things = self._lives.things
-        others = (*things.standing.values(), *things.appearing.values())
+        obstacles = self._lives.obstacles
+        others = (*obstacles.standing.values(), *obstacles.appearing.values())
         inside = self._scenario.workspace.shape.distance(down.x, down.y) + down.radius <= 0.0
         stands = [(each.position, each.robot) for each in self._lives.standing]
         return (

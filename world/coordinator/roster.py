@@ -15,7 +15,7 @@ from mypy_extensions import mypyc_attr
 
 from protocol import messages
 from protocol.errors import RosterError
-from protocol.messages import Member, PartPlace, Thing, Vector
+from protocol.messages import Member, PartPlace, PlacedObstacle, Vector
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
@@ -37,7 +37,7 @@ class Roster:
         self._heard: dict[int, tuple[int, int]] = {}  # life and version that it has heard, by robot
         self._newest: messages.Roster | None = None
         self._written = past, msgspec.Raw()
-        self._things, self._parts = past.things, past.parts
+        self._obstacles, self._parts = past.obstacles, past.parts
 
     @property
     def standing(self) -> tuple[Member, ...]:
@@ -146,10 +146,10 @@ class Roster:
         """A disk that was announced is in its place, and stands from here on."""
         self._put(replace(self._member(robot), status="standing"))
 
-    def follow_things(self, things: tuple[Thing, ...]) -> None:
+    def follow_obstacles(self, obstacles: tuple[PlacedObstacle, ...]) -> None:
         """Things came, are to come, or went: say so in a new version, once the run is founded."""
-        if things != self._things:
-            self._things = things
+        if obstacles != self._obstacles:
+            self._obstacles = obstacles
             self.version += 1
 
     def follow_parts(self, parts: tuple[PartPlace, ...]) -> None:
@@ -189,7 +189,7 @@ class Roster:
         """The present version."""
         if self._newest is None or self._newest.version != self.version:
             members = tuple(self._members[robot] for robot in sorted(self._members))
-            self._newest = messages.Roster(self.version, members, self._things, self._parts)
+            self._newest = messages.Roster(self.version, members, self._obstacles, self._parts)
         return self._newest
 
     def _member(self, robot: int) -> Member:

@@ -7,16 +7,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from protocol.geometry import Disk, Shape
-from protocol.messages import Presence, Thing, Vector
+from protocol.messages import PlacedObstacle, Presence, Vector
 from protocol.scenario import model
 from protocol.scenario.model import Scenario
 
-MOST = 256  # things that came, at a time: a roster is one message
+MOST = 256  # obstacles that came, at a time: a roster is one message
 MOST_CORNERS = 4096  # of all of them together
 
 
 class Surroundings:
-    """The things of one run.
+    """The obstacles of one run.
 
     Attributes:
         standing: shapes, by number.
@@ -28,7 +28,7 @@ class Surroundings:
         numbered: how many there have been, with those of the scenario at least.
     """
 
-    def __init__(self, scenario: Scenario, changes: Iterable[Thing] = (), numbered: int = 0) -> None:
+    def __init__(self, scenario: Scenario, changes: Iterable[PlacedObstacle] = (), numbered: int = 0) -> None:
         self._room, self._scenario = scenario.workspace.shape, scenario
         self._listed = scenario.shapes
         self.standing: dict[int, Shape] = dict(self._listed)
@@ -42,14 +42,14 @@ class Surroundings:
                 known[change.number] = change.shape
 
     @property
-    def changes(self) -> tuple[Thing, ...]:
-        """What a roster says of things: all but those of the scenario that still stand."""
-        came = {number: _thing(number, "appearing", shape) for number, shape in self.appearing.items()}
+    def changes(self) -> tuple[PlacedObstacle, ...]:
+        """What a roster says of obstacles: all but those of the scenario that still stand."""
+        came = {number: _obstacle(number, "appearing", shape) for number, shape in self.appearing.items()}
         for number, shape in self.standing.items():
             if number not in self._listed:
-                came[number] = _thing(number, "standing", shape)
+                came[number] = _obstacle(number, "standing", shape)
         for number in self._listed.keys() - self.standing.keys():
-            came[number] = Thing(number, "gone")
+            came[number] = PlacedObstacle(number, "gone")
         return tuple(came[number] for number in sorted(came))
 
     def recast(self, scenario: Scenario) -> None:
@@ -57,25 +57,25 @@ class Surroundings:
         self._scenario = scenario
 
     def refusal(self, order: model.Obstacle, positions: Sequence[Vector]) -> str:
-        """Why a thing cannot come; "" if it can.
+        """Why an obstacle cannot come; "" if it can.
 
         Args:
             positions: of all disks in the order of robot ids, m.
         """
         if problem := order.defect():
-            return f"the thing {problem}"
+            return f"the obstacle {problem}"
         shape = order.shape
         came = [each for each in self.changes if each.status != "gone"]
         if len(came) >= MOST:
-            return f"at most {MOST} things that came while the run went on are there at a time"
+            return f"at most {MOST} obstacles that came while the run went on are there at a time"
         if sum(len(each.points) for each in came) + len(order.points or ()) > MOST_CORNERS:
-            return f"all things that came while the run went on have at most {MOST_CORNERS} corners together"
+            return f"obstacles that came while the run went on have at most {MOST_CORNERS} corners together"
         if self._room.distance(shape.around.x, shape.around.y) >= shape.around.radius:
-            return "the thing lies outside of the workspace"
+            return "the obstacle lies outside of the workspace"
         for robot, position in zip(self._scenario.ids, positions, strict=True):
             depth = self._scenario.spec(robot).radius - shape.distance(*position)
             if depth >= 0.0:
-                return f"the thing overlaps robot {robot} by {depth:.3g} m"
+                return f"the obstacle overlaps robot {robot} by {depth:.3g} m"
         return ""
 
     def announce(self, shape: Shape) -> int:
@@ -96,14 +96,14 @@ class Surroundings:
         self.standing[number] = self.appearing.pop(number)
 
 
-def present(listed: Mapping[int, Shape], changes: Iterable[Thing]) -> tuple[Thing, ...]:
+def present(listed: Mapping[int, Shape], changes: Iterable[PlacedObstacle]) -> tuple[PlacedObstacle, ...]:
     """All that stands or is to appear, if a scenario lists these shapes and a roster says these changes."""
-    things = {number: _thing(number, "standing", shape) for number, shape in listed.items()}
-    things |= {change.number: change for change in changes}
-    return tuple(things[number] for number in sorted(things) if things[number].status != "gone")
+    obstacles = {number: _obstacle(number, "standing", shape) for number, shape in listed.items()}
+    obstacles |= {change.number: change for change in changes}
+    return tuple(obstacles[number] for number in sorted(obstacles) if obstacles[number].status != "gone")
 
 
-def _thing(number: int, status: Presence, shape: Shape) -> Thing:
+def _obstacle(number: int, status: Presence, shape: Shape) -> PlacedObstacle:
     if isinstance(shape, Disk):
-        return Thing(number, status, ((shape.x, shape.y),), shape.radius)
-    return Thing(number, status, shape.points)
+        return PlacedObstacle(number, status, ((shape.x, shape.y),), shape.radius)
+    return PlacedObstacle(number, status, shape.points)

@@ -74,7 +74,7 @@ class Operations:
             halted=world.coordinator.halted,
             moving=world.moving,
             roster=world.coordinator.lives.roster,
-            things=present(world.scenario.shapes, world.coordinator.lives.things.changes),
+            obstacles=present(world.scenario.shapes, world.coordinator.lives.obstacles.changes),
             goals=world.goal_statuses(),
         )
         return encode_reply(state, payload)

@@ -88,7 +88,7 @@ class Run:
             world.coordinator.halted,
             world.coordinator.commands.missed,
             dict(self.rejected),
-            world.coordinator.lives.things.changes,
+            world.coordinator.lives.obstacles.changes,
             world.coordinator.newcomers,
             world.coordinator.parts.places,
             world.coordinator.lives.passed_over,

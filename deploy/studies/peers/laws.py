@@ -53,7 +53,7 @@ class Nominal:
 
     def velocity(self, view: View) -> Vector:
         """m/s, at most the speed limit and the random part."""
-        goal = self._attraction.aim(view.position, view.goal, view.things)
+        goal = self._attraction.aim(view.position, view.goal, view.obstacles)
         dx, dy = goal[0] - view.position[0], goal[1] - view.position[1]
         distance = math.hypot(dx, dy)
         if distance <= 0.5 * self._tolerance:
@@ -97,8 +97,8 @@ class Orca:
 
     def velocity(self, view: View) -> Vector:
         """m/s; the simulator is made anew when obstacles change, as it cannot change its own."""
-        if self._things != list(view.things):
-            self._reset(view.things)
+        if self._obstacles != list(view.obstacles):
+            self._reset(view.obstacles)
         moving = (view.displacement[0] / self._period, view.displacement[1] / self._period)
         self._place(self._own, view.position, moving, self._nominal.velocity(view))
         for peer in self._radii:
@@ -108,10 +108,10 @@ class Orca:
         excess = max(1.0, math.hypot(new.x, new.y) / self._speed)
         return new.x / excess, new.y / excess
 
-    def _reset(self, things: Sequence[Shape]) -> None:
+    def _reset(self, obstacles: Sequence[Shape]) -> None:
         from pyrvo import RVOSimulator
 
-        self._things, self._agents = list(things), dict[int, int]()
+        self._obstacles, self._agents = list(obstacles), dict[int, int]()
         self._simulator = RVOSimulator(
             self._period,
             2.0 * self._room.around.radius,
@@ -123,7 +123,7 @@ class Orca:
         )
         first, *others = self._room.outline()
         self._simulator.add_obstacle([first, *reversed(others)])  # clockwise: robots are kept inside
-        for shape in things:
+        for shape in obstacles:
             self._simulator.add_obstacle(shape.outline())
         self._simulator.process_obstacles()
         self._own = self._simulator.add_agent((0.0, 0.0))
@@ -228,7 +228,7 @@ class Barrier:
                 apart -= (tick - state.tick) * self._period * np.array(state.desired)
             rows.append(-apart)
             limits.append(0.5 * share * self._gain * (float(apart @ apart) - (radius + self._radius) ** 2))
-        for disk in obstacle_disks(self._room, view.things, *view.position):
+        for disk in obstacle_disks(self._room, view.obstacles, *view.position):
             apart = own - np.array((disk.x, disk.y))
             rows.append(-apart)
             limits.append(0.5 * self._gain * (float(apart @ apart) - (disk.radius + self._radius) ** 2))

@@ -14,7 +14,7 @@ import msgspec
 
 from deploy.telemetry.scene import Cast, Thinned
 from protocol.codec import DAMAGED
-from protocol.messages import Clock, GoalStatus, Health, Line, Message, Thing, Truth, Vector
+from protocol.messages import Clock, GoalStatus, Health, Line, Message, PlacedObstacle, Truth, Vector
 from protocol.operations import Steering
 from protocol.scenario.model import RobotSpec, Scenario
 
@@ -212,7 +212,7 @@ class View:
         self.missed, self.rejected = 0, dict[str, int]()
         self.halted = False  # by an emergency stop
         self.smallest: float | None = None
-        self.things: tuple[Thing, ...] = ()  # that came or went
+        self.obstacles: tuple[PlacedObstacle, ...] = ()  # that came or went
         self.history: Thinned[Point] = Thinned(HISTORY, _worst)
         self.recent: deque[Truth] = deque(maxlen=_RECENT)
         self._pace: deque[tuple[float, int]] = deque(maxlen=32)
@@ -280,7 +280,7 @@ class View:
     def _on_clock(self, clock: Clock) -> None:
         self.tick, self.verdict, self.reason = max(self.tick, clock.tick), clock.verdict, clock.reason
         self.missed, self.rejected = clock.missed, clock.rejected
-        self.things, self.halted = clock.things, clock.halted
+        self.obstacles, self.halted = clock.obstacles, clock.halted
         down = {each.robot for each in clock.standing}
         active = frozenset(clock.active)
         carried = {place.carrier: place.part for place in clock.parts if place.carrier}

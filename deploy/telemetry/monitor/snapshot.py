@@ -11,7 +11,7 @@ from typing import Any
 
 from deploy.telemetry.monitor.live import ALARMS, RobotView, View
 from protocol.geometry import Disk, Shape
-from protocol.messages import Thing, Truth
+from protocol.messages import PlacedObstacle, Truth
 from protocol.operations import Outcome, Steer
 from protocol.scenario.model import Operation
 
@@ -28,7 +28,7 @@ def overview(view: View) -> dict[str, Any]:
             "description": scenario.description,
             "room": _outline(scenario.workspace.shape),
             "box": scenario.workspace.shape.box,
-            "things": {str(number): _outline(shape) for number, shape in scenario.shapes.items()},
+            "obstacles": {str(number): _outline(shape) for number, shape in scenario.shapes.items()},
             "step": scenario.time.step,
             "limit": scenario.time.limit,
             "speed": scenario.control.speed,
@@ -47,9 +47,9 @@ def _outline(shape: Shape) -> dict[str, Any]:
     return {"points": shape.points}
 
 
-def _change(thing: Thing) -> dict[str, Any] | None:
-    """A thing that came, or None for one that went."""
-    return None if thing.status == "gone" else _outline(thing.shape) | {"status": thing.status}
+def _change(obstacle: PlacedObstacle) -> dict[str, Any] | None:
+    """An obstacle that came, or None for one that went."""
+    return None if obstacle.status == "gone" else _outline(obstacle.shape) | {"status": obstacle.status}
 
 
 def _still(robot: RobotView) -> dict[str, Any]:
@@ -78,7 +78,7 @@ def snapshot(view: View, now: float, since: int = -1) -> dict[str, Any]:
         "router": None if view.router is None else view.router.told(),
         "robots": [_row(view, robot, now, newest) for robot in view.robots.values()],
         "samples": _samples(view, since),
-        "things": {str(thing.number): _change(thing) for thing in view.things},
+        "obstacles": {str(obstacle.number): _change(obstacle) for obstacle in view.obstacles},
     }
 
 

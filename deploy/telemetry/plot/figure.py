@@ -286,10 +286,10 @@ class _Film:
         self.figure = Figure(figsize=_INCHES, layout="constrained")
         self._recording = recording
         self._axes = self.figure.subplots()
-        self._things = frame(self._axes, recording)
+        self._obstacles = frame(self._axes, recording)
         for text in self._axes.texts:
             text.remove()  # a film shows when they come and go
-        for patch, _ in self._things:
+        for patch, _ in self._obstacles:
             patch.set(fill=True, linestyle="-")
         self._title = self._axes.set_title("", loc="left", family="monospace")
         self._robots = participants(recording)
@@ -324,7 +324,7 @@ class _Film:
                 disk.set_center(path[-1])
                 label.set_position(path[-1])
         seconds = float(truths.ticks[step]) * scenario.time.step
-        for patch, stay in self._things:
+        for patch, stay in self._obstacles:
             patch.set_visible(stay.since <= seconds < stay.until)
         gap = 1000.0 * float(truths.clearance[step])
         self._title.set_text(f"{scenario.name}  t = {seconds:4.1f} s  clearance {gap:5.1f} mm")

@@ -93,7 +93,7 @@ def curves(names: Sequence[str]) -> list[Line2D]:
 
 
 class Stay(NamedTuple):
-    """A thing, and from when until when it stood, s of simulated time; infinite if it went never."""
+    """An obstacle, and from when until when it stood, s of simulated time; infinite if it went never."""
 
     shape: Shape
     since: float
@@ -113,10 +113,10 @@ def stays(recording: Recording) -> list[Stay]:
     since, until = dict.fromkeys(shapes, 0.0), dict.fromkeys(shapes, math.inf)
     came: set[int] = set()
     for clock in recording.said(Clock):
-        told = {thing.number: thing for thing in clock.things}
-        for number, thing in told.items():
-            if thing.status == "standing" and number not in shapes:
-                shapes[number], since[number], until[number] = thing.shape, clock.time, math.inf
+        told = {obstacle.number: obstacle for obstacle in clock.obstacles}
+        for number, obstacle in told.items():
+            if obstacle.status == "standing" and number not in shapes:
+                shapes[number], since[number], until[number] = obstacle.shape, clock.time, math.inf
                 came.add(number)
         for number in shapes:
             gone = told[number].status == "gone" if number in told else number in came
@@ -125,7 +125,7 @@ def stays(recording: Recording) -> list[Stay]:
     return [Stay(shapes[number], since[number], until[number]) for number in sorted(shapes)]
 
 
-def draw_things(axes: Axes, recording: Recording) -> list[tuple[Patch, Stay]]:
+def draw_obstacles(axes: Axes, recording: Recording) -> list[tuple[Patch, Stay]]:
     """Draw everything that ever stood: filled what stands at the end, dashed what went."""
     drawn = []
     for stay in stays(recording):
@@ -180,7 +180,7 @@ def frame(axes: Axes, recording: Recording) -> list[tuple[Patch, Stay]]:
     Returns what was drawn of all that ever stood there.
     """
     room = recording.scenario.workspace.shape
-    things = draw_things(axes, recording)
+    obstacles = draw_obstacles(axes, recording)
     axes.add_patch(patch_of(room, fill=False, edgecolor=INK, linewidth=1.2, zorder=2))
     (left, low), (right, high) = room.box
     margin = 0.02 * max(right - left, high - low)
@@ -193,7 +193,7 @@ def frame(axes: Axes, recording: Recording) -> list[tuple[Patch, Stay]]:
         ylabel="y, m",
     )
     axes.grid(visible=False)
-    return things
+    return obstacles
 
 
 def _free(place: np.ndarray, radius: float, others: np.ndarray) -> bool:

@@ -116,10 +116,10 @@ class Goals(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         """The goals of a scenario.
 
         Raises:
-            UsageError: things stand in it, or its workspace is a polygon.
+            UsageError: obstacles stand in it, or its workspace is a polygon.
         """
         if scenario.obstacles:
-            raise UsageError("certificates are for robots alone, not among things")
+            raise UsageError("certificates are for robots alone, not among obstacles")
         specs = [scenario.spec(robot) for robot in scenario.ids]
         goals = tuple((float(spec.goal[0]), float(spec.goal[1])) for spec in specs)
         return cls(goals, tuple(float(spec.radius) for spec in specs), float(scenario.workspace.disk_radius))

@@ -75,7 +75,7 @@ def drive(
             goal=own.goal,
             displacement=(period * vx, period * vy),
             neighbours=known,
-            things=tuple(scenario.shapes.values()),
+            obstacles=tuple(scenario.shapes.values()),
         )
         vx, vy = law.velocity(view)
         assert math.hypot(vx, vy) <= speed * (1.0 + 1e-9), (tick, vx, vy)

@@ -1,4 +1,4 @@
-"""Shortest ways among things, against what is known of them, and the pull along them."""
+"""Shortest ways among obstacles, against what is known of them, and the pull along them."""
 
 from __future__ import annotations
 
@@ -51,10 +51,10 @@ SLIVER = ConvexPolygon(
 @settings(deadline=None, max_examples=60)
 @given(st.lists(shapes, min_size=1, max_size=4), points, points)
 @example([SLIVER], (0.0, 0.0625), (0.0, -0.25))  # from its corner a shorter one is seen
-def test_ways_are_clear_and_no_longer_than_they_say(things, start, goal):
-    """From where the disk itself is clear; from a corner a chord of the ring around a thing may be seen that
-    is clear of the thing, too, so that the rest of the way is a little shorter, never longer."""
-    free = [s for s in things if min(s.distance(*start), s.distance(*goal)) > RADIUS * (1.0 + MARGIN)]
+def test_ways_are_clear_and_no_longer_than_they_say(obstacles, start, goal):
+    """From where the disk itself is clear; from a corner a chord of the ring around an obstacle may be seen
+    that is clear of the obstacle, too, so that the rest of the way is a little shorter, never longer."""
+    free = [s for s in obstacles if min(s.distance(*start), s.distance(*goal)) > RADIUS * (1.0 + MARGIN)]
     route = Route(way_points(ROOM, tuple(free), RADIUS))
     found = route.ahead(start, goal)
     if found is None:
@@ -74,9 +74,9 @@ def test_through_a_gap_that_is_too_narrow_there_is_no_way():
     assert Route(way_points(ROOM, (half, other), 0.5 * RADIUS)).ahead((-0.5, 0.0), (0.5, 0.0)) is not None
 
 
-@pytest.mark.parametrize("things", [(), (Disk(0.0, 0.0, 0.1),)])
-def test_alone_or_in_a_sphere_world_the_pull_is_straight(things):
-    assert Attraction(ROOM, RADIUS).aim((-0.5, 0.0), (0.5, 0.0), things) == (0.5, 0.0)
+@pytest.mark.parametrize("obstacles", [(), (Disk(0.0, 0.0, 0.1),)])
+def test_alone_or_in_a_sphere_world_the_pull_is_straight(obstacles):
+    assert Attraction(ROOM, RADIUS).aim((-0.5, 0.0), (0.5, 0.0), obstacles) == (0.5, 0.0)
 
 
 def test_elsewhere_it_is_along_the_way_and_as_long():
@@ -92,7 +92,7 @@ def test_elsewhere_it_is_along_the_way_and_as_long():
     assert attraction.straight == math.inf
 
 
-def test_once_all_things_are_gone_no_way_winds():
+def test_once_all_obstacles_are_gone_no_way_winds():
     attraction, goal = Attraction(ROOM, RADIUS, alone=True), (0.5, 0.01)
     attraction.aim((-0.5, 0.0), goal, (BOX,))
     assert attraction.winds
@@ -102,7 +102,7 @@ def test_once_all_things_are_gone_no_way_winds():
 
 
 @pytest.mark.parametrize("gap", [1.2, 1.6, 1.99])
-def test_a_way_leads_to_a_goal_that_is_nearer_to_a_thing_than_ways_keep(gap: float):
+def test_a_way_leads_to_a_goal_that_is_nearer_to_a_obstacle_than_ways_keep(gap: float):
     start, goal = (-0.5, 0.0), (0.1 + gap * RADIUS, 0.05)
     corners = way(Route(way_points(ROOM, (BOX,), 2.0 * RADIUS)), start, goal)
     assert corners[-1] == goal
@@ -111,12 +111,12 @@ def test_a_way_leads_to_a_goal_that_is_nearer_to_a_thing_than_ways_keep(gap: flo
 
 def test_of_two_passages_one_that_two_can_pass_is_taken():
     narrow, wide = 0.05, 0.2
-    things = (
+    obstacles = (
         ConvexPolygon([(-0.01, -2.5), (0.01, -2.5), (0.01, -narrow), (-0.01, -narrow)]),
         ConvexPolygon([(-0.01, narrow), (0.01, narrow), (0.01, 0.6), (-0.01, 0.6)]),
         ConvexPolygon([(-0.01, 0.6 + wide), (0.01, 0.6 + wide), (0.01, 2.5), (-0.01, 2.5)]),
     )
     goal = (0.5, 0.0)
-    assert Attraction(ROOM, RADIUS, alone=True).aim((-0.5, 0.0), goal, things) == goal
-    assert Attraction(ROOM, RADIUS).aim((-0.5, 0.0), goal, things)[1] > 0.3
-    assert Attraction(ROOM, RADIUS).aim((-0.5, 0.0), goal, things[:2])[1] > 0.3
+    assert Attraction(ROOM, RADIUS, alone=True).aim((-0.5, 0.0), goal, obstacles) == goal
+    assert Attraction(ROOM, RADIUS).aim((-0.5, 0.0), goal, obstacles)[1] > 0.3
+    assert Attraction(ROOM, RADIUS).aim((-0.5, 0.0), goal, obstacles[:2])[1] > 0.3

@@ -93,11 +93,11 @@ def test_a_way_leads_through_a_gap_that_is_little_wider_than_the_disk(obstacles,
     radius = 0.1
     width = 2.0 * radius * (1.0 + slack)
     room = ConvexPolygon([(-2.0, -1.05), (2.0, -1.05), (2.0, 1.95), (-2.0, 1.95)])
-    things = obstacles(width)
+    obstacles = obstacles(width)
     start, goal = (-1.5, 0.3), (1.5, 0.3)
-    way = [start, *Attraction(room, radius, alone=True).way(start, goal, things)]
+    way = [start, *Attraction(room, radius, alone=True).way(start, goal, obstacles)]
     assert way[-1] == goal
     for (ax, ay), (bx, by) in pairwise(way):
         for part in np.linspace(0.0, 1.0, 501):
             place = ax + part * (bx - ax), ay + part * (by - ay)
-            assert min(shape.distance(*place) for shape in things) >= radius
+            assert min(shape.distance(*place) for shape in obstacles) >= radius

@@ -101,10 +101,10 @@ class _Porter:
 
     def _take(self, position: Vector, roster: KnownRoster) -> None:
         self._place = None
-        near = [place for place in roster.parts if self._is_near(place.thing, position, roster)]
+        near = [place for place in roster.parts if self._is_near(place.obstacle, position, roster)]
         if near and self._rng.random() < 0.9:
             wanted = self._rng.choice(near)
-            self.held = wanted.thing
+            self.held = wanted.obstacle
             self.radius = self._scenario.loaded_radius(self._robot, wanted.part)
             if self._rng.random() < 0.7:  # else it only makes ready to
                 self.handles = Handling(wanted.part, self.radius)
@@ -113,9 +113,9 @@ class _Porter:
             self.radius = self._scenario.loaded_radius(self._robot, part)
             self.handles = Handling(part, self.radius)
 
-    def _is_near(self, thing: int, position: Vector, roster: KnownRoster) -> bool:
-        came = {each.number: each.shape for each in roster.things if each.status == "standing"}
-        shape = {**self._scenario.shapes, **came}.get(thing)
+    def _is_near(self, obstacle: int, position: Vector, roster: KnownRoster) -> bool:
+        came = {each.number: each.shape for each in roster.obstacles if each.status == "standing"}
+        shape = {**self._scenario.shapes, **came}.get(obstacle)
         if shape is None:
             return False
         return shape.distance(*position) - self._scenario.spec(self._robot).radius <= 2.0 * REACH

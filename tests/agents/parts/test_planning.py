@@ -18,19 +18,19 @@ ROOM = Workspace(points=((-0.3, -0.2), (0.3, -0.2), (0.3, 0.2), (-0.3, 0.2)))
 
 
 def scenario(
-    *parts: tuple[tuple[float, float], tuple[float, float]], things: tuple[Obstacle, ...] = ()
+    *parts: tuple[tuple[float, float], tuple[float, float]], obstacles: tuple[Obstacle, ...] = ()
 ) -> Scenario:
     """One robot of 3 cm on the left, and parts of 4 cm."""
     robot = RobotSpec(1, 0.03, (-0.25, 0.0), (-0.25, 0.0))
     return Scenario(
-        (robot,), workspace=ROOM, obstacles=things, parts=tuple(Part(0.04, *ends) for ends in parts)
+        (robot,), workspace=ROOM, obstacles=obstacles, parts=tuple(Part(0.04, *ends) for ends in parts)
     )
 
 
 def planner(setting: Scenario) -> tuple[Planner, Layout]:
     layout = Layout(
         {number: part.start for number, part in enumerate(setting.parts, 1)},
-        tuple(thing.shape for thing in setting.obstacles),
+        tuple(obstacle.shape for obstacle in setting.obstacles),
     )
     return Planner(setting, setting.robots[0].radius), layout
 
@@ -80,7 +80,7 @@ def test_two_that_change_places_have_no_order_but_one_can_make_room() -> None:
 
 def test_no_part_goes_through_a_wall() -> None:
     wall = Obstacle(points=((0.0, -0.2), (0.01, -0.2), (0.01, 0.2), (0.0, 0.2)))
-    plan, layout = planner(scenario(((-0.1, 0.0), (0.15, 0.0)), things=(wall,)))
+    plan, layout = planner(scenario(((-0.1, 0.0), (0.15, 0.0)), obstacles=(wall,)))
     assert list(plan.errands(HOME, layout)) == []
     assert not plan.orders.exists(layout, [HOME])
     assert plan.delivery(1, (0.15, 0.0), (-0.1, 0.0), layout.without(1)) is None
@@ -92,7 +92,9 @@ def test_whoever_shuts_itself_in_brings_nothing_more() -> None:
         Obstacle(points=((-0.1, 0.06), (0.3, 0.06), (0.3, 0.2), (-0.1, 0.2))),
         Obstacle(points=((-0.1, -0.2), (0.3, -0.2), (0.3, -0.06), (-0.1, -0.06))),
     )
-    plan, layout = planner(scenario(((-0.2, 0.1), (-0.05, 0.0)), ((-0.2, -0.1), (0.25, 0.0)), things=walls))
+    plan, layout = planner(
+        scenario(((-0.2, 0.1), (-0.05, 0.0)), ((-0.2, -0.1), (0.25, 0.0)), obstacles=walls)
+    )
     assert {each.part for each in plan.errands(HOME, layout)} == {1, 2}
     assert not plan.orders.leads_on(1, layout, HOME, [])
     assert plan.orders.leads_on(2, layout, HOME, [])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from agents.peers.neighbours import KnownRoster, Neighbours, has_ended
 from agents.peers.state import PeerState
 from protocol.geometry import Disk
-from protocol.messages import Member, Roster, Thing, Vector
+from protocol.messages import Member, PlacedObstacle, Roster, Vector
 
 FIRST = Roster(1, (Member(1, 1, "live", 0.1), Member(2, 1, "live", 0.1)))
 LATER = Roster(3, (FIRST.members[0], Member(2, 1, "standing", 0.1, (0.5, 0.0))))
@@ -23,10 +23,13 @@ def test_only_what_a_newer_roster_says_anew_of_others_is_news() -> None:
 
 
 def test_obstacles_are_those_of_the_scenario_but_for_what_came_and_went() -> None:
-    listed, came = {1: Disk(0.0, 0.0, 0.1), 2: Disk(1.0, 0.0, 0.1)}, Thing(3, "appearing", ((2.0, 0.0),), 0.2)
+    listed, came = (
+        {1: Disk(0.0, 0.0, 0.1), 2: Disk(1.0, 0.0, 0.1)},
+        PlacedObstacle(3, "appearing", ((2.0, 0.0),), 0.2),
+    )
     known = KnownRoster(1, listed)
     assert known.shapes == list(listed.values())
-    known.update(Roster(2, (), (Thing(1, "gone"), came)))
+    known.update(Roster(2, (), (PlacedObstacle(1, "gone"), came)))
     assert known.shapes == [listed[2], came.shape]
 
 

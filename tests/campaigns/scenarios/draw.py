@@ -32,7 +32,7 @@ from protocol.scenario.model import (
 from tests.campaigns.campaign import Dice
 from tests.campaigns.scenarios.disturbances import Scale, actuation, link, network, sensing
 from tests.campaigns.scenarios.events import Fleet, orders, sensible, stories
-from tests.campaigns.scenarios.places import around, by_points, drawn_together, loads, scattered, things
+from tests.campaigns.scenarios.places import around, by_points, drawn_together, loads, obstacles, scattered
 
 BUDGET = (120.0, 3000.0)  # robots times ticks
 TICKS = (6, 400)
@@ -57,7 +57,7 @@ def drawn(dice: Dice) -> Scenario | None:
     control = _control(dice, scale, resolved(Scenario(robots, workspace=workspace)).k)
     body, robots = bodies(dice, scale, control.speed, robots)
     room = around(dice, workspace, robots)
-    standing = things(dice, robots, workspace.disk_radius, room.shape)
+    standing = obstacles(dice, robots, workspace.disk_radius, room.shape)
     parts, carrying = loads(dice, robots, standing, room.shape)
     faults = stories(dice, scale.robots, scale.ticks, scale.step)
     scenario = Scenario(
@@ -253,7 +253,7 @@ def shifted(scenario: Scenario, dx: float, dy: float) -> Scenario:
     def robot(spec: RobotSpec) -> RobotSpec:
         return replace(spec, start=moved(spec.start), goal=moved(spec.goal))
 
-    def thing(each: Obstacle) -> Obstacle:
+    def obstacle(each: Obstacle) -> Obstacle:
         if each.points is not None:
             return Obstacle(points=tuple(map(moved, each.points)))
         assert each.center is not None
@@ -267,7 +267,7 @@ def shifted(scenario: Scenario, dx: float, dy: float) -> Scenario:
             each,
             goal=None if each.goal is None else journey(each.goal),
             add=None if each.add is None else robot(each.add),
-            place=None if each.place is None else thing(each.place),
+            place=None if each.place is None else obstacle(each.place),
         )
 
     assert scenario.workspace.points is not None
@@ -275,7 +275,7 @@ def shifted(scenario: Scenario, dx: float, dy: float) -> Scenario:
         scenario,
         workspace=Workspace(points=tuple(map(moved, scenario.workspace.points))),
         robots=tuple(map(robot, scenario.robots)),
-        obstacles=tuple(map(thing, scenario.obstacles)),
+        obstacles=tuple(map(obstacle, scenario.obstacles)),
         parts=tuple(Part(part.radius, moved(part.start), moved(part.goal)) for part in scenario.parts),
         orders=tuple(map(order, scenario.orders)),
     )

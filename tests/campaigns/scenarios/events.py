@@ -11,7 +11,7 @@ from protocol.scenario.checks import EVENTS
 from protocol.scenario.model import Journey, Obstacle, Order, Point, ProcessFault, RobotSpec
 from tests.campaigns.campaign import Dice
 from tests.campaigns.scenarios.disturbances import Scale
-from tests.campaigns.scenarios.places import anywhere, beside, one_thing
+from tests.campaigns.scenarios.places import anywhere, beside, one_obstacle
 
 Event = Literal["kill", "pause", "resume", "restart"]
 Step = tuple[int, Event]  # ticks since the story began, and what happens then
@@ -81,7 +81,7 @@ def sensible(faults: Iterable[ProcessFault]) -> tuple[ProcessFault, ...]:
 
 
 _ROBOTS = ("goal", "goal", "guest", "guest", "guest", "leaves", "comes back", "comes back", "meets")
-_KINDS = (*_ROBOTS, "thing", "thing", "thing and away", "taken", "halt")
+_KINDS = (*_ROBOTS, "obstacle", "obstacle", "obstacle and away", "taken", "halt")
 _GAPS = (1e-9, 1e-6, 1e-3, 0.3)  # of the radius, between the starts of a guest and of the robot beside it
 _SOON = (0, 1, 1, 2, 3, 5, 10)  # ticks
 
@@ -91,7 +91,7 @@ class Fleet:
     """What orders are about: robots, static obstacles, and the room."""
 
     robots: tuple[RobotSpec, ...]
-    things: tuple[Obstacle, ...]
+    obstacles: tuple[Obstacle, ...]
     room: Shape
 
     @property
@@ -127,8 +127,8 @@ def orders(
         told = (_of_robots if kind in _ROBOTS else _of_others)(dice, kind, fleet, tuple(asked))
         possible = ((after, order) for after, order in told if _is_inside(order, fleet.room))
         asked += [replace(order, at=(begin + after) * scale.step) for after, order in possible]
-    things = len(fleet.things) + sum(order.place is not None for order in asked)
-    asked = [order for order in asked if order.take is None or order.take <= things]
+    obstacles = len(fleet.obstacles) + sum(order.place is not None for order in asked)
+    asked = [order for order in asked if order.take is None or order.take <= obstacles]
     return tuple(sorted(asked, key=lambda order: order.at))
 
 
@@ -166,17 +166,17 @@ def _of_robots(dice: Dice, kind: str, fleet: Fleet, before: tuple[Order, ...]) -
 
 
 def _of_others(dice: Dice, kind: str, fleet: Fleet, before: tuple[Order, ...]) -> Iterator[tuple[int, Order]]:
-    """Ticks since it began, and what is asked of things, or of all, then."""
+    """Ticks since it began, and what is asked of obstacles, or of all, then."""
     later = dice.pick(_SOON)
-    number = len(fleet.things) + 1 + sum(order.place is not None for order in before)
+    number = len(fleet.obstacles) + 1 + sum(order.place is not None for order in before)
     match kind:
-        case "thing":
-            yield 0, Order(0.0, place=one_thing(dice, fleet.robots, fleet.reach, fleet.centre))
-        case "thing and away":
-            yield 0, Order(0.0, place=one_thing(dice, fleet.robots, fleet.reach, fleet.centre))
+        case "obstacle":
+            yield 0, Order(0.0, place=one_obstacle(dice, fleet.robots, fleet.reach, fleet.centre))
+        case "obstacle and away":
+            yield 0, Order(0.0, place=one_obstacle(dice, fleet.robots, fleet.reach, fleet.centre))
             yield later, Order(0.0, take=dice.pick((number, dice.whole(1, number))))
-        case "taken" if fleet.things:
-            yield 0, Order(0.0, take=dice.whole(1, len(fleet.things)))
+        case "taken" if fleet.obstacles:
+            yield 0, Order(0.0, take=dice.whole(1, len(fleet.obstacles)))
         case "halt":
             yield 0, Order(0.0, halt=True)
             yield later, Order(0.0, halt=False)

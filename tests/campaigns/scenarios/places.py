@@ -175,20 +175,20 @@ def _enclosed(sides: Sequence[tuple[float, float, float]], far: float) -> tuple[
     return tuple(corners)
 
 
-def things(dice: Dice, robots: Sequence[RobotSpec], workspace: float, room: Shape) -> tuple[Obstacle, ...]:
+def obstacles(dice: Dice, robots: Sequence[RobotSpec], workspace: float, room: Shape) -> tuple[Obstacle, ...]:
     """None in most scenarios; else a few disks and polygons that cover no start and no goal.
 
     Half of them stand right beside a robot. `workspace` is its radius, m.
     """
     if not dice.chance(0.35):
         return ()
-    drawn = [one_thing(dice, robots, workspace, (0.0, 0.0)) for _ in range(_TRIES)]
+    drawn = [one_obstacle(dice, robots, workspace, (0.0, 0.0)) for _ in range(_TRIES)]
     clear = [
-        thing
-        for thing in drawn
-        if room.distance(thing.shape.around.x, thing.shape.around.y) < 0.0
+        obstacle
+        for obstacle in drawn
+        if room.distance(obstacle.shape.around.x, obstacle.shape.around.y) < 0.0
         and all(
-            thing.shape.distance(*point) > robot.radius
+            obstacle.shape.distance(*point) > robot.radius
             for robot in robots
             for point in (robot.start, robot.goal)
         )
@@ -196,7 +196,7 @@ def things(dice: Dice, robots: Sequence[RobotSpec], workspace: float, room: Shap
     return tuple(clear[: dice.whole(1, 5)])
 
 
-def one_thing(dice: Dice, robots: Sequence[RobotSpec], workspace: float, centre: Point) -> Obstacle:
+def one_obstacle(dice: Dice, robots: Sequence[RobotSpec], workspace: float, centre: Point) -> Obstacle:
     """A disk or a polygon, half of the time right beside where a robot begins.
 
     Args:
@@ -250,9 +250,9 @@ def loads(
     if not dice.chance(some) or smallest < _SMALLEST * room.around.radius:
         return (), Carrying()
     carrying = Carrying(smallest * dice.pick((0.1, 0.3, dice.log_uniform(0.03, 2.0))))
-    things = [thing.shape for thing in standing]
-    starts: list[Shape] = [*things, *(Disk(*robot.start, robot.radius) for robot in robots)]
-    goals: list[Shape] = [*things, *(Disk(*robot.goal, robot.radius) for robot in robots)]
+    obstacles = [obstacle.shape for obstacle in standing]
+    starts: list[Shape] = [*obstacles, *(Disk(*robot.start, robot.radius) for robot in robots)]
+    goals: list[Shape] = [*obstacles, *(Disk(*robot.goal, robot.radius) for robot in robots)]
     alike, found = dice.chance(0.5), list[Part]()
     for _ in range(_TRIES):
         radius = found[0].radius if alike and found else smallest * dice.log_uniform(0.7, 2.5)

@@ -73,7 +73,7 @@ def test_moving_ai_counts_rows_from_the_north_and_gives_every_robot_cells_of_its
         ((0.5, 2.5), (4.5, 0.5)),
         ((4.5, 2.5), (0.5, 2.5)),
     ]
-    boxes = sorted(thing.shape.box for thing in scenario.obstacles)
+    boxes = sorted(obstacle.shape.box for obstacle in scenario.obstacles)
     assert boxes == [((0.0, 0.0), (1.0, 1.0)), ((2.0, 1.0), (4.0, 2.0))]
     with pytest.raises(UsageError, match="2 starts and goals"):
         imported(tmp_path / "m.scen", Options(robots=3))

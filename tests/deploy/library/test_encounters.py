@@ -1,4 +1,4 @@
-"""The library's scenarios with things, each with the property that it is there for."""
+"""The library's scenarios with obstacles, each with the property that it is there for."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_check_says_which_theorem_does_not_apply_and_why() -> None:
     assert any("polygon" in reason for reason in found.reasons)
     assert any("several robots" in reason for reason in found.reasons)
     assert found.unreachable == ()
-    assert found.to_json()["things"] == 40
+    assert found.to_json()["obstacles"] == 40
 
 
 def test_check_names_a_goal_that_cannot_be_reached() -> None:

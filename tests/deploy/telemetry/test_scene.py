@@ -74,16 +74,18 @@ def test_goals_move_with_orders_and_robots_that_are_down_turn_red() -> None:
     assert not list(scene.hear(Clock(5, 0.25, (3,), (Standing(7, 1, (0.0, 0.0)),), "")))
 
 
-def test_things_that_come_or_go_change_the_room() -> None:
+def test_obstacles_that_come_or_go_change_the_room() -> None:
     scene = FleetScene(SCENARIO)
-    came = messages.Thing(3, "standing", ((0.2, 0.1),), 0.01)
-    (room,) = scene.hear(Clock(1, 0.05, (3, 7), (), "", things=(came, messages.Thing(1, "gone"))))
+    came = messages.PlacedObstacle(3, "standing", ((0.2, 0.1),), 0.01)
+    (room,) = scene.hear(Clock(1, 0.05, (3, 7), (), "", obstacles=(came, messages.PlacedObstacle(1, "gone"))))
     (entity,) = content(room)["entities"]
     assert [len(each["points"]) for each in entity["triangles"]] == [
         3,
         3 * 46,
-    ]  # thing 2, and 3 of 48 corners
-    assert not list(scene.hear(Clock(2, 0.1, (3, 7), (), "", things=(came, messages.Thing(1, "gone")))))
+    ]  # obstacle 2, and 3 of 48 corners
+    assert not list(
+        scene.hear(Clock(2, 0.1, (3, 7), (), "", obstacles=(came, messages.PlacedObstacle(1, "gone"))))
+    )
 
 
 def test_lines_are_drawn_between_those_who_are_near() -> None:

@@ -28,8 +28,8 @@ def hall(slack: float, robots: int = 1, scale: float = 1.0, law: str = "gradient
         RobotSpec(n, RADIUS * scale, (x * scale, y * scale), (scale * (HALL - x), scale * (HALL - y)))
         for n, (x, y) in enumerate(starts, 1)
     ]
-    things = [wall(0.0, 20.0 - half), wall(20.0 + half, HALL)]
-    scaled = [Obstacle(points=tuple((x * scale, y * scale) for x, y in each.points)) for each in things]
+    obstacles = [wall(0.0, 20.0 - half), wall(20.0 + half, HALL)]
+    scaled = [Obstacle(points=tuple((x * scale, y * scale) for x, y in each.points)) for each in obstacles]
     corners = ((0.0, 0.0), (HALL * scale, 0.0), (HALL * scale, HALL * scale), (0.0, HALL * scale))
     return validated(
         Scenario(

@@ -89,7 +89,7 @@ def test_faults_may_name_guests() -> None:
 SQUARE = "[workspace]\npoints = [[-1, -1], [1, -1], [1, 1], [-1, 1]]\n"
 
 
-def test_a_polygon_and_things_are_read_and_written_back():
+def test_a_polygon_and_obstacles_are_read_and_written_back():
     disk = "[[obstacles]]\ncenter = [0.0, 0.5]\nradius = 0.1\n"
     text = SQUARE + disk + "[[obstacles]]\npoints = [[0, 0.1], [0, 0.3], [0.1, 0.1]]\n"
     scenario = parse_toml(text + ROBOT)

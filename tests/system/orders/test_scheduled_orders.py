@@ -48,7 +48,7 @@ def test_all_are_carried_out_and_what_cannot_be_is_refused(report: dict[str, Any
     assert [order["tick"] for order in report["orders"]] == [10, 20, 30, 40, 50, 60, 61, 80, 80, 84, 86]
     refused = [order["refused"] for order in report["orders"] if order["refused"]]
     assert len(refused) == 2
-    assert refused[0] == "there is no thing 1"
+    assert refused[0] == "there is no obstacle 1"
     assert "no robot 3" in refused[1]
     assert report["faults"]["given_up"] == []
     assert report["positions"]["1"] == pytest.approx((-0.2, 0.0), abs=0.006)

@@ -55,7 +55,7 @@ def test_a_part_that_is_taken_up_is_gone_and_its_carrier_larger() -> None:
     assert (where(found), radius(found, 1)) == (PartPlace(1, 1), SMALL)
     tick(found, {1: TAKE})
     assert (where(found), radius(found, 1)) == (PartPlace(1, carrier=1), LARGE)
-    assert not found.coordinator.lives.things.standing
+    assert not found.coordinator.lives.obstacles.standing
     assert found.report()["collisions"] == 0
 
 
@@ -97,7 +97,7 @@ def test_who_no_longer_asks_has_put_nothing_down() -> None:
     tick(found, {1: PUT}, kept=False)
     tick(found, kept=False)
     assert where(found) == PartPlace(1, carrier=1)
-    assert not found.coordinator.lives.things.appearing
+    assert not found.coordinator.lives.obstacles.appearing
 
 
 def test_who_dies_stands_with_what_it_carries_until_another_takes_it() -> None:

@@ -10,7 +10,7 @@ import pytest
 from agents.robot import Robot
 from protocol.codec import decode
 from protocol.errors import MessageError
-from protocol.messages import Roster, Thing, Tick
+from protocol.messages import PlacedObstacle, Roster, Tick
 from protocol.scenario.model import Obstacle as Listed
 from protocol.scenario.model import Operation, Workspace
 from tests.world.driving import advance, joined, obeying, scenario
@@ -33,16 +33,16 @@ def world() -> World:
 
 
 def statuses(found: World) -> dict[int, str]:
-    return {each.number: each.status for each in found.coordinator.lives.things.changes}
+    return {each.number: each.status for each in found.coordinator.lives.obstacles.changes}
 
 
-def test_a_thing_appears_once_everybody_keeps_clear_of_it() -> None:
+def test_a_obstacle_appears_once_everybody_keeps_clear_of_it() -> None:
     found = world()
     reply = found.operate(Operation(place=WALL))
     assert (reply.accepted, reply.number) == (True, 2)
     told = found.open_tick()
     assert statuses(found) == {2: "appearing"}
-    assert [each.shape for each in told[1].roster.things] == [WALL.shape]
+    assert [each.shape for each in told[1].roster.obstacles] == [WALL.shape]
     found.close_tick()
     told = found.open_tick()
     for robot, clear in ((1, True), (2, False)):
@@ -60,11 +60,11 @@ def test_what_the_scenario_lists_can_go_and_leaves_the_judge() -> None:
     for _ in range(4):
         advance(found, {1: (0.1, 0.03)})
     assert not found.operate(Operation(take=1)).accepted
-    assert "no thing 1" in found.operate(Operation(take=1)).text
+    assert "no obstacle 1" in found.operate(Operation(take=1)).text
     assert found.report()["collisions"] == 0
 
 
-def test_a_thing_that_came_is_judged_and_then_forgotten() -> None:
+def test_a_obstacle_that_came_is_judged_and_then_forgotten() -> None:
     found = world()
     number = found.operate(Operation(place=Listed(center=(-0.3, 0.0), radius=0.02))).number
     for _ in range(3):
@@ -73,7 +73,7 @@ def test_a_thing_that_came_is_judged_and_then_forgotten() -> None:
         advance(found, {1: (0.1, 0.0)})
     assert [contact["pair"] for contact in found.report()["contacts"]] == [[-number, 1]]
     found.operate(Operation(take=number))
-    assert found.coordinator.lives.things.changes == ()
+    assert found.coordinator.lives.obstacles.changes == ()
 
 
 @pytest.mark.parametrize(
@@ -96,7 +96,7 @@ def test_a_refusal_says_why_and_changes_nothing(order: Listed, words: str) -> No
     assert found.coordinator.past == before
 
 
-def test_a_thing_on_a_goal_is_accepted_with_a_warning() -> None:
+def test_a_obstacle_on_a_goal_is_accepted_with_a_warning() -> None:
     reply = world().operate(Operation(place=Listed(center=(0.4, 0.05), radius=0.02)))
     assert (reply.accepted, reply.text) == (True, "covers the goal of robot 1")
 
@@ -119,7 +119,7 @@ def test_a_robot_in_the_way_gets_off_before_anything_is_put_up() -> None:
 
 
 def test_what_is_no_shape_is_dropped_on_arrival() -> None:
-    tick = msgspec.to_builtins(Tick(1, 1, 0, (), roster=Roster(1, (), (Thing(1, "standing", BOX),))))
+    tick = msgspec.to_builtins(Tick(1, 1, 0, (), roster=Roster(1, (), (PlacedObstacle(1, "standing", BOX),))))
     for points in ([], [[0.0, 0.0], [1.0, 0.0]], [BOX[0], BOX[2], BOX[1], BOX[3]]):
         tick[7][2][0][2] = points
         with pytest.raises(MessageError):

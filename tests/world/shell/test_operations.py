@@ -39,7 +39,7 @@ def test_a_log_holds_every_order_and_a_person_hears_of_every_stop() -> None:
     assert noted[0] == "tick 0: robot 2 is sent to [(0.05, 0.02)]"
     assert noted[1].startswith("tick 0: robot 2 is sent to [(9.0, 0.0)]: refused, ")
     assert noted[2].startswith("tick 0: robot 1 goes")
-    assert noted[3].startswith("tick 0: a thing comes")
+    assert noted[3].startswith("tick 0: an obstacle comes")
     assert len(noted) == 4
 
 

@@ -62,15 +62,15 @@ export class Model {
   }
 
   // What stands in the workspace, or is about to.
-  get things() {
-    return Object.values({ ...this.overview.things, ...this.frame?.things }).filter((thing) => thing !== null);
+  get obstacles() {
+    return Object.values({ ...this.overview.obstacles, ...this.frame?.obstacles }).filter((obstacle) => obstacle !== null);
   }
 
-  // From the disk of a robot to the nearest other one, thing or wall, m, where all were last.
+  // From the disk of a robot to the nearest other one, obstacle or wall, m, where all were last.
   clearance(robot) {
-    const things = this.things.filter((thing) => thing.status !== "appearing");
+    const obstacles = this.obstacles.filter((obstacle) => obstacle.status !== "appearing");
     const disks = this.robots.filter((other) => other !== robot).map((other) => distance(robot.to, other.to) - other.radius);
-    return Math.min(-gap(this.overview.room, robot.to), ...things.map((thing) => gap(thing, robot.to)), ...disks) - robot.radius;
+    return Math.min(-gap(this.overview.room, robot.to), ...obstacles.map((obstacle) => gap(obstacle, robot.to)), ...disks) - robot.radius;
   }
 
   // Where a robot is drawn: on its way between the last two frames. A refresh of the screen may have begun

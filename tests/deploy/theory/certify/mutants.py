@@ -1,4 +1,4 @@
-"""The search's sources with one thing turned."""
+"""The search's sources with one detail turned."""
 
 from __future__ import annotations
 

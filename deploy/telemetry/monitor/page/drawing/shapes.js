@@ -13,15 +13,15 @@ export function outline(space, { center, radius, points }) {
   return path;
 }
 
-export function drawThing(space, thing) {
+export function drawObstacle(space, obstacle) {
   const { context } = space;
-  const path = outline(space, thing);
+  const path = outline(space, obstacle);
   context.fillStyle = context.strokeStyle = space.colour("muted");
   context.globalAlpha = 0.3;
-  if (thing.status !== "appearing") context.fill(path);
+  if (obstacle.status !== "appearing") context.fill(path);
   context.globalAlpha = 1;
   context.lineWidth = 1.25;
-  if (thing.status === "appearing") context.setLineDash([4, 4]);
+  if (obstacle.status === "appearing") context.setLineDash([4, 4]);
   context.stroke(path);
   context.setLineDash([]);
 }

@@ -1,7 +1,7 @@
 // The picture: workspace, goals, trails, disks, velocities, separating lines.
 import { Painted } from "./canvas.js";
 import { gap } from "../geometry.js";
-import { drawArrow, drawDisk, drawGoal, drawLabel, drawRing, drawSeparatingLine, drawTarget, drawThing, drawTrail, drawWay, outline } from "./shapes.js";
+import { drawArrow, drawDisk, drawGoal, drawLabel, drawRing, drawSeparatingLine, drawTarget, drawObstacle, drawTrail, drawWay, outline } from "./shapes.js";
 
 const MARGIN = 10; // px
 const ARROW_SECONDS = 0.4; // an arrow is as long as the way of so many seconds
@@ -29,7 +29,7 @@ export class Workspace extends Painted {
     this.middle = [(left + right) / 2, (low + high) / 2];
     this.scale = Math.min((this.width - 2 * MARGIN) / (right - left), (this.height - 2 * MARGIN) / (high - low));
     this.drawFloor(overview);
-    this.model.things.forEach((thing) => drawThing(this, thing));
+    this.model.obstacles.forEach((obstacle) => drawObstacle(this, obstacle));
     const places = robots.map((robot) => this.model.place(robot, now));
     this.crowd = robots.length > CROWD;
     if (this.layers.trails()) robots.forEach((robot, i) => drawTrail(this, robot, places[i], this.stress(robot)));

@@ -1,4 +1,4 @@
-"""Where skirmishes take place: little room, things in it, and few robots, all of it drawn from a seed."""
+"""Where skirmishes take place: little room, obstacles in it, and few robots, all of it drawn from a seed."""
 
 from __future__ import annotations
 
@@ -49,13 +49,13 @@ def drawn(seed: int, rng: Random) -> Scenario:
         control=Control(k=20.0, speed=SPEED),
         sensing=(sensing,),
         actuation=Actuation(rng.choice((0.0, 0.0, 0.1))),
-        obstacles=_things(seed, specs, room),
+        obstacles=_obstacles(seed, specs, room),
         body=_body(seed),
         network=_network(seed),
     )
 
 
-def thing_beside(rng: Random, place: Vector) -> Obstacle:
+def obstacle_beside(rng: Random, place: Vector) -> Obstacle:
     """A disk or a thin wall some way off a robot, where it may soon be."""
     turn, far, size = rng.uniform(0.0, math.tau), rng.uniform(0.0, 0.12), rng.uniform(0.003, 0.02)
     cos, sin = math.cos(turn), math.sin(turn)
@@ -98,19 +98,19 @@ def _room(seed: int, room: float) -> Workspace:
     return Workspace(points=tuple((reach * math.cos(each), reach * math.sin(each)) for each in angles))
 
 
-def _things(seed: int, specs: list[RobotSpec], room: float) -> tuple[Obstacle, ...]:
+def _obstacles(seed: int, specs: list[RobotSpec], room: float) -> tuple[Obstacle, ...]:
     """None; in one of four runs up to three, close to where the robots begin."""
     if seed % 4 != 3:
         return ()
-    rng = Random(f"things {seed}")
-    drawn = [_thing(rng, room) for _ in range(40)]
+    rng = Random(f"obstacles {seed}")
+    drawn = [_obstacle(rng, room) for _ in range(40)]
     clear = [
         each for each in drawn if all(each.shape.distance(*spec.start) > spec.radius + 1e-3 for spec in specs)
     ]
     return tuple(clear[: rng.randint(1, 3)])
 
 
-def _thing(rng: Random, room: float) -> Obstacle:
+def _obstacle(rng: Random, room: float) -> Obstacle:
     x, y = rng.uniform(-room, room), rng.uniform(-room, room)
     if rng.random() < 0.4:
         return Obstacle(center=(x, y), radius=rng.uniform(0.005, 0.06))

@@ -1,4 +1,4 @@
-"""Whether disks overlapped each other, a thing or the wall while everybody moved straight for a tick."""
+"""Whether disks overlapped each other, an obstacle or the wall while everybody moved straight for a tick."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ TOLERANCE = 2e-9  # m
 
 
 def overlap(
-    scenario: Scenario, things: Mapping[int, Shape], before: Sequence[Vector], after: Sequence[Vector]
+    scenario: Scenario, obstacles: Mapping[int, Shape], before: Sequence[Vector], after: Sequence[Vector]
 ) -> str:
     """Which disk overlapped what, and by how much; "" if none did. Places in the order of the ids, m."""
     ids = scenario.ids
@@ -23,12 +23,12 @@ def overlap(
         if outside > TOLERANCE:
             return f"robot {robot} is out of the workspace by {outside:.3g} m"
         way = math.dist(before[number], after[number])
-        for thing, shape in things.items():
+        for obstacle, shape in obstacles.items():
             if shape.distance(*after[number]) > radius + way:
                 continue  # it was never nearer by more than its way
             excess = radius - _nearest(shape, before[number], after[number])
             if excess > TOLERANCE:
-                return f"robot {robot} and thing {thing} overlap by {excess:.3g} m"
+                return f"robot {robot} and obstacle {obstacle} overlap by {excess:.3g} m"
         for index in range(number):
             contact = radius + scenario.spec(ids[index]).radius
             excess = contact - _closest(before[number], before[index], after[number], after[index])

@@ -1,4 +1,4 @@
-"""Whole robots in a world: each drives at another, at a thing or at the wall, and whatever can go wrong does.
+"""Whole robots in a world: each drives at another, at an obstacle or the wall, and all that can fail does.
 
 World, robots, and all that is in them are the real ones; only the law is replaced by one that wants to
 collide. The model is what lies between: processes that die, sleep and wake over an old queue, come late, talk
@@ -56,7 +56,7 @@ class Skirmish:
         self.waits = rng.random() < 0.5  # whether the States of a tick are heard before its commands
         self.before: list[Vector] = list(self.world.truth.positions)
         self.operator = Random(f"operator {seed}") if self.scenario.obstacles else None
-        self.things = self.scenario.shapes  # that stand in this tick
+        self.obstacles = self.scenario.shapes  # that stand in this tick
         self.network = Random(f"summaries {seed}") if self.scenario.hears_near else None
         self.tokens = Random(f"tokens {seed}")
         for robot in self.scenario.ids:
@@ -84,7 +84,7 @@ class Skirmish:
         for command in (*self.late, *self.late):
             world.accept(command)
         self.late = self.late[-20:]
-        self.things = dict(world.coordinator.lives.things.standing)
+        self.obstacles = dict(world.coordinator.lives.obstacles.standing)
         if self.network is not None:
             self._cut_off(self.tokens)
         world.close_tick()
@@ -131,18 +131,18 @@ class Skirmish:
 
     def _operate(self, rng: Random) -> None:
         """Something comes or goes."""
-        book = self.world.coordinator.lives.things
+        book = self.world.coordinator.lives.obstacles
         here = [*book.standing, *book.appearing]
         if here and rng.random() < 0.3:
             self.world.operate(Operation(take=rng.choice(here)))
             return
-        thing = arena.thing_beside(rng, rng.choice(self.before))
+        obstacle = arena.obstacle_beside(rng, rng.choice(self.before))
         if self.world.coordinator.lives.founded and rng.random() < 0.3:
             self.world.coordinator.lives.announce(
-                thing.shape
+                obstacle.shape
             )  # the world refuses what is on a robot; the roster need not
         else:
-            self.world.operate(Operation(place=thing))
+            self.world.operate(Operation(place=obstacle))
 
     def _together(self, awake: list[_Process]) -> None:
         """All States are on their way before anybody commands."""
@@ -163,7 +163,7 @@ class Skirmish:
     def violation(self) -> str:
         """What is wrong with where the disks are, or how they came there; "" if nothing."""
         after = list(self.world.truth.positions)
-        return overlap(self.scenario, self.things, self.before, after)
+        return overlap(self.scenario, self.obstacles, self.before, after)
 
     # -- processes
 

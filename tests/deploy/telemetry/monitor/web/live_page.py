@@ -47,7 +47,7 @@ class Shown:
             self.page.wait_for_timeout(40)
 
     def wait_for_frames(self, count: int) -> None:
-        """Until the page has been told so often how things stand; they come at a fixed rate, held or not."""
+        """Until the page has had so many frames; they come at a fixed rate, held or not."""
         enough = self.frames + count
         self.wait_until(lambda: self.frames >= enough)
 

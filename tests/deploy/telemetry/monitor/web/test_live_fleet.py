@@ -127,7 +127,7 @@ PLACES = """async () => {
   const { Model } = await import('/model.js');
   const model = new Model();
   const robot = { id: 1, radius: 0.1, start: [0, 0], goal: [1, 1], trail: [] };
-  model.begin({ scenario: 's', run: 'r', room: {}, things: {}, robots: [robot], history: [], tick: -1 });
+  model.begin({ scenario: 's', run: 'r', room: {}, obstacles: {}, robots: [robot], history: [], tick: -1 });
   const frame = (tick, place) => ({ robots: [{ goal: [1, 1] }], samples: [[tick, tick, 1, 1, [place]]] });
   model.take(frame(1, [0.2, 0.4]), 1000);
   model.take(frame(2, [0.4, 0.2]), 1100);

@@ -45,16 +45,19 @@ def step(fleet: LocalFleet, ticks: int) -> None:
         assert fleet.step()
 
 
-def test_a_thing_that_is_placed_is_kept_clear_of_until_it_is_taken() -> None:
+def test_a_obstacle_that_is_placed_is_kept_clear_of_until_it_is_taken() -> None:
     fleet = LocalFleet(LISTED)
     step(fleet, 5)
     reply = asked(fleet, BAR)
     assert (reply["accepted"], reply["number"]) == (True, 2)
-    assert [(thing[0], thing[1]) for thing in reply["things"]] == [(1, "standing"), (2, "appearing")]
+    assert [(obstacle[0], obstacle[1]) for obstacle in reply["obstacles"]] == [
+        (1, "standing"),
+        (2, "appearing"),
+    ]
     step(fleet, 3)
-    assert [thing[1] for thing in asked(fleet)["things"]] == ["standing", "standing"]
+    assert [obstacle[1] for obstacle in asked(fleet)["obstacles"]] == ["standing", "standing"]
     assert asked(fleet, {"take": 1})["accepted"]
-    assert [thing[0] for thing in asked(fleet)["things"]] == [2]
+    assert [obstacle[0] for obstacle in asked(fleet)["obstacles"]] == [2]
     report = fleet.execute()
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
 
@@ -66,11 +69,11 @@ def test_a_restarted_world_knows_what_came_and_went(tmp_path: Path) -> None:
     assert asked(fleet, BAR)["accepted"]
     step(fleet, 3)
     assert asked(fleet, {"take": 1})["accepted"]
-    before = asked(fleet)["things"]
+    before = asked(fleet)["obstacles"]
     fleet.kill_world()
     fleet.start_world()
-    assert asked(fleet)["things"] == before
-    assert [thing[:2] for thing in before] == [[2, "standing"]]
+    assert asked(fleet)["obstacles"] == before
+    assert [obstacle[:2] for obstacle in before] == [[2, "standing"]]
 
 
 def test_a_recording_says_from_when_until_when(tmp_path: Path) -> None:
@@ -93,16 +96,16 @@ def test_from_python() -> None:
     simulation = disknav.Simulation(SWAP)
     simulation.step()
     number = simulation.orders.place((0.0, 0.0), radius=0.02)
-    assert simulation.orders.things() == {}
+    assert simulation.orders.obstacles() == {}
     for _ in range(3):
         simulation.step()
-    assert list(simulation.orders.things()) == [number]
+    assert list(simulation.orders.obstacles()) == [number]
     with pytest.raises(disknav.UsageError, match="overlaps robot"):
         simulation.orders.place(tuple(simulation.positions[0]), radius=0.1)
     with pytest.raises(disknav.UsageError, match="three points"):
         simulation.orders.place((0.0, 0.0), (0.1, 0.0))
     simulation.orders.take(number)
-    assert simulation.orders.things() == {}
+    assert simulation.orders.obstacles() == {}
 
 
 @pytest.mark.process
@@ -126,13 +129,13 @@ def test_from_the_command_line(disknav: Forks) -> None:
                 say("place", run, "0.0", "0.0", "0.1", "0.1", "0.1", "0.0", "0.0", "0.1", *router)
                 say("take", run, "1", *router)
                 say("take", run, "1", *router)
-                say("things", run, "--json", *router)
+                say("obstacles", run, "--json", *router)
             return bool(said)
 
         fleet.execute(enough)
     codes = [code for code, _ in said]
     assert codes == [0, 2, 0, 1, 0], said
-    assert "thing 2 stands" in said[0][1]
+    assert "obstacle 2 stands" in said[0][1]
     assert "crosses itself" in said[1][1]
-    assert "no thing 1" in said[3][1]
-    assert [thing["number"] for thing in json.loads(said[4][1])] == [2]
+    assert "no obstacle 1" in said[3][1]
+    assert [obstacle["number"] for obstacle in json.loads(said[4][1])] == [2]
