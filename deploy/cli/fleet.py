@@ -187,7 +187,7 @@ def take(
     print(f"obstacle {number} is gone")
 
 
-@app.command()
+@app.command("things")
 def obstacles(
     run: options.Run,
     json_file: options.Json = None,

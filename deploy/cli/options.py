@@ -81,7 +81,7 @@ RouterThere = Annotated[
     typer.Option(
         "--router",
         metavar="ENDPOINT",
-        help="Use the router at this endpoint, tcp/HOST:PORT, instead of starting one.",
+        help="Use the router that listens at this endpoint, and start none.",
     ),
 ]
 Secure = Annotated[
@@ -96,7 +96,7 @@ ModeOption = Annotated[
     Mode,
     typer.Option(
         "--mode",
-        help="Ticks wait for all robots, or follow the clock; default lockstep, with --keep realtime.",
+        help="Ticks wait for all robots, or follow the wall clock.",
     ),
 ]
 RealtimePriority = Annotated[
