@@ -24,7 +24,7 @@ from protocol.errors import UsageError
 SCENARIO = "scenario.toml"
 KEYS = "keys"  # the folder of keys beside the files
 PORT = 7447
-IMAGE = "localhost/disknav"  # nobody else can offer one under this name
+IMAGE = "localhost/disknav"  # no registry can offer one under this name
 KEYS_INSIDE = "/keys"  # where a container finds the few that are its own
 
 

@@ -156,7 +156,7 @@ def _installation() -> Finding:
 def _packages() -> Finding:
     shared = [f"`{package}` by {', '.join(others)}" for package, others in ownership.shared().items()]
     if not shared:
-        return Finding("packages", "good", "nobody else installs one of disknav's top-level packages")
+        return Finding("packages", "good", "no other project installs one of disknav's top-level packages")
     text = f"installed here, too: {'; '.join(shared)}. What was installed last has overwritten the other"
     return Finding("packages", "bad", text, "give disknav an environment of its own: python -m venv DIR")
 
@@ -206,7 +206,7 @@ def _program(what: str, names: tuple[str, ...], purpose: str, package: str) -> F
 
 
 def _time_source() -> Finding:
-    """Whether the kernel's clock is disciplined: control asks for no clock, those who compare logs do."""
+    """Whether the kernel's clock is disciplined: control needs no clock, comparing logs does."""
     try:
         state = ctypes.CDLL(None).adjtimex(ctypes.create_string_buffer(_TIMEX))
     except AttributeError:

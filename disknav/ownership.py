@@ -21,7 +21,7 @@ _APART = "give disknav an environment of its own: `python -m venv DIR`, then `DI
 
 
 class ForeignPackageError(ImportError):
-    """A top-level package that disknav needs is somebody else's; says whose, and what to do."""
+    """A top-level package that disknav needs belongs to another project; names it, and the cure."""
 
 
 def check(home: Path = HOME) -> None:

@@ -13,7 +13,7 @@ Indices = NDArray[np.intp]
 def close_pairs(places: Plane, radii: Reals, reach: float) -> tuple[Indices, Indices]:
     """All pairs whose gap is at most `reach`: indices i < j, in the order of a triangle's rows.
 
-    Only those are looked at who are close in x: a sweep along that axis.
+    Only pairs close in x are examined: a sweep along that axis.
 
     Args:
         places: centres x + iy, shape (p,), m.

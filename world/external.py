@@ -1,4 +1,4 @@
-"""Robots that are not simulated: nobody moves them here, and where they are is what they report."""
+"""Robots that are not simulated: they move by themselves, and report where they are."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ _HURRIED = 1  # ticks by which the clock of real time catches up with one that w
 class External:
     """In place of `world.simulation.Simulation`: an external fleet as its coordinator sees it.
 
-    A robot moves only under its lease (`agents.bases.drive`). So whoever was not heard for the time of lease,
-    hold and braking stands, no further from its last report than it can have gone by then.
+    A robot moves only under its lease (`agents.bases.drive`). So a robot that was not heard for lease, hold
+    and braking together stands, no further from its last report than it can have gone by then.
 
     Args:
         past: where an earlier world has left the robots, if there was one.
@@ -160,7 +160,7 @@ class External:
         return speed * seconds * (1.0 + body.error) + body.lag * speed + body.play
 
     def set_fleet(self, scenario: Scenario) -> None:  # noqa: ARG002
-        """Nobody comes or goes."""
+        """The set of robots is fixed."""
         raise UsageError(self.plant.fixed)
 
 
@@ -191,7 +191,7 @@ class Reported:
         return self.fixed
 
     def touched(self) -> tuple[()]:
-        """Nobody feels a contact."""
+        """No contact is sensed."""
         return ()
 
 

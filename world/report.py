@@ -38,7 +38,7 @@ def report(
     lateral_deviation: largest distance of each robot from the segment between its start and its goal.
 
     plant: what moved the disks, and the contacts that it reported by itself, if it can. Of bases outside
-    nobody knows the truth: everything here is judged by what robots reported of themselves, each time off by
+    the truth is unknown: everything here is judged by what robots reported of themselves, each time off by
     no more than `reported_bound`, m, unless a stated bound is wrong.
 
     Args:

@@ -61,7 +61,7 @@ class Simulation:
         return PastDisks(plant.ids, plant.positions, headings, plant.lengths, self._before)
 
     def sense(self, tick: int) -> dict[int, Sense]:
-        """What every robot is told of itself at the start of `tick`, those who do not listen included:
+        """What every robot is told of itself at the start of `tick`, those that do not listen included:
         sensors keep running."""
         sensed, plant = {}, self.plant
         for index, (robot, place) in enumerate(zip(plant.ids, plant.positions, strict=True)):

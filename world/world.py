@@ -1,7 +1,7 @@
 """The world: one run of a scenario, as coordinator, simulation and referee make it together.
 
 Sans-I/O: no clock, no socket; the caller says when robots joined, went, and when a tick is over.
-One tick: `open_tick` (and `coordinator.join` for whoever is awaited), `accept` commands, `close_tick`.
+One tick: `open_tick` (and `coordinator.join` for each awaited robot), `accept` commands, `close_tick`.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class World:
         returning: s for which a robot that was fenced may yet come back, before the run is over without it.
 
     Attributes:
-        coordinator: who takes part.
+        coordinator: membership, commands, orders.
         simulation: where the disks are, and what robots sense; of an external fleet, what it reports.
         referee: what happened, and how the run ended.
     """
@@ -111,7 +111,7 @@ class World:
 
         The scenario's orders and process faults of this tick happen first, those of the first tick once all
         are there:
-        whatever the order of joining, everybody begins the run. While robots are awaited the tick does
+        whatever the order of joining, all robots begin the run. While robots are awaited the tick does
         not begin: only those of them that have to learn that they were fenced are told.
         """
         coordinator = self.coordinator
@@ -174,7 +174,7 @@ class World:
         obstacles.recast(loaded)
 
     def _turn_over(self) -> None:
-        """Between two ticks: who was added and may appear is there, who was removed is not."""
+        """Between two ticks: let robots appear that were added, and vanish that were removed."""
         coordinator, simulation = self.coordinator, self.simulation
         if not coordinator.membership.turn_over(self.tick, simulation.places):
             return
@@ -267,7 +267,7 @@ class World:
 
     @property
     def _fixed(self) -> str:
-        """Why nobody can come or go; "" if that is possible."""
+        """Why no robot can come or go; "" if that is possible."""
         if not self.coordinator.lives.founded or self.verdict:
             return "the run has not begun, or is over"
         return self.simulation.plant.fixed
@@ -305,7 +305,7 @@ class World:
         return Outcome(True)
 
     def contest(self, contested: bool) -> None:
-        """Another coordinator of this run is there, or has left: everybody stands meanwhile, whatever is
+        """Another coordinator of this run is there, or has left: all robots stand meanwhile, whatever is
         released."""
         if contested != self.coordinator.contested:
             before, self.coordinator.contested = self.coordinator.halted, contested

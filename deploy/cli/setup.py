@@ -198,7 +198,7 @@ def calibrate(
 ) -> None:
     """Drive a square with one robot's base, and print bounds for the scenario.
 
-    It needs no fleet, and nobody else may drive this base. It looks at nothing on its way: keep the floor
+    It needs no fleet, and no other program may drive this base. It avoids nothing on its way: keep the floor
     free.
 
     Example: disknav setup calibrate yard.toml 1 --side 1.0

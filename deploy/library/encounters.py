@@ -222,7 +222,7 @@ def sphere_world(seed: int = 0) -> Scenario:
 
 
 def beads(count: int, seed: int = 0) -> Scenario:
-    """Robots on a line segment, where nobody can pass another (Koditschek, beads on a line)."""
+    """Robots on a line segment, where none can pass another (Koditschek, beads on a line)."""
     random = generator(seed, Purpose.SCENARIO)
     radius, length = 0.02, 0.06 * count
     starts, goals = (_spaced(random, count, 2.2 * radius, length) for _ in range(2))
@@ -231,7 +231,7 @@ def beads(count: int, seed: int = 0) -> Scenario:
         Scenario(
             robots,
             f"beads-{count}",
-            f"{count} robots in a corridor, who keep their order",
+            f"{count} robots in a corridor, which keep their order",
             seed,
             Workspace(points=_box((0.0, 0.0), length + 2.0 * radius, 1.5 * radius)),
         )

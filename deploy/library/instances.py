@@ -141,7 +141,7 @@ def crash(seed: int = 0) -> Scenario:
 def admissible(seed: int = 0) -> Scenario:
     """Three robots far enough apart, in room enough, that the paper's Assumptions 1 and 2 hold.
 
-    They start where their neighbour's goal is: nobody can go straight, yet nobody has to squeeze.
+    They start where their neighbour's goal is: no robot can go straight, yet none has to squeeze.
     """
     goals = [
         (0.3 * math.cos(angle), 0.3 * math.sin(angle))

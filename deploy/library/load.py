@@ -222,7 +222,7 @@ def try_out(scenario: Scenario) -> None:
 
 
 def _neighbours(scenario: Scenario, robot: int) -> Neighbours:
-    """Everybody else as heard in the first tick."""
+    """All others as heard in the first tick."""
     others = [spec for spec in scenario.robots if spec.id != robot]
     heard = Neighbours({spec.id: spec.radius for spec in others})
     for spec in others:
@@ -270,7 +270,7 @@ def resolved(scenario: Scenario) -> Scenario:
     """The same with a number for k where it is "auto".
 
     Raises:
-        UsageError: it is "certified": who proved it is known of files and library names only.
+        UsageError: it is "certified": a proof is known of files and library names only.
     """
     if scenario.control.k == "certified":
         raise UsageError(

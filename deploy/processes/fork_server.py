@@ -87,7 +87,7 @@ def run_forked(
             LOG.info("ends with status %s", code)
             sys.stderr.flush()
             sys.stdout.flush()
-        finally:  # whoever read them may be gone
+        finally:  # the reader may be gone
             # Never back into the fork server's loop, and past threads that would linger.
             os._exit(code if isinstance(code, int) else FAULT)
 
@@ -167,7 +167,7 @@ def serve(
     gc.freeze()  # else the collector writes to, and so copies, every page that is shared with the forks
     server = _Server(requests, news, run, begin_log, store, patience)
     try:
-        with suppress(ConnectionError):  # nobody hears the news any more
+        with suppress(ConnectionError):  # the reader of the news is gone
             server.serve()
     finally:
         server.kill_all()

@@ -35,7 +35,7 @@ def main(
     how long (s) links to other routers are waited for before that; they come up in the background else.
 
     Raises:
-        EndpointTakenError: the endpoint that was asked for is taken (and by whom), or every port is.
+        EndpointTakenError: the endpoint that was asked for is taken (and by which program), or every port is.
         CertificateError: another router does not accept this one's certificate, or the reverse.
         BusError: the endpoint cannot be listened on for another reason, or a link is waited for in vain.
         Stopped: a signal asks this process to end before it listens.
@@ -72,12 +72,12 @@ def listening(connection: Connection) -> tuple[ZenohBus, Endpoint]:
 
 @contextmanager
 def reserved(endpoint: Endpoint) -> Iterator[None]:
-    """Keep an endpoint's port from all who look for a free one, while its own router is not there.
+    """Keep an endpoint's port from processes that look for a free one, while its own router is not there.
 
     A socket for UDP, where no router listens, says so to other processes, and goes with this one.
 
     Raises:
-        OSError: somebody else has reserved it.
+        OSError: another process has reserved it.
     """
     address = endpoint.address
     assert address is not None, "only routers on a network look for ports"
@@ -109,7 +109,7 @@ def _asked_for(connection: Connection) -> ZenohBus:
 
 
 def holder(endpoint: Endpoint) -> str:
-    """Who listens on the port of an endpoint, as far as this user may know; empty if not at all."""
+    """The program that listens on the port of an endpoint, as far as this user may know; else empty."""
     import psutil  # only for this text: the router itself stays lean
 
     if endpoint.address is None:

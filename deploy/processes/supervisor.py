@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from deploy.processes.hosts.spawners import HostSpawners
 
 
-STEADY = 60.0  # s; who has lived so long has not failed in a row
+STEADY = 60.0  # s; a failure after this run time starts a new row of failures
 _FIRST = 0.25  # s, after the second failure in a row; after the first there is no wait
 _LONGEST = 10.0  # s, well within what a world waits for a robot to join
 
@@ -95,7 +95,7 @@ class Life:
     restarts: int = 0
     failures: int = 0
     report: str | None = None  # the first of the latest process
-    unheard: list[str] = field(default_factory=list)  # all reports that nobody has asked for
+    unheard: list[str] = field(default_factory=list)  # all unread reports
     cpu_s: float = 0.0  # of ended processes
     max_rss_mb: float = 0.0
 

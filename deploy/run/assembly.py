@@ -1,4 +1,4 @@
-"""Assembling a fleet: which processes there are, in which order they start, and who connects to whom."""
+"""Assembling a fleet: which processes there are, in which order they start, and which connect to which."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class MultiHost(Routed):
 class Mesh:
     """All are peers with a link of their own to each other, over Unix sockets in `folder`.
 
-    Sockets are files named after who listens, so no two fleets and no other program can take one.
+    Sockets are files named after the listening process, so no two fleets and no other program can take one.
     Each listens, and connects to those before it: the world, then robots in their order.
     """
 
@@ -130,7 +130,7 @@ class Mesh:
         return self if robot in self.robots else replace(self, robots=(*self.robots, robot))
 
     def observer(self) -> Connection:
-        """Connection of somebody who only watches: to everybody, and nobody connects to it."""
+        """Connection of a monitor: to all processes, and none connects to it."""
         return Connection("peer", connect=self._endpoints(["world", *map(str, self.robots)]))
 
     viewer = observer
@@ -161,7 +161,7 @@ class Assembly:
 
     Attributes:
         supervisor: of all processes.
-        topology: who reaches whom how.
+        topology: endpoints and links.
         result: file from which the recorder takes the complete result, if the run is recorded.
 
     Raises:
@@ -241,7 +241,7 @@ class Assembly:
         if options.transport == "mesh":
             return Mesh(self._folder, self._scenario.ids)
         membership = Membership(options.secure)
-        membership.run(options.run)  # or the router would turn everybody away
+        membership.run(options.run)  # or the router would turn all away
         self._ends = membership.end()
         if self._ends is not None and self._ends - datetime.now(UTC) < _SOON:
             LOG.warning(
@@ -261,7 +261,7 @@ class Assembly:
         )
         self.supervisor.start([router])
         endpoint = Endpoint(self.supervisor.report(table.ROUTER, _START))
-        connection, *others = router.arguments  # whoever comes after it is to be found where it was
+        connection, *others = router.arguments  # its successor has to be found where it was
         again = (replace(connection, listen=(endpoint,)), *others)
         self.supervisor.amend(replace(router, arguments=again))
         if options.restarts:

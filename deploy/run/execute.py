@@ -120,7 +120,7 @@ def execute(
     _check(extras)
     unwritten: UsageError | None = None
     if scenario.is_external:
-        options = replace(options, mode="realtime")  # whoever is not simulated does not wait
+        options = replace(options, mode="realtime")  # robots that are not simulated do not wait
     with STOP.listening(), ExitStack() as stack:
         recording = _recording_path(extras, stack)
         with RunProgress(scenario, quiet) as progress, ExitStack() as running:

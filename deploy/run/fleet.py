@@ -92,7 +92,7 @@ class Fleet:
 
     @property
     def topology(self) -> Topology:
-        """Who reaches whom how."""
+        """The endpoints and links of all processes."""
         return self._assembly.topology
 
     def _listen(self, stack: ExitStack) -> None:
@@ -138,7 +138,7 @@ class Fleet:
         return self._supervisor.pids()
 
     def processes(self) -> list[dict[str, Any]]:
-        """Let all leave, stop whoever does not; what each process cost. The recorder stays."""
+        """Wait for the processes to exit, stop the rest except the recorder; the cost of each."""
         deadline = time.monotonic() + self._leaving
         while not all(map(table.outlasts, self._supervisor.running())) and time.monotonic() < deadline:
             self._supervisor.poll(_POLL)

@@ -57,7 +57,9 @@ class RunOptions:
 
     def __post_init__(self) -> None:
         if self.secure is not None and self.transport != "routed":
-            raise UsageError(f"--secure needs --transport routed: nobody enforces rules in {self.transport}")
+            raise UsageError(
+                f"--secure needs --transport routed: no router enforces rules in {self.transport}"
+            )
         if self.router is not None and self.transport != "routed":
             raise UsageError(f"--router needs --transport routed: there is none in {self.transport}")
         if self.rotation != ONE_FILE and self.transport == "local":
@@ -68,7 +70,7 @@ class RunOptions:
             raise UsageError("--realtime-priority is for processes; --transport local has one for all")
         if self.realtime_priority and self.lockstep:
             raise UsageError(
-                "--realtime-priority needs --mode realtime: lock-step waits for everybody, so nobody is late"
+                "--realtime-priority needs --mode realtime: lock-step waits for all robots, so none is late"
             )
         if self.hosts is not None and (self.transport != "routed" or self.router is not None):
             raise UsageError("--hosts starts a router on every host: leave out --transport and --router")

@@ -1,1 +1,1 @@
-"""Who may take part in a run: a roster, a certificate for each role, and the router's rules."""
+"""Access to a run: a roster, a certificate for each role, and the router's rules."""

@@ -37,7 +37,7 @@ class Pair(NamedTuple):
 
 
 class Authority:
-    """Signs the certificates of one run. Its private key is never written: nobody can add a member later."""
+    """Signs the certificates of one run. Its private key is never written: no member can be added later."""
 
     def __init__(self, run: str, days: float) -> None:
         """An authority, and all that it signs, is valid for `days` from now."""
@@ -62,7 +62,7 @@ class Authority:
     def issue(self, role: str, *, hosts: Sequence[str] = ()) -> Pair:
         """A certificate with common name `role`.
 
-        Only one with `hosts` (names or addresses) can be shown by who listens: a robot's key cannot
+        Only one with `hosts` (names or addresses) can be shown by a listener: a robot's key cannot
         be used to pose as the router.
         """
         key = ec.generate_private_key(ec.SECP256R1())

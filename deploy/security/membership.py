@@ -34,7 +34,7 @@ class Membership:
         return "tcp" if self.directory is None else "tls"
 
     def roster(self) -> Roster | None:
-        """Who takes part, if that is restricted."""
+        """The roster, if access is restricted."""
         return None if self.directory is None else read(self.directory)
 
     def run(self, asked: str | None) -> str | None:
@@ -53,7 +53,7 @@ class Membership:
         return roster.run
 
     def named_run(self, asked: str | None) -> str:
-        """The same where there has to be one; raises UsageError if nobody named it."""
+        """The same where there has to be one; raises UsageError if it was not named."""
         run = self.run(asked)
         if run is None:
             raise UsageError("name the run, the same for the whole fleet, or give --secure, whose run it is")
@@ -61,7 +61,7 @@ class Membership:
 
     @property
     def viewer(self) -> str:
-        """As whom a live page connects: its viewer may send robots elsewhere where the operator's key is."""
+        """The role of a live page: with the operator's key its viewer may send robots elsewhere."""
         if self.directory is None or (self.directory / key_file(OPERATOR)).exists():
             return OPERATOR
         return MONITOR

@@ -1,10 +1,10 @@
-"""Who takes part in a run, under which roles, and what a router lets each role say and hear.
+"""The roles of a run, and what a router lets each role say and hear.
 
 Everything is denied that no rule allows. What a process sends is checked when it enters a router,
 and only what it subscribed to with leave can come back, so the way out needs one rule for all.
 A declared subscription, query or token must lie within an allowed key expression.
 
-Another host's router may say what those behind it may, and no more: whoever has a host speaks for
+Another host's router may say what those behind it may, and no more: an intruder of a host speaks for
 its robots only, whatever its router relays. So nothing is relayed on a detour over a third host.
 """
 
@@ -45,7 +45,7 @@ class Home:
 
 @dataclass(frozen=True, slots=True)
 class Roster:
-    """Who takes part in `run`, and where. A role is the common name of exactly one certificate.
+    """The roles of `run`, and their hosts. A role is the common name of exactly one certificate.
 
     Without `homes` there is one router for all.
     """
@@ -53,7 +53,7 @@ class Roster:
     run: str
     robots: tuple[int, ...]
     homes: Mapping[str, Home] = field(default_factory=dict)  # by name of the host
-    world: str = ""  # the host behind whose router are the world and whoever watches
+    world: str = ""  # the host whose router serves the world and the monitors
 
     @property
     def routers(self) -> tuple[str, ...]:
@@ -155,7 +155,7 @@ def access_control(roster: Roster, host: str = "") -> dict[str, Any]:
 
 
 def _speakers(roster: Roster, host: str) -> dict[str, tuple[str, ...]]:
-    """Who may be at the other end of a link of this router -> the roles for which it speaks."""
+    """Peers of this router -> the roles for which each speaks."""
     clients = (
         roster.behind(host) if roster.homes else (WORLD, MONITOR, OPERATOR, *map(robot_role, roster.robots))
     )
@@ -199,7 +199,7 @@ def _world(run: str) -> Iterator[Rule]:
 
 def _watcher(run: str, role: str, questions: Sequence[str]) -> Iterator[Rule]:
     """A monitor hears everything and writes nothing; it may ask for the scenario and use the controls. An
-    operator may also send robots elsewhere, and say who and what comes and goes."""
+    operator may also send robots elsewhere, and add and remove robots and obstacles."""
     yield _rule(role, "subscribe", _SUBSCRIBE, [everything(run)])
     yield _rule(role, "ask", _ASK, [*(_key(run, name) for name in questions), _ADMIN])
     yield _rule(role, "watch", _WATCH, [everything(run)])

@@ -43,7 +43,7 @@ class Drawing:
     """How the robots of one run are drawn. All methods take the time of what they draw first."""
 
     def __init__(self, scenario: Scenario, radii: Mapping[int, float]) -> None:
-        """`radii`: m, of everybody who is drawn; others may be added later."""
+        """`radii`: m, of all that are drawn; others may be added later."""
         self._scenario, self._radii = scenario, radii
         self._ranks = {robot: rank for rank, robot in enumerate(scenario.ids)}
 

@@ -54,7 +54,7 @@ class Thinned(Generic[T]):
 
 
 class Changes(NamedTuple):
-    """Who came, and who went."""
+    """Robots that came, and robots that went."""
 
     came: Set[int]
     went: Set[int]
@@ -64,12 +64,12 @@ _NO_CHANGES = Changes(frozenset(), frozenset())
 
 
 class Cast:
-    """Those whose disks are there. Who was added by an operator is one of them once somebody says its size.
+    """Those whose disks are there. A robot that an operator added is one of them once a message has its size.
 
     Attributes:
-        radii: m, of those who are there, or of whom a roster spoke.
-        goals: m, where those go who are there, as far as somebody said so: no roster does.
-        strangers: whose disks are there, and of whom nothing is known.
+        radii: m, of those that are there, or in a roster.
+        goals: m, of those that are there, as far as messages have them: no roster does.
+        strangers: ids whose disks are there, and of which nothing is known.
     """
 
     def __init__(self, scenario: Scenario) -> None:
@@ -84,7 +84,7 @@ class Cast:
 
     @property
     def places(self) -> dict[int, Vector]:
-        """Where those are who are there, ascending, m; at their starts before the first truth."""
+        """Positions of those that are there, ascending, m; their starts before the first truth."""
         told = zip(self._truth.robots, self._truth.positions, strict=False)
         self._places.update((robot, place) for robot, place in told if robot in self._places)
         return self._places
@@ -106,7 +106,7 @@ class Cast:
         return robot in self._places
 
     def see(self, truth: Truth) -> Changes:
-        """Take over where everybody is; returns who came and who went."""
+        """Take over all positions; returns the robots that came and went."""
         self._truth = truth
         if truth.robots == self._told:
             return _NO_CHANGES
@@ -245,7 +245,7 @@ class FleetScene:
         }
 
     def whole(self) -> Iterator[Picture]:
-        """All of it, for who has just come."""
+        """All of it, for a new viewer."""
         return chain.from_iterable(map(self.latest, TOPICS))
 
     def latest(self, topic: str) -> tuple[Picture, ...]:
@@ -278,7 +278,7 @@ class FleetScene:
         return iter(())
 
     def _on_clock(self, clock: Clock) -> list[str]:
-        """Which topics are changed by who is down, and by what came or went."""
+        """Topics that change when a robot is down, or an obstacle came or went."""
         if clock.standing == self._told.standing and clock.obstacles == self._told.obstacles:
             return []
         self._told = clock

@@ -1,1 +1,1 @@
-"""Who takes part and who owes a command: the roster, lives, and the commands of one tick."""
+"""Membership and commands: the roster, lives, the ledger's keeper, and the commands of one tick."""

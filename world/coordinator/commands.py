@@ -1,4 +1,4 @@
-"""The commands of one tick: who owes one, which are taken, and why the others are not."""
+"""The commands of one tick: the robots that owe one, those taken, and why others are refused."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Commands:
             self.handles.pop(robot, None)
 
     def accept(self, command: Command) -> bool:
-        """Take a command, or count why not; whoever cannot command yet says why."""
+        """Take a command, or count why not; a robot that cannot command yet says which States it lacks."""
         reason = self._refusal(command)
         if reason:
             self.refused[reason] += 1

@@ -1,4 +1,4 @@
-"""The coordinator: who takes part in which tick, what everybody is told, and what was asked for.
+"""The coordinator: opens and closes ticks, accepts Commands, manages membership, grants and orders.
 
 It knows no plant, no sensor and no truth; where disks are it is told.
 """
@@ -107,7 +107,7 @@ class Coordinator:
         """Whether all robots are to stand."""
         return self.stopped or self.contested
 
-    # -- who is there
+    # -- membership
 
     @property
     def scenario(self) -> Scenario:
@@ -116,7 +116,7 @@ class Coordinator:
 
     @property
     def summary(self) -> Summary | None:
-        """Where everybody was lately, if robots have to be told in this tick."""
+        """Recent positions of all robots, if this tick has to carry them."""
         return None if self._interest is None else self._interest.summary
 
     @property
@@ -131,7 +131,7 @@ class Coordinator:
         of = self.lives.of.items()
         return tuple(robot for robot, life in of if life.fate == "ended" or life.killed or life.paused)
 
-    # -- who comes and goes
+    # -- joining and leaving
 
     def join(self, robot: int) -> int:
         """A process takes over a robot; it takes part from the next opening of a tick on.
@@ -198,19 +198,19 @@ class Coordinator:
         return self.commands.waiting  # asked for at each command: a copy would cost the square of the fleet
 
     def blamed(self) -> dict[int, str]:
-        """Whom to give up in the open tick, which was told again, and why; their time begins anew."""
+        """Robots to give up in the open tick, with reasons; clears the reports of missing States."""
         lacking, self.commands.lacking = self.commands.lacking, {}
         told = self.told or {}
         heard_by = Counter(peer for robot in self.active for peer in told[robot].active)
         return blamed(heard_by, self.commands.waiting, lacking)
 
     def opens(self, places: Mapping[int, Vector], bounds: Mapping[int, float], operated: Operated) -> bool:
-        """Whether the tick begins: the scenario's orders and process faults happen, and nobody is awaited.
+        """Whether the tick begins: the scenario's orders and process faults happen, and no robot is awaited.
 
         Args:
             places: of all disks, m.
             bounds: by how much these may be off as a run begins, m, where they may.
-            operated: who carries out orders.
+            operated: carries out orders.
         """
         if not self.lives.founded and not self.lives.awaited:
             self.found(places, bounds)
@@ -221,9 +221,9 @@ class Coordinator:
         return not self.lives.awaited
 
     def tell_fenced(self) -> dict[int, Tick]:
-        """What those of the awaited are told who have to learn that they were fenced. Nobody is told who is
-        near: how often this is said depends on who joins when. A life that goes on is told nothing before the
-        tick begins: how it went is not known yet."""
+        """Ticks that inform awaited robots of their fencing. They bypass `Interest`, whose state must not
+        depend on how often these are sent. A live incarnation receives nothing before the tick opens: its
+        last Command is not settled yet."""
         of = self.lives.of
         awaited = self.lives.awaited if self.lives.founded else frozenset()
         fenced = [robot for robot in awaited if of[robot].fenced]
@@ -263,7 +263,7 @@ class Coordinator:
     def close(
         self, resting: Mapping[int, Vector], bounds: Mapping[int, float] = MappingProxyType({})
     ) -> None:
-        """End the tick. Of those who have not commanded, whoever was silent for too long is fenced.
+        """End the tick. Fence each robot without a Command that has been silent for `time.fence`.
 
         Args:
             resting: robots that do not move until they hear another command, and where they are, m.
@@ -287,7 +287,7 @@ class Coordinator:
         return ", ".join(text for pending, text in kinds if pending)
 
     def is_alone(self) -> bool:
-        """Whether robots are missing that will not come back; of an external fleet nobody can tell."""
+        """Whether robots are missing for good; False for bases outside, which may return at any time."""
         if self.scenario.is_external:
             return False
         missing = len(self.lives.up) < len(self.scenario.ids) and not self.schedule.pending

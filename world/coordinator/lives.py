@@ -62,7 +62,7 @@ class Lives:
         self.of = lives
         self.applied = past.applied  # tick and fault, as they happened
         self.passed_over = past.passed_over  # tick and robot of each fault that did not happen
-        self.fenced = past.fenced  # tick and who was announced, as it happened
+        self.fenced = past.fenced  # tick and disk of each fencing, in order
         self.given_up = past.given_up  # tick, robot, incarnation, why
         self._roster = Roster(roster)
         self.keeper = Keeper(scenario, past.version)
@@ -164,7 +164,7 @@ class Lives:
         return self.keeper.news(robot) if self._begun.get(robot) == life.incarnation else None
 
     def announce(self, shape: Shape) -> int:
-        """An obstacle is to appear, once everybody live keeps clear of it; its number."""
+        """An obstacle is to appear, once all live robots keep clear of it; its number."""
         number = self.obstacles.announce(shape)
         self.keeper.announce(-number, shape)
         self._roster.follow_obstacles(self.obstacles.changes)
@@ -191,7 +191,7 @@ class Lives:
         return self._roster.radius(robot)
 
     def settle(self) -> bool:
-        """Put up what everybody keeps clear of; whether anything stands now that did not."""
+        """Let each announced obstacle appear that all robots keep clear of; whether any did."""
         settled = [number for number in self.obstacles.appearing if self.keeper.appear(-number)]
         for number in settled:
             self.obstacles.put_up(number)
@@ -348,12 +348,12 @@ class Lives:
                 life.status = Status.LOST
 
     def listeners(self) -> list[tuple[int, Life]]:
-        """Lives whose process may listen: whoever takes part, and whoever should learn of not doing so."""
+        """Incarnations whose process may listen: active ones, and lost ones that have yet to be informed."""
         may = (Status.UP, Status.LOST)
         return [(robot, life) for robot, life in self.of.items() if life.status in may and life.joined]
 
     def gone_for_good(self, tick: int) -> bool:
-        """Whether nobody who is not up can be expected again.
+        """Whether no robot that is down can return.
 
         A fenced life whose process still runs learns of it and joins again: it is given at least as long
         again as the silence that fenced it.

@@ -1,4 +1,4 @@
-"""Who is in the fleet: robots that are added and removed while it runs.
+"""Membership of the fleet: robots that are added and removed while it runs.
 
 A disk that is added appears once every robot keeps clear of its place (`roster`, rule 2); it stands there
 until its process joins. A robot that is removed is over with the tick that is open, and its
@@ -102,7 +102,7 @@ class Membership:
             places: of all disks, m.
 
         Returns:
-            Whether anybody came or left; `scenario` is another one then.
+            Whether any robot came or left; `scenario` is another one then.
         """
         settled = self._lives.settle_robots(tick, self._awaited) if self._announced else []
         left, self._leaving = frozenset(self._leaving), set()

@@ -77,7 +77,7 @@ class Missions:
 
     @property
     def pending(self) -> bool:
-        """Whether anybody's order has not come to an end."""
+        """Whether any robot's order is unfinished."""
         return bool(self._underway)
 
     def goal(self, robot: int) -> Vector | None:
@@ -190,7 +190,7 @@ class Missions:
         self._news.append(said)
 
     def covered(self, shape: Shape) -> str:
-        """Whose present goal an obstacle covers, "" if nobody's."""
+        """Whose present goal an obstacle covers, "" if none is."""
         whose = [
             robot
             for robot, mission in self._missions.items()

@@ -1,12 +1,12 @@
-"""Who is given up when a lock-step tick does not end, so that one sick process costs one robot.
+"""Which robots are given up when a lock-step tick does not end, so that one faulty process costs one robot.
 
-When the tick is told again, whoever cannot command says whose States it lacks. Then it shows who is sick:
+When the tick is told again, a robot that cannot command names the States that it lacks. Given up are:
 
-1. who owes a command and says nothing: it hangs, though its session lives;
-2. whose State more than half of those lack who hear it: it sends none, or what everybody refuses;
-3. if there is neither, whoever cannot command: it does not hear what the others hear.
+1. a robot that owes a command and is silent: it hangs, though its session lives;
+2. one whose State more than half of its receivers lack: it sends none, or what all refuse;
+3. if there is neither, one that cannot command: it does not receive what the others receive.
 
-Half of all those, not of those who wait: one that hears nobody must not have all others given up.
+Half of all receivers, not of those that wait: one deaf robot must not have all others given up.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ SILENT = "hangs: it does not answer"
 def blamed(
     heard_by: Mapping[int, int], waiting: Collection[int], lacking: Mapping[int, Collection[int]]
 ) -> dict[int, str]:
-    """Whom to give up, and why, in a tick that was told again; somebody, if anybody is waited for.
+    """Robots to give up, with reasons, in a tick that was told again; at least one, if any is waited for.
 
     Args:
         heard_by: how many hear each robot that takes part, itself included.

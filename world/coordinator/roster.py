@@ -55,7 +55,7 @@ class Roster:
         return len(self._members)
 
     def status(self, robot: int) -> str:
-        """Of the disk of a robot; "" if nobody ever had that id."""
+        """Of the disk of a robot; "" if no robot ever had that id."""
         member = self._members.get(robot)
         return "" if member is None else member.status
 

@@ -3,7 +3,7 @@
 A process asks to join as often as it likes: asking again is asking once, until it says that the life it
 was given is over. One that does not show its liveliness token within a while after it was admitted makes
 room for another, and its life is over. Of two processes with one id the second is refused, and so is
-one that had to be given up again and again. One whose robot is still to be added waits; nobody waits for it.
+one that had to be given up again and again. One whose robot is still to be added waits.
 """
 
 from __future__ import annotations
@@ -43,12 +43,12 @@ class Slot:
 
 
 class Admissions:
-    """All slots of a fleet, and who is given one: only ids that have a life in the run have a slot.
+    """All slots of a fleet, and the processes in them: only ids that have a life in the run have a slot.
 
     Args:
         run: its name.
         ids: of the robots.
-        lockstep, epoch: what those who are admitted are told.
+        lockstep, epoch: parts of each admission.
         clock: tells the time, s.
         checkpoint: of the world, if it keeps one: then robots wait for another world.
         processes: that an earlier world admitted.
@@ -70,8 +70,8 @@ class Admissions:
     ) -> None:
         self.slots = {robot: Slot() for robot in ids}
         self._tokens: set[tuple[int, str]] = set()  # robots and sessions of the processes that are there
-        self._former: set[int] = set()  # who was told to wait for its disk
-        self._early: dict[int, float] = {}  # s, by the clock: when who is told to wait for its disk asked
+        self._former: set[int] = set()  # robots told to wait for their disks
+        self._early: dict[int, float] = {}  # s, by the clock: newest request of each of these
         self._name, self._lockstep, self._clock, self._epoch = run, lockstep, clock, epoch
         self._checkpoint = checkpoint
         self.processes = Processes() if processes is None else processes
@@ -80,7 +80,7 @@ class Admissions:
         """The disk of a robot that was added is there; a process may join."""
         self.slots.setdefault(robot, Slot())
 
-    # -- who asks
+    # -- requests
 
     def refusal(self, join: joining.Join, run: Run) -> joining.Reply | None:
         """Why this process cannot take part, or not yet; None if it can."""
@@ -105,7 +105,7 @@ class Admissions:
         return None
 
     def is_newest(self, join: joining.Join) -> bool:
-        """Whether nobody was admitted for this robot after this process."""
+        """Whether no process was admitted for this robot after this one."""
         return self.processes.newest.get(join.robot) == join.session
 
     def may_come(self, join: joining.Join, run: Run) -> bool:
@@ -171,7 +171,7 @@ class Admissions:
         return f"another process is joining as robot {robot}" if reserved else ""
 
     def overview(self, run: Run) -> joining.Overview:
-        """For those who only watch."""
+        """For monitors."""
         goals = tuple(status for status in run.world.goal_statuses() if status.number)
         return joining.Overview(run.scenario, self._lockstep, goals)
 
@@ -180,7 +180,7 @@ class Admissions:
         founded = run.world.coordinator.lives.founded
         return joining.Admission(slot.granted, self._lockstep, run.scenario, away, founded, self._epoch)
 
-    # -- who is there
+    # -- presence
 
     def is_present(self, robot: int) -> bool:
         """Whether the token of the robot's admitted process is there."""

@@ -2,7 +2,7 @@
 
 A process fails when its liveliness token is gone, when it does not join in time, or when it does not answer
 an open tick of lock-step in time, which was told again meanwhile. A token that is gone may come back within
-a grace, for when a router dies all tokens go; nobody's patience runs out meanwhile. Whoever has failed is
+a grace period, since all tokens disappear with a router; timeouts are suspended meanwhile. A failed robot is
 given up: it stands still, takes no part, and the others are told.
 """
 
@@ -23,7 +23,7 @@ GRACE = 5.0  # s that a robot's token may be missing in a run whose processes ar
 
 
 def returning(gathering: float, restarts: int, *, lockstep: bool) -> float:
-    """How long a robot that was fenced may yet come back, s. Lock-step waits for whoever is started again;
+    """How long a robot that was fenced may yet come back, s. Lock-step waits for a restarted robot;
     real time goes on, and must not be over meanwhile."""
     return gathering if restarts > 0 and not lockstep else 0.0
 
@@ -33,7 +33,7 @@ class FailureDetector:
 
     Args:
         admissions: whose tokens are there.
-        pacing: the wait that begins again when somebody comes back.
+        pacing: the wait that begins again when a robot comes back.
         tell: sends each robot its Tick.
         gathering: s that robots have to join.
         patience: s that an open tick of lock-step waits for a command.
@@ -82,15 +82,15 @@ class FailureDetector:
             self._gone(robot, run)
 
     def supersede(self, join: Join, run: Run) -> None:
-        """A process asks to join: one that is missing from its seat does not come back."""
+        """A new process of a robot asks to join: give up the robot's missing process at once."""
         robot = join.robot
         others = join.session != self._admissions.slots[robot].session
         if others and robot in self._admissions.missing() and self._admissions.may_come(join, run):
             self._gone(robot, run)
 
     def look(self, now: float, run: Run) -> None:
-        """Give up whoever has been missing for longer than the grace. While others are missing who may come
-        back, no patience runs out, except by the clock of real time: nobody else can go on, either."""
+        """Give up each robot that is missing for longer than the grace. If others are missing that may come
+        back, no timeout runs, except by the clock of real time: no other robot can go on, either."""
         for robot in self._admissions.missing(self._grace):
             self._gone(robot, run)
         by_the_clock = run.opened and not self._pacing.lockstep
@@ -105,8 +105,8 @@ class FailureDetector:
     # -- gathering and answers
 
     def gather(self, run: Run) -> dict[int, Tick] | None:
-        """What robots are told when the next tick opens; None while it waits for somebody. Real time waits
-        for nobody once it has begun; who comes later joins then."""
+        """What robots are told when the next tick opens; None while it waits for a robot. Real time waits
+        for none once it has begun; a later robot joins then."""
         world = run.world
         if not world.coordinator.lives.founded and self._admissions.absent():
             return None
@@ -123,7 +123,7 @@ class FailureDetector:
         return world.open_tick()
 
     def wait(self, now: float, run: Run) -> None:
-        """A tick has not ended, or not opened: tell it again, and in time give up whoever it waits for."""
+        """A tick has not ended, or not opened: tell it again, and in time give up the robots it waits for."""
         if run.opened:
             if now > self._pacing.since + self._patience and self._pacing.has_repeated:
                 self._lose_patience(run)
@@ -142,7 +142,7 @@ class FailureDetector:
         )
 
     def _lose_patience(self, run: Run) -> None:
-        """Give up who is sick, and have patience with the others."""
+        """Give up the robots that block the open tick, and restart the timeout for the others."""
         blamed = run.world.coordinator.blamed()
         for robot in blamed:
             self._admissions.blame(robot)
@@ -150,7 +150,7 @@ class FailureDetector:
         self._give_up(blamed, run)
 
     def _give_up_gathering(self, run: Run) -> None:
-        """Who is absent has not come in time; a run that has not begun does not begin."""
+        """Give up the absent robots after the timeout; abort a run whose first tick has not begun."""
         world, absent = run.world, sorted(self._absent(run))
         if world.tick == 0:
             names = ", ".join(map(str, absent))
@@ -161,7 +161,7 @@ class FailureDetector:
                 self._tell_person(robot, reason, run)
 
     def _give_up(self, robots: Mapping[int, str], run: Run) -> None:
-        """These do not take part any more, with the reasons; whoever waits for their states must know."""
+        """Exclude these robots, with reasons; send the open tick again to robots awaiting their States."""
         world, running = run.world, run.phase is Phase.RUNNING
         for robot, reason in robots.items():
             if world.coordinator.lost(robot, reason if running else "") and running:

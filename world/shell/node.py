@@ -1,7 +1,7 @@
 """The world as a participant: admits robots, drives the clock, publishes what it judged.
 
 Lock-step: a tick begins when every robot that takes part is there, and ends when each has commanded.
-Real time: ticks end by the wall clock, whoever has commanded; the first waits for a while. All waits are
+Real time: ticks end by the wall clock, with or without commands; the first waits for a while. All waits are
 bounded: a robot that is not heard in time is given up (it stands still, and is fenced) and named
 (`world/shell/failure_detector.py`).
 With a checkpoint the node goes on where another one died, as another coordinator: all lives are over, and all
@@ -278,12 +278,12 @@ class WorldNode:
 
     @property
     def _is_idle(self) -> bool:
-        """Whether nobody is there to wait for, nor does the run end: others are heard, too, but not before
+        """Whether no robot is there to wait for, nor does the run end: others are heard, too, but not before
         the tick has opened, with what the scenario does then."""
         return self._run.scenario.time.endless and not self._run.world.coordinator.active
 
     def _open(self) -> bool:
-        """Open the next tick, unless somebody who has to be there is not, or it is held back."""
+        """Open the next tick, unless a required robot is missing or the clock is held; whether it opened."""
         run = self._run
         for robot in run.world.coordinator.newcomers:
             self._admissions.expect(robot)
@@ -314,7 +314,7 @@ class WorldNode:
         self._publishers.ticks(ticks)
 
     def _inform(self, *, due: bool) -> None:
-        """Tell those who watch, if it is `due` for its own sake or again."""
+        """Publish Clock and Truth to monitors if `due`, or if the last ones are old enough to be repeated."""
         if due or self._publishers.is_due:
             self._publishers.watched(self._run.clock(), self._run.world.news())
 
@@ -342,7 +342,7 @@ class WorldNode:
         self._announce_end()
 
     def _announce_end(self) -> None:
-        """Whoever has not heard that the run is over hears it (again)."""
+        """Publish the end of the run (again): a Clock to monitors, a final Tick to robots that lack it."""
         self._inform(due=True)
         self._publishers.ticks(self._shutdown.final_ticks(self._run))
 

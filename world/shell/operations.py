@@ -1,4 +1,4 @@
-"""What operators ask for while a fleet runs: goals, who and what is there, the emergency stop, the pace."""
+"""Requests of operators while a fleet runs: goals, membership, obstacles, the emergency stop, the pace."""
 
 from __future__ import annotations
 

@@ -7,10 +7,10 @@ from collections.abc import Callable
 
 from protocol.operations import Steering
 
-_AGAIN = 0.01  # s between looks at who is missing in the first tick
+_AGAIN = 0.01  # s between looks at missing robots in the first tick
 BEAT = 0.1  # s between looks while nothing happens
 FIRST = 3.0  # s that the first tick of real time lasts at most, in which every robot sets itself up
-REPEAT = 0.5  # s until a tick in which somebody has not commanded is told again; then three times that
+REPEAT = 0.5  # s until a tick that lacks a command is told again; then three times that
 
 
 class Pacing:
@@ -85,7 +85,7 @@ class Pacing:
         return True
 
     def begin(self, tick: int, step: float) -> None:
-        """Begin `tick`: in real time it ends after `step` s, in lock-step somebody looks after it."""
+        """Begin `tick`: in real time it ends after `step` s, in lock-step it is looked at in time."""
         now = self._began = self._clock()
         if self.lockstep:
             self.begin_again()

@@ -66,17 +66,17 @@ class Publishers:
 
     @property
     def is_due(self) -> bool:
-        """Whether those who watch were told the time long enough ago to be told again."""
+        """Whether monitors were last told the time long enough ago to be told again."""
         return time.monotonic() >= self._told + CLOCK_PERIOD
 
     def watched(self, clock: Clock, truths: Iterable[Truth]) -> None:
-        """Tell the time, and where everybody was and is."""
+        """Publish the time, and all positions since the last one."""
         self._told = time.monotonic()
         self.truths(truths)
         self._clock(encode(clock))
 
     def truths(self, truths: Iterable[Truth]) -> None:
-        """Tell where everybody was and is."""
+        """Publish all positions since the last one."""
         for truth in truths:
             self._truth(encode(truth))
 

@@ -20,7 +20,7 @@ _ASK_AGAIN = 0.005  # s, for robots that have reported while others have not
 
 
 class Shutdown:
-    """Who has reported and who has been notified and whether that is enough.
+    """Which robots have reported and which have been notified, and whether that is enough.
 
     Args:
         admissions: where reports and notifications are kept, by robot.
@@ -63,7 +63,7 @@ class Shutdown:
         return joining.Finished(run.world.verdict)
 
     def final_ticks(self, run: Run) -> dict[int, Tick]:
-        """What tells those robots that the run is over who have not shown that they know."""
+        """Ticks that tell the end of the run to robots that have not shown that they know it."""
         admissions, reporting = self._admissions, run.phase is Phase.SHUTDOWN
         return run.final_ticks(admissions.owing_health() if reporting else admissions.unnotified())
 

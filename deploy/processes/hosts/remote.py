@@ -49,7 +49,7 @@ def main(modules: Sequence[str] = MODULES, patience: float = _PATIENCE, run: str
     news: Channel[Any, Any] = Channel(os.dup(1), readable=False)
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
-    os.dup2(2, 1)  # what anybody prints must not get among the news
+    os.dup2(2, 1)  # printed text must not get among the news
     folder = Path(tempfile.mkdtemp(prefix="disknav-"))  # mode 0700
     try:
         os.write(news.fileno(), f"{GREETING} {code_digest(SOFTWARE)} {folder}\n".encode())

@@ -103,9 +103,9 @@ class HostSpawners:
     def news(self, timeout: float) -> Iterator[News]:
         """As `Spawner.news`, of all hosts."""
         spawners = {each.fileno(): each for each in self._all() if not each.gone}
-        # Nobody waits here for longer than launchers may be silent.
+        # No wait here is longer than launchers may be silent.
         ready = wait(list(spawners), 0.0 if self._own else min(timeout, BEAT))
-        del ready  # whoever has news says so below
+        del ready  # each process with news is read below
         for spawner in spawners.values():
             try:
                 for news in spawner.news(0.0):

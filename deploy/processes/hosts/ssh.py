@@ -174,7 +174,7 @@ _LONGEST_LINE = 1 << 12  # bytes that a shell may say at login before it ends th
 _MISSING = 127  # exit status of a shell that does not find a command
 # The first value that ssh is given counts, so a host's own options outrank these.
 _OPTIONS = (
-    "BatchMode=yes",  # nobody is there to be asked for a password
+    "BatchMode=yes",  # no person is there to be asked for a password
     "ConnectTimeout=10",
     "ServerAliveInterval=2",  # a host that is silent this long, three times, is gone
     "ServerAliveCountMax=3",
@@ -184,7 +184,7 @@ _OPTIONS = (
 
 
 def ssh_command(host: Host, there: str) -> list[str]:
-    """The command line that has a shell on `host` run `there`, asking nobody for a password."""
+    """The command line that has a shell on `host` run `there`, without asking for a password."""
     options = [word for option in _OPTIONS for word in ("-o", option)]
     return ["ssh", "-T", *host.options, *options, "--", host.ssh, there]
 

@@ -18,7 +18,7 @@ HOST, PORT = "127.0.0.1", 8765  # where Foxglove looks unless told otherwise
 
 
 class FoxgloveServer:
-    """Draws what a `Watcher` passes on to it, and all there is for whoever comes later.
+    """Draws what a `Watcher` passes on to it, and everything for later viewers.
 
     Attributes:
         address: what to open in Foxglove, such as `ws://127.0.0.1:8765`.
@@ -60,7 +60,7 @@ class FoxgloveServer:
             self._log(self._scene.whole())
 
     def meet(self, scenario: Scenario) -> None:
-        """Robots have come whom no order of the scenario adds."""
+        """Robots have come that no order of the scenario adds."""
         with self._lock:
             if self._scene is not None:
                 self._scene.meet(scenario)
@@ -81,7 +81,7 @@ class FoxgloveServer:
         self._server.stop()
 
     def _welcome(self) -> None:
-        """Draw topics for whoever subscribed to them: the next of it may never be due."""
+        """Draw topics for new subscribers: the next drawing may never be due."""
         while (topic := self._wanted.get()) is not None:
             with self._lock:
                 if self._scene is not None:

@@ -1,7 +1,7 @@
 """A running fleet as a watcher sees it: messages and presence in, a row a robot out.
 
 Only streams that the network may drop are needed (clock, truth, health, goalstatus) and liveliness tokens: a
-watcher that subscribed to states or commands could hold up those who publish them."""
+watcher that subscribed to states or commands could hold up their publishers."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Link(msgspec.Struct, frozen=True):
 
 
 class Session(msgspec.Struct, frozen=True):
-    """Somebody who is connected: zenoh id, whether router, peer or client, and its links."""
+    """A connected process: zenoh id, whether router, peer or client, and its links."""
 
     peer: str
     whatami: str
@@ -79,7 +79,7 @@ class RobotView:
         self.fenced = False
         self.active = False
         self.incarnation = 0
-        self.tick = 0  # of its newest state, as far as anybody told
+        self.tick = 0  # tick of its newest State, as far as Health and Truth show
         self.health: Health | None = None
         self.lines: tuple[Line, ...] = ()  # that it obeyed at its latest health, to peers near it
         self.errand = GoalStatus(spec.id, 0, 0, "under way", spec.goal)
@@ -92,7 +92,7 @@ class RobotView:
         self._rate: float | None = None
 
     def said(self, tick: int, now: float) -> None:
-        """Somebody knows of this robot's state of `tick`."""
+        """A message shows this robot's State of `tick`."""
         if tick > self.tick or self._said is None:
             self.tick, self._said = tick, now
 
@@ -180,7 +180,7 @@ class RobotView:
 HISTORY = 1024  # kept points of clearance and potential
 _TRAILS = 12_800  # kept points of all trails together
 _RECENT = 256  # truths between two snapshots, at most
-_NEAR = 8  # radii; lines to who is farther away are not shown
+_NEAR = 8  # radii; lines to robots farther away are not shown
 
 Point = tuple[float, float, float]  # simulated time, s; clearance, m; log_potential
 
@@ -197,7 +197,7 @@ class View:
         self.run = run
         self.scenario: Scenario | None = None
         self.lockstep = True
-        self.epoch = 0  # counts the scenarios seen under this run name, and who came or went meanwhile
+        self.epoch = 0  # counts the scenarios seen under this run name, and changes of membership
         self.steering = Steering()
         self.router: Router | None = None  # where its admin space is on
         self.robots: dict[int, RobotView] = {}
@@ -218,8 +218,8 @@ class View:
         self._pace: deque[tuple[float, int]] = deque(maxlen=32)
 
     def begin(self, scenario: Scenario, lockstep: bool, goals: Iterable[GoalStatus] = ()) -> None:
-        """A scenario begins, or this watcher has just learnt which one is running, and who was ordered
-        elsewhere."""
+        """A scenario begins, or this watcher has just learnt which one is running, and which
+        robots were ordered elsewhere."""
         self._clear()
         self.epoch += 1
         self.scenario, self.lockstep = scenario, lockstep
@@ -242,7 +242,7 @@ class View:
 
     @property
     def strangers(self) -> Set[int]:
-        """Whose disks are there, and of whom nothing is known."""
+        """Ids whose disks are there, and of which nothing is known."""
         return frozenset() if self._cast is None else self._cast.strangers
 
     def is_news(self, message: Message) -> bool:
@@ -259,9 +259,9 @@ class View:
             self.world_alive = alive
             return
         if self.scenario is not None and robot not in self.robots and robot not in self.strangers:
-            return  # nobody of this run
+            return  # no robot of this run
         self._tokens[robot] = alive
-        if robot in self.robots and not self.verdict:  # at the end everybody leaves, and that is well
+        if robot in self.robots and not self.verdict:  # at the end all robots leave
             self.robots[robot].alive = alive
 
     def on_message(self, message: Message, now: float) -> None:
@@ -307,7 +307,7 @@ class View:
         self.tick = max(self.tick, truth.tick)
 
     def _recast(self, truth: Truth) -> None:
-        """See who is there; whoever shows them begins anew if that has changed."""
+        """Add robots that appeared and delete those that left; a change of the set makes viewers redraw."""
         assert self._cast is not None
         came, went = self._cast.see(truth)
         for robot in went:
@@ -327,7 +327,7 @@ class View:
     ) -> None:
         robot.moved(position, elapsed)
         if self.lockstep and robot.active and robot.alive is not False:
-            robot.said(tick - 1, now)  # a lock-step tick ends only when everybody active has stated
+            robot.said(tick - 1, now)  # a lock-step tick ends only when all active robots have stated
 
     def _on_health(self, health: Health, now: float) -> None:
         if health.robot in self.robots:
@@ -365,7 +365,7 @@ class View:
         return "running" if self.recent or self.tick else "gathering"
 
     def ticks_per_second(self, now: float) -> float:
-        """Since about a second ago, if somebody asked then."""
+        """Since about a second ago, if it was asked for then."""
         while len(self._pace) > 1 and self._pace[1][0] < now - 1.0:
             self._pace.popleft()
         self._pace.append((now, self.tick))

@@ -128,7 +128,7 @@ class Source:
             return snapshot(self._view, self._clock(), since)
 
     def change(self, what: Callable[[View, float], None]) -> None:
-        """Let `what` work on the view at the present time, while nobody looks."""
+        """Let `what` work on the view at the present time, while no other thread reads it."""
         with self._lock:
             what(self._view, self._clock())
 

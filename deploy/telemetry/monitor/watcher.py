@@ -43,7 +43,7 @@ class Watcher(Steerable):
     """A `protocol.bus.bus.Node` to the thread that owns `bus`, a `Steerable` to all others.
 
     Attributes:
-        rejected: messages and tokens that are nobody's, by reason.
+        rejected: messages and tokens that were refused, by reason.
     """
 
     def __init__(self, bus: Bus, run: str, *, listener: FoxgloveServer | None = None) -> None:
@@ -84,7 +84,7 @@ class Watcher(Steerable):
     # -- on the thread that owns the bus
 
     def handle(self, event: Event) -> None:
-        """Take over what was published, or who came and went."""
+        """Take over what was published, or which processes came and went."""
         if isinstance(event, Presence):
             self._on_presence(event)
         elif isinstance(event, Sample):
@@ -142,7 +142,7 @@ class Watcher(Steerable):
         return news
 
     def _learn(self) -> None:
-        """Ask the world for the scenario; if nobody answers, a later `wake` asks again."""
+        """Ask the world for the scenario; without an answer, a later `wake` asks again."""
         reply = self._present()
         self._known = reply is not None
         if reply is not None:
@@ -154,7 +154,7 @@ class Watcher(Steerable):
             self._ask_for(Steer())  # which changes nothing: what is in force is the answer
 
     def _meet(self) -> None:
-        """Ask the world who has come of whom nobody else said anything."""
+        """Ask the world for robots that came and that no message describes."""
         reply = self._present()
         if reply is None:
             self._known = False
@@ -164,7 +164,7 @@ class Watcher(Steerable):
             self._listener.meet(reply.scenario)
 
     def _present(self) -> Overview | None:
-        """What the world says of its run; None if nobody answers."""
+        """What the world says of its run; None without an answer."""
         try:
             reply = joining.decode_reply(
                 self._bus.ask(world_key(self._run, "scenario"), b"", _ASK_TIMEOUT)[0]
@@ -231,7 +231,7 @@ class Attachment(Watcher):
             self._bus.close()
 
     def _look_at_network(self, now: float) -> None:
-        """See who is connected, if the admin space is on; where it is off, asking once was enough."""
+        """List the connected processes, if the admin space is on; where it is off, asking once was enough."""
         try:
             found = router(self._bus.ask(ROUTERS, b"", _ADMIN_TIMEOUT)[0])
         except BusError:
@@ -252,7 +252,7 @@ def attach(connection: Connection, run: str, *, listener: FoxgloveServer | None 
     process cannot keep up.
 
     Raises:
-        BusError: nobody listens where `connection` leads.
+        BusError: nothing listens where `connection` leads.
         KeyGrammarError: the run name cannot be one.
     """
     checked_run(run)

@@ -42,7 +42,7 @@ _REST = 0.01  # s between two looks at least
 class FrameStream:
     """Looks at a source at most once in `FRAME_PERIOD`, however many viewers there are, and not without any.
 
-    A viewer that cannot keep up misses frames; nothing is kept for it, and nobody waits for it.
+    A viewer that cannot keep up misses frames; nothing is kept for it, and no process waits for it.
     """
 
     def __init__(self, source: Source) -> None:
@@ -65,7 +65,7 @@ class FrameStream:
         self._viewers -= 1
 
     def overview(self) -> tuple[int, bytes]:
-        """Epoch and text for somebody who knows nothing of it yet."""
+        """Epoch and text for a new viewer."""
         overview = self._source.overview()
         return overview["epoch"], msgspec.json.encode(overview)
 
@@ -123,7 +123,7 @@ class FixedHeaders:
 
 
 def application(source: Steerable, hosts: list[str], token: str) -> Starlette:
-    """The page for `source`, answering under the host names `hosts` only; who has `token` may steer."""
+    """The page for `source`, answering under the host names `hosts` only; a viewer with `token` may steer."""
     stream = FrameStream(source)
 
     async def live(socket: WebSocket) -> None:
@@ -170,15 +170,15 @@ async def _send(socket: WebSocket, stream: FrameStream) -> None:
         if epoch != known:
             known, overview = stream.overview()
             await socket.send_text(overview.decode())
-        if epoch == known:  # else it is of who was there before
+        if epoch == known:  # else it is of an earlier set of robots
             await socket.send_text(frame.decode())
 
 
 async def _listen(socket: WebSocket, source: Steerable, tasks: asyncio.TaskGroup, *, may_steer: bool) -> None:
-    """Pass on what the viewer asks for; returns when it leaves. What is malformed, or asked by who only may
-    look, is told and ignored."""
+    """Pass on what the viewer asks for; returns when it leaves. What is malformed, or asked by a viewer
+    without the token, is refused and ignored."""
     while True:
-        await asyncio.sleep(0)  # what has arrived is read without a pause: nobody else would have a turn
+        await asyncio.sleep(0)  # what has arrived is read without a pause: no other task would have a turn
         try:
             text = await socket.receive_text()
             asked = msgspec.json.decode(text)
@@ -214,7 +214,7 @@ class Server:
 
     Attributes:
         address: where the page is, such as `http://127.0.0.1:8000`.
-        link: the same with the token of this server: who opens it may steer. Browsers keep what follows `#`
+        link: the same with the token of this server: its viewers may steer. Browsers keep what follows `#`
             to themselves.
     """
 

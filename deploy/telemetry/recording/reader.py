@@ -353,5 +353,5 @@ def _looked_through(
             robots = robots if truth.robots == robots else truth.robots  # one tuple for all the same
             said[truth.tick] = Said.of(truth)._replace(robots=robots)
     if whole or not said:
-        said.setdefault(0, Said.of(World(scenario).truth))  # what the scenario says before anybody moved
+        said.setdefault(0, Said.of(World(scenario).truth))  # the scenario's starts, before any motion
     return counts, Truths.of(said[tick] for tick in sorted(said))

@@ -34,7 +34,7 @@ class Participant(NamedTuple):
     Attributes:
         robot: its id.
         radius: m.
-        goal: m, where the scenario says; None for who was added by an operator, for no message says it.
+        goal: m, where the scenario says; None for a robot that an operator added, for no message says it.
         path: m, shape (n, 2), by recorded tick; NaN where its disk was not there.
     """
 
@@ -156,7 +156,7 @@ class _Moves:
                 self._said[message.tick][message.robot] = message.sense.displacement
 
     def follow(self, before: _Plane, tick: int) -> _Plane:
-        """Where all are at the start of `tick`; whoever is told nothing and commanded nothing stood still."""
+        """Where all are at the start of `tick`; a robot without Tick and Command stood still."""
         after = []
         for robot, (x, y) in zip(before.robots, before.places, strict=True):
             move, velocity = self._said[tick].get(robot), self._commanded.get((robot, tick - 1))
