@@ -10,19 +10,19 @@ KERNEL := .venv/.kernel
 SEARCH := $(wildcard deploy/theory/certify/*.py)
 
 , := ,
-# $(call install,EXTRAS): this checkout and these extras in .venv, by uv where the registry has it for this machine, else by pip.
+# $(call install,EXTRAS,OPTIONS): this checkout and these extras in .venv, by uv where the registry has it for this machine, else by pip.
 define install
 @test -n "$(PYTHON)" || { echo "disknav needs Python 3.11 or newer; none was found"; exit 1; }
 @test -x $(BIN)/python || $(PYTHON) -m venv .venv
 @$(BIN)/uv --version >/dev/null 2>&1 || $(BIN)/python -m pip install --quiet --disable-pip-version-check uv 2>/dev/null || true
 @export HATCH_BUILD_NO_HOOKS=true; if $(BIN)/uv --version >/dev/null 2>&1; \
-  then $(BIN)/uv pip install --quiet --python $(BIN)/python --editable '.[$(1)]'; \
-  else $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[$(1)]'; fi
+  then $(BIN)/uv pip install --quiet --python $(BIN)/python --editable '.[$(1)]' $(2); \
+  else $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[$(1)]' $(2); fi
 @touch $@
 endef
 
 .DEFAULT_GOAL := help
-.PHONY: help setup compile site demo test fast check collect campaigns golden bench fuzz proof figures diagrams engines clean
+.PHONY: help setup lock compile site demo test fast check collect campaigns golden bench fuzz proof figures diagrams engines clean
 
 help:  ## say what there is
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -37,13 +37,17 @@ demo: $(if $(wildcard $(READY)),$(READY),$(DEMO))  ## six real processes drive t
 setup:  ## build .venv with everything that running and testing needs, and compile
 	@$(MAKE) --no-print-directory --jobs=2 $(COMPILED) $(KERNEL)
 
+lock: $(READY)  ## renew the versions that `make setup` and `make test` install
+	$(BIN)/uv pip compile --quiet --upgrade --universal --python-version 3.11 --extra all --extra test \
+	  --no-header --no-annotate --no-emit-index-url pyproject.toml -o requirements.lock
+
 compile: $(COMPILED)  ## make C of the modules that run for every message again, after a change to one of them
 
 $(DEMO): pyproject.toml
 	$(call install,demo)
 
-$(READY): pyproject.toml
-	$(call install,all$(,)test)
+$(READY): pyproject.toml requirements.lock
+	$(call install,all$(,)test,--constraint requirements.lock)
 
 $(COMPILED): $(READY) compile.py $(shell find protocol agents world -name '*.py')
 	@mkdir -p build; find . -name '*__mypyc*.so' -not -path './.venv/*' -delete
