@@ -32,8 +32,12 @@ class Base(Protocol):
         """Why nothing can be relied on, so that the robot stands; "" if all is well."""
         ...
 
-    def hear(self, key: str, payload: bytes, now: float) -> None:
-        """Something arrived under one of `keys`."""
+    def hear(self, key: str, payload: bytes, now: float) -> Vector | None:
+        """Something arrived under one of `keys`; the wish for a law from outside that it is, m/s, or None.
+
+        Raises:
+            MessageError: it is no wish that can be read.
+        """
 
     def place(self) -> tuple[Vector, float] | None:
         """Where the robot is, m, and by how much that may be off, m; None if that is not known."""

@@ -1,18 +1,21 @@
 """A base that speaks ROS 2 as zenoh-bridge-ros2dds carries it: keys are `<namespace>/<topic>`, payloads CDR.
 
-Nothing here knows ROS; what it takes are the four messages of `agents.bases.ros_messages`.
+Nothing here knows ROS; it takes the four messages of `agents.bases.ros_messages`.
 """
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterable
 from typing import Final
 
 from agents.bases.drive import Drive, Lease
-from agents.bases.ros_messages import StampedVelocity, Velocity, header_at
+from agents.bases.ros_messages import StampedVelocity, Velocity, decode, header_at
 from agents.bases.senses import Senses
-from protocol.messages import Command, Sense, Tick, Vector
+from protocol.bodies.kinematics import turned
+from protocol.errors import MessageError
+from protocol.messages import LARGEST, Command, Sense, Tick, Vector
 from protocol.scenario.body import Base
 from protocol.scenario.model import Scenario
 
@@ -35,7 +38,12 @@ class Ros2Base:
     ) -> None:
         body, base = scenario.body_of(robot), base.of(robot)
         self._odometry, self._pose = base.key(base.odometry), base.key(base.pose)
-        self.keys: tuple[str, ...] = (self._odometry, self._pose)
+        wishes = scenario.control.law == "external"
+        self.keys: tuple[str, ...] = (
+            self._odometry,
+            self._pose,
+            *([base.key(base.desired)] if wishes else []),
+        )
         self.tells = base.key(base.velocity)
         self.due = 0.0
         self._base, self._offset = base, body.offset
@@ -53,11 +61,24 @@ class Ros2Base:
         """Why nothing can be relied on."""
         return self._senses.note
 
-    def hear(self, key: str, payload: bytes, now: float) -> None:
+    def hear(self, key: str, payload: bytes, now: float) -> Vector | None:
         if key == self._odometry:
             self._senses.on_odometry(payload, now)
         elif key == self._pose:
             self._senses.on_pose(payload)
+        else:
+            return self._wish(payload)
+        return None
+
+    def _wish(self, payload: bytes) -> Vector | None:
+        """What a planner's Twist asks of the control point, in the map; None while the heading is unknown."""
+        stamped = self._base.stamped
+        twist = decode(StampedVelocity, payload).velocity if stamped else decode(Velocity, payload)
+        ahead = twist.linear[0]
+        aside = self._offset * twist.angular[2] if self._offset > 0.0 else twist.linear[1]
+        if not math.hypot(ahead, aside) <= LARGEST:
+            raise MessageError("range", "a velocity that is no number")
+        return turned(ahead, aside, self._senses.heading()) if self._senses.sound else None
 
     def place(self) -> tuple[Vector, float] | None:
         return self._senses.place()

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from agents.bases.base import Base, misplaced
 from agents.robot import Robot
 from protocol.bus.bus import Bus
-from protocol.messages import Command, Sense, Tick
+from protocol.messages import Command, Sense, Tick, Vector
 
 
 class AttachedBase:
@@ -37,9 +37,9 @@ class AttachedBase:
         """When `wake` wants to be called next, s, monotonic."""
         return self._base.due
 
-    def hear(self, key: str, payload: bytes, now: float) -> None:
-        """Something arrived under one of its keys."""
-        self._base.hear(key, payload, now)
+    def hear(self, key: str, payload: bytes, now: float) -> Vector | None:
+        """Something arrived under one of its keys; as `Base.hear`."""
+        return self._base.hear(key, payload, now)
 
     def begin(self, core: Robot, tick: Tick, now: float) -> Sense | None:
         """What base and localisation say as a tick begins; the core is told if they begin anew."""

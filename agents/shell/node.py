@@ -193,7 +193,7 @@ class RobotNode:
     def _on_sample(self, key: str, payload: bytes) -> None:
         base = self._base
         if base is not None and key in base.keys:
-            base.hear(key, payload, time.monotonic())
+            self._on_base(base, key, payload)
             return
         try:
             peer = self._peers.readers.get(key)
@@ -211,6 +211,15 @@ class RobotNode:
         else:
             core.hearing.on_state(heard)
             self._command_if_complete(core)
+
+    def _on_base(self, base: AttachedBase, key: str, payload: bytes) -> None:
+        try:
+            wish = base.hear(key, payload, time.monotonic())
+        except MessageError as error:
+            self._rejected[error.reason] += 1
+            return
+        if wish is not None and self.core is not None:
+            self.core.tell(wish)
 
     def _decode(self, key: str, payload: bytes) -> AnyMessage:
         return read_summary(key, payload) if key == self._summary else decode(key, payload)

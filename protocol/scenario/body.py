@@ -96,7 +96,7 @@ PRESETS: Final[dict[str, Body]] = {
 }
 
 
-TOPICS = ("velocity", "odometry", "pose")
+TOPICS = ("velocity", "odometry", "pose", "desired")
 FRAMES = ("map_frame", "odometry_frame", "base_frame")
 _CHARACTER = r"(?:[A-Za-z0-9_.-]|\{id\})"
 _NAME = re.compile(rf"/?(?:{_CHARACTER}+(?:/{_CHARACTER}+)*/?)?")
@@ -108,8 +108,8 @@ class Base:
     """What moves a robot of a fleet that is not simulated, and tells it where it is.
 
     ros2: by ROS 2 messages over zenoh, under the keys of zenoh-bridge-ros2dds, `<namespace>/<topic>`: a Twist
-    or TwistStamped to the base; Odometry from it, and a PoseStamped from a localisation. In every text,
-    `{id}` stands for the robot's id.
+    or TwistStamped to the base; Odometry from it, and a PoseStamped from a localisation; where the law is
+    "external", another Twist or TwistStamped from a planner. In every text, `{id}` stands for the robot's id.
     """
 
     kind: Literal["ros2"] = "ros2"
@@ -118,6 +118,7 @@ class Base:
     stamped: bool = False  # whether velocities are TwistStamped, else Twist
     odometry: _Text = "odom"
     pose: _Text = "pose"
+    desired: _Text = "cmd_vel_desired"  # what a planner wishes, where the law is "external"
     map_frame: _Text = "map"  # of poses; the workspace is described in it
     odometry_frame: _Text = "odom"
     base_frame: _Text = "base_link"  # what odometry and poses are of: the axle's middle

@@ -6,7 +6,7 @@ Each check reads a whole scenario and is silent about what is malformed in itsel
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 
 from protocol.errors import UsageError
 from protocol.geometry import Shape
@@ -216,6 +216,7 @@ def _bases(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
     if scenario.base is not None:
         yield from _names(("base",), scenario.base)
     keys: dict[str, Steps] = {}
+    topics = TOPICS if scenario.control.law == "external" else TOPICS[:-1]  # else nothing is desired
     for steps, spec in described(scenario):
         if spec.base is not None:
             yield from _names((*steps, "base"), spec.base)
@@ -227,7 +228,7 @@ def _bases(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
             text = 'a base outside cannot stop at once: say which body it is, such as "turtlebot3-burger"'
             yield (*steps, "body"), text
         if spec.id and sound("base") and sound(*steps, "base"):
-            yield from _shared(steps, (base or Base()).of(spec.id), keys)
+            yield from _shared(steps, (base or Base()).of(spec.id), topics, keys)
     if external:
         yield from _external(scenario)
 
@@ -247,10 +248,10 @@ def _names(steps: Steps, base: Base) -> Iterator[Finding]:
             yield (*steps, key), "must have no control characters"
 
 
-def _shared(robot: Steps, base: Base, seen: dict[str, Steps]) -> Iterator[Finding]:
+def _shared(robot: Steps, base: Base, topics: Iterable[str], seen: dict[str, Steps]) -> Iterator[Finding]:
     """Keys that two topics have, of one robot or of two; `seen` are those of robots before this one."""
     keys: dict[str, str] = {}
-    for topic in TOPICS:
+    for topic in topics:
         key = base.key(getattr(base, topic))
         if keys.setdefault(key, topic) != topic:
             text = f"`{keys[key]}` and `{topic}` are both {key}: give each topic a name of its own"

@@ -1,4 +1,4 @@
-"""Does what zenoh-bridge-ros2dds does, for three topics of a few robots: CDR from DDS to zenoh and back.
+"""Does what zenoh-bridge-ros2dds does, for four topics of a few robots: CDR from DDS to zenoh and back.
 
 Runs in the environment of `turtle.py`: `bridge.py ENDPOINT NAMESPACE...`. A DDS topic is
 `rt/<namespace>/<topic>`, a key of zenoh `<namespace>/<topic>`.
@@ -107,7 +107,7 @@ def main():
     session, domain = zenoh.open(config), DomainParticipant(int(os.environ["ROS_DOMAIN_ID"]))
     incoming, subscribers = [], []
     for namespace in namespaces:
-        for topic, kind in (("odom", Odometry), ("pose", PoseStamped)):
+        for topic, kind in (("odom", Odometry), ("pose", PoseStamped), ("cmd_vel_desired", Twist)):
             reader = DataReader(domain, Topic(domain, f"rt/{namespace}/{topic}", kind), qos=QOS)
             incoming.append((reader, session.declare_publisher(f"{namespace}/{topic}")))
         writer = DataWriter(domain, Topic(domain, f"rt/{namespace}/cmd_vel", Twist), qos=QOS)

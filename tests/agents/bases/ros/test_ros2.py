@@ -12,7 +12,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from itertools import combinations
 from pathlib import Path
@@ -21,6 +21,7 @@ import pytest
 
 from deploy.library.load import load
 from protocol.scenario.file import read_scenario, write_toml
+from tests.agents.bases.crossing import CROSSING
 from tests.agents.bases.ros import environment
 
 pytestmark = [pytest.mark.slow, pytest.mark.process, pytest.mark.timeout(600)]
@@ -155,10 +156,10 @@ def nearest(one: list[tuple[float, float, float]], other: list[tuple[float, floa
 
 
 @contextmanager
-def yard(folder: Path, count: int = 6) -> Iterator[Yard]:
+def yard(folder: Path, count: int = 6, settings: Iterable[str] = ()) -> Iterator[Yard]:
     interpreter = environment.python()
     domain = 1 + os.getpid() % 100
-    (folder / "yard.toml").write_text(write_toml(load(f"turtlebots-{count}", list(SETTINGS), 1)))
+    (folder / "yard.toml").write_text(write_toml(load(f"turtlebots-{count}", [*SETTINGS, *settings], 1)))
     scenario = read_scenario(folder / "yard.toml")
     processes = Processes(folder)
     with ExitStack() as stack:
@@ -176,6 +177,9 @@ def yard(folder: Path, count: int = 6) -> Iterator[Yard]:
             y = spec.start[1] - result.offset * math.sin(spec.heading)
             base = [HERE / "turtle.py", f"/bot{spec.id}", x, y, spec.heading, NOISE]
             processes.start(f"base-{spec.id}", interpreter, *base, folder / f"truth-{spec.id}", **apart)
+            if scenario.control.law == "external":
+                planner = [HERE / "planner.py", f"/bot{spec.id}", *spec.goal, result.offset]
+                processes.start(f"planner-{spec.id}", interpreter, *planner, **apart)
         names = [f"bot{robot}" for robot in scenario.ids]
         processes.start("bridge", interpreter, HERE / "bridge.py", result.endpoint, *names, **apart)
         world = ("node", "world", folder / "yard.toml", "--run", "yard", "--router", result.endpoint)
@@ -245,3 +249,16 @@ def test_six_robots_swap_and_survive_what_may_happen_to_bases_and_coordinator(tm
         assert max(quiet.values()) < 0.01, quiet
         assert fleet.gap() > 0.0
         print(f"smallest gap {1e3 * fleet.gap():.1f} mm")
+
+
+@pytest.mark.parametrize("filter_", ["separating-lines", "none"])
+def test_planners_that_heed_no_robot_touch_only_without_the_filter(tmp_path, filter_):
+    with yard(tmp_path, 3, [*CROSSING, "control.law=external", f"control.filter={filter_}"]) as fleet:
+        goals = {spec.id: spec.goal for spec in fleet.scenario.robots}
+        until(lambda: all((tmp_path / f"truth-{r}").exists() for r in goals), 60.0, "no bases")
+        until(lambda: all(map(fleet.truth, goals)), 60.0, "a base is silent")
+        if filter_ == "none":
+            until(lambda: fleet.gap() < 0.0, 120.0, "they do not touch")
+        else:
+            until(lambda: fleet.arrived(goals), 120.0, "they do not arrive")
+            assert fleet.gap() > 0.0
