@@ -20,6 +20,7 @@ from scipy.optimize import brentq, least_squares
 from deploy.theory.function import Array, Problem, reduced_gradient, reduced_jacobian
 from protocol.draws import Purpose, generator
 from protocol.errors import UsageError
+from protocol.process.signals import STOP
 
 DARTS = 500
 ATTEMPTS = 2000
@@ -93,6 +94,7 @@ def integrate(
 
     flow = BDF(velocity, 0.0, start.ravel(), np.inf, jac=jacobian, rtol=accuracy, atol=accuracy * unit)
     for _ in range(max_steps):
+        STOP.check()
         still = np.abs(reduced_gradient(problem, b)).max() < 1e-9 * unit
         if _far(problem, b) <= near or still or flow.step() is not None:
             break
@@ -206,6 +208,7 @@ def equilibria(problem: Problem, starts: Iterable[Array]) -> tuple[CriticalPoint
     unit = float(problem.radii.min())
     found = [classify(problem, problem.goals)]
     for start in starts:
+        STOP.check()
         b = find_equilibrium(problem, start)
         if b is not None and all(np.abs(b - known.b).max() > 1e-4 * unit for known in found):
             found.append(classify(problem, b))
@@ -242,6 +245,7 @@ def failing_fraction(
     """
     failed = 0
     for number in range(starts):
+        STOP.check()
         draw = generator(seed, Purpose.STUDY, tick=number)
         start = random_configuration(draw, problem.radii, problem.workspace)
         if start is None:

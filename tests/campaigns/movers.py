@@ -85,7 +85,7 @@ def without_order(world: World, dead: int, before: Mapping[int, Vector]) -> str:
         {part: scenario.loaded_radius(dead, part)},
     )
     planner = Planner(scenario, min(each.radius for each in scenario.robots))
-    if planner.barred(layout):
+    if any(shape.distance(*each.goal) < each.radius for each in scenario.parts for shape in layout.others):
         return BARRED
     survivors = [places[robot] for robot in scenario.ids if robot != dead]
     return "" if planner.orders.exists(layout, survivors) else NO_ORDER

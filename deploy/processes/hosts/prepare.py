@@ -24,7 +24,7 @@ from protocol.codec import DAMAGED
 from protocol.errors import ProcessError, UsageError
 from protocol.process.installation import ROOT
 
-_PATIENCE = 20.0  # s for a host to answer
+_PATIENCE = 60.0  # s for a host to answer
 _SPAN = 2.0  # s between two looks at its clock
 _LOOKS = 5  # at each of the two times; the quickest answer counts
 _RATE = 1e-3  # by how much its clock may run fast or slow

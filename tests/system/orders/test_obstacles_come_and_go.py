@@ -129,7 +129,7 @@ def test_from_the_command_line(disknav: Forks) -> None:
                 say("place", run, "0.0", "0.0", "0.1", "0.1", "0.1", "0.0", "0.0", "0.1", *router)
                 say("take", run, "1", *router)
                 say("take", run, "1", *router)
-                say("obstacles", run, "--json", *router)
+                say("things", run, "--json", *router)
             return bool(said)
 
         fleet.execute(enough)
