@@ -234,9 +234,12 @@ class Robot:
         )
 
     def _report(self) -> Report | None:
-        """Where this robot knows itself to be."""
+        """Where this robot was as the tick began; None in a tick without odometry: its base may have moved
+        since the one before."""
         position, bound = self._known_place()
-        return None if position is None or self._estimate.lost else Report(position, bound)
+        if position is None or self._blind or self._estimate.lost:
+            return None
+        return Report(position, bound)
 
     # -- for the summary
 

@@ -13,7 +13,9 @@ from world.plants.plant import PastDisks
 from world.sensing import Sensor
 
 STILL: Vector = (0.0, 0.0)
-_HURRIED = 1  # ticks by which the clock of real time catches up with one that was late
+# Ticks that may take no time: the one in which something is heard, at its end, and one by which the clock of
+# real time catches up with one that was late.
+_HURRIED = 2
 
 
 class External:

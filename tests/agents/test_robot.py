@@ -166,3 +166,15 @@ def test_who_knows_nothing_any_more_adopts_nothing() -> None:
     end = bond.bound.lines
     assert end is not None
     assert (end.seen, end.held_number, end.obeyed()) == (1, 0, held)
+
+
+def test_a_robot_that_senses_nothing_reports_no_place() -> None:
+    """Its base may have moved since it sensed: an earlier place is none of this tick."""
+    scenario = load("turtlebots-2", ["world.plant=external"], 1)
+    own, *_ = scenario.ids
+    robot = Robot(scenario, own, 1, lockstep=False)
+    sense = Sense(scenario.spec(own).start, 0, 1e-3, (0.0, 0.0), 0.0)
+    robot.begin(Tick(own, 1, 0, scenario.ids), sense)
+    assert robot.command().report is not None
+    robot.begin(Tick(own, 1, 1, scenario.ids))
+    assert robot.command().report is None

@@ -27,13 +27,13 @@ def test_who_was_not_heard_stands_within_all_that_its_body_may_have_done() -> No
     outside, body = External(SETTING), SETTING.body_of(1)
     outside.hear(Command(1, 1, 4, (0.1, 0.0), report=Report((0.05, 0.0), 2e-3)))
     leased = 0.5 + body.hold + 0.2 / 0.5  # then it has braked
-    last = 5 + int(leased / 0.1)
+    last = 6 + int(leased / 0.1)
     for tick in range(last):
         outside.sense(tick)
         assert outside.resting() == {}
     outside.sense(last + 1)
     assert outside.resting() == {1: (0.05, 0.0)}
-    way = 0.2 * (0.1 + leased)
+    way = 0.2 * (0.2 + leased)
     assert outside.bounds[1] == pytest.approx(2e-3 + 1.1 * way + body.lag * 0.2 + body.play)
 
 
@@ -42,7 +42,7 @@ def test_a_command_that_comes_late_was_sent_late() -> None:
     outside, body = External(SETTING), SETTING.body_of(1)
     outside.sense(20)
     outside.hear(Command(1, 1, 4, (0.1, 0.0), report=Report((0.05, 0.0), 2e-3)))
-    last = 21 + int((0.5 + body.hold + 0.2 / 0.5) / 0.1)
+    last = 22 + int((0.5 + body.hold + 0.2 / 0.5) / 0.1)
     for tick in range(21, last):
         outside.sense(tick)
         assert outside.resting() == {}
@@ -62,7 +62,7 @@ def test_an_emergency_stop_has_succeeded_once_every_base_had_the_time_to_brake()
     outside.hear(Command(1, 1, 4, (0.0, 0.0), region=1))
     outside.sense(6)
     outside.hear(Command(1, 1, 5, (0.0, 0.0), region=1, report=Report((0.05, 0.0), 2e-3)))
-    braked = 7 + int((body.hold + 0.2 / 0.5) / 0.1)
+    braked = 8 + int((body.hold + 0.2 / 0.5) / 0.1)
     for tick in range(6, braked):
         outside.sense(tick)
         assert outside.moving() == {1}
@@ -102,7 +102,7 @@ def test_another_world_bounds_what_a_base_may_cover_until_its_lease_is_over() ->
     outside.sense(21)
     past = outside.past
     leased = 0.5 + body.hold + 0.2 / 0.5
-    farthest = 1.1 * 0.2 * (0.1 + leased) + body.lag * 0.2 + body.play
+    farthest = 1.1 * 0.2 * (0.2 + leased) + body.lag * 0.2 + body.play
     assert past.bounds == {1: pytest.approx(2e-3 + farthest)}
     later = External(SETTING, past, 21)
     assert (later.places, later.founding_bounds, later.lengths) == (
@@ -110,7 +110,7 @@ def test_another_world_bounds_what_a_base_may_cover_until_its_lease_is_over() ->
         past.bounds,
         outside.lengths,
     )
-    last = 22 + int(leased / 0.1)
+    last = 23 + int(leased / 0.1)
     for tick in range(21, last):
         later.sense(tick)
         later.hear(Command(1, 2, tick, (0.0, 0.0), report=Report((0.06, 0.0), 2e-3)))

@@ -13,7 +13,7 @@ begins only after it.
 
 The file has two places for a state, which are written in turn, so that one of them is whole at every moment.
 It is kept by the system when this process is killed, but not forced to the disk: one from before the machine
-was last started is refused.
+was last started is refused, where the system names its starts.
 """
 
 from __future__ import annotations
