@@ -16,6 +16,7 @@ STILL: Vector = (0.0, 0.0)
 # Ticks that may take no time: the one in which something is heard, at its end, and one by which the clock of
 # real time catches up with one that was late.
 _HURRIED = 2
+_HOPE = 5.0  # s after a base has come to rest, in which its robot may still learn more exactly where
 
 
 class External:
@@ -32,7 +33,7 @@ class External:
         plant: the robots' disks as they are reported.
         sensors: none.
         bounds: by how much places are off, m, by robot id.
-        unsettled: robots that stand, but have not reported where since they do.
+        unsettled: robots that stand, but have not reported where since they do, or not exactly.
         founding_bounds: by how much robots may be off their starts as they begin a run, or until they stand.
         largest_bound: of all reports so far, m.
     """
@@ -63,6 +64,9 @@ class External:
         self._bodies = {robot: scenario.body_of(robot) for robot in scenario.ids}
         self._stops = {robot: _stopping(scenario, robot) for robot in scenario.ids}  # s
         self._lease = scenario.world.lease
+        self._exact = {  # m
+            spec.id: 2.0 * scenario.sensing_of(spec.id).bound + 0.1 * spec.radius for spec in scenario.robots
+        }
 
     @property
     def places(self) -> dict[int, Vector]:
@@ -122,10 +126,15 @@ class External:
             heard = self._heard.get(robot)
             if heard is None or (self._tick - heard - _HURRIED) * self._step >= self._leased(robot):
                 self.bounds[robot], resting[robot] = self._off(robot), report.position
-                if self._moved(robot) > 0.0:
+                if self._moved(robot) > 0.0 or (report.bound > self._exact[robot] and self._hopes(robot)):
                     unsettled.add(robot)
         self.unsettled = unsettled
         return resting
+
+    def _hopes(self, robot: int) -> bool:
+        """Whether a robot that stands may soon know better where: a place once settled stays as large."""
+        heard = self._heard.get(robot)
+        return heard is not None and (self._tick - heard) * self._step < self._leased(robot) + _HOPE
 
     def _leased(self, robot: int) -> float:
         """For how long a base may move after the newest Command that gave a lease, s."""

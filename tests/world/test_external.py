@@ -129,3 +129,20 @@ def test_a_base_that_never_had_a_lease_may_begin_in_another_world_at_once() -> N
     later.sense(1)
     later.hear(Command(1, 2, 1, (0.0, 0.0), report=Report((0.0, 0.0), 1e-3)))
     assert (later.resting(), later.bounds) == ({1: (0.0, 0.0)}, {1: 1e-3})
+
+
+def test_a_base_that_stands_is_settled_where_it_is_known_exactly_or_after_a_while() -> None:
+    outside, exact = External(SETTING), 0.1 * 0.05
+    outside.hear(Command(1, 1, 4, (0.1, 0.0), report=Report((0.05, 0.0), 0.5 * exact)))
+    for tick in range(5, 60):
+        outside.sense(tick)
+        outside.hear(Command(1, 2, tick, (0.0, 0.0), report=Report((0.06, 0.0), 5.0 * exact)))
+        resting = outside.resting()
+        assert outside.unsettled == set(resting)
+    outside.hear(Command(1, 2, 60, (0.0, 0.0), report=Report((0.06, 0.0), exact)))
+    assert outside.resting()
+    assert outside.unsettled == set()
+    outside.hear(Command(1, 2, 61, (0.0, 0.0), report=Report((0.06, 0.0), 5.0 * exact)))
+    outside.sense(120)
+    assert outside.resting()
+    assert outside.unsettled == set()

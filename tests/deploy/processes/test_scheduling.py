@@ -63,7 +63,8 @@ def test_only_robots_in_lockstep_are_bound(monkeypatch: pytest.MonkeyPatch, mode
                 is_robot = " ".join(process.cmdline()).startswith("disknav robot")
                 seen[is_robot].append(set(process.cpu_affinity()))
 
-    with Fleet(load("swap-2"), RunOptions(mode=mode), watch=look) as fleet:
+    slowly = RunOptions(mode=mode, speed=1.0)  # else it may be over before it is looked at
+    with Fleet(load("swap-2"), slowly, watch=look) as fleet:
         fleet.execute(enough=lambda: bool(seen[True]))
     assert seen[True] == [{core} if mode == "lockstep" else everywhere] * 2
     assert seen[False]

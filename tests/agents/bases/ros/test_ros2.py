@@ -24,7 +24,8 @@ from protocol.scenario.file import read_scenario, write_toml
 from tests.agents.bases.crossing import CROSSING
 from tests.agents.bases.ros import environment
 
-pytestmark = [pytest.mark.slow, pytest.mark.process, pytest.mark.timeout(600)]
+# Odometry every 20 ms has to arrive in time, beside real physics.
+pytestmark = [pytest.mark.slow, pytest.mark.process, pytest.mark.alone, pytest.mark.timeout(600)]
 HERE = Path(__file__).parent
 NOISE = 0.008  # m, of poses
 SETTINGS = (
