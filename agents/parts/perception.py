@@ -25,14 +25,14 @@ from protocol.scenario.model import Scenario
 
 Cells = NDArray[np.bool_]
 
-ASIDE: Final = 0.2  # of the own radius, by which to keep clear of the way of whoever goes first
-AHEAD: Final = 0.5  # of the own radius, within which it would be in somebody's way
+ASIDE: Final = 0.2  # of the own radius, by which to keep clear of the ways of those ahead
+AHEAD: Final = 0.5  # of the own radius, within which it would be in another robot's way
 _KEPT: Final = 16  # fields of ways that are remembered
 
 
 @dataclass(frozen=True)
 class Traveller:
-    """Somebody on the way.
+    """A robot on the way.
 
     Attributes:
         at, to: where it is and where it goes, m.
@@ -56,11 +56,11 @@ class Traffic:
         self._fields: dict[tuple[Vector, float, tuple[Shape, ...]], tuple[Cells, Reals]] = {}
 
     def aim(self, me: Traveller, first: Sequence[Traveller]) -> Vector:
-        """Where to go straight to, m: along the own way; aside from the ways of those who go first, and not
+        """Where to go straight to, m: along the own way; aside from the ways of those that go first, and not
         into them.
 
         Args:
-            first: who goes before this robot.
+            first: those that go before this robot.
         """
         ways = [self._way(each) for each in first]
         if self._is_in_the_way(me.at, me, first, ways):
@@ -85,7 +85,7 @@ class Traffic:
         return self._grid.path(self._field(traveller)[1], traveller.at)
 
     def _field(self, traveller: Traveller) -> tuple[Cells, Reals]:
-        """Free cells, and how far it is from each to where somebody goes, m."""
+        """Free cells, and how far it is from each to the way of another robot, m."""
         key = traveller.to, traveller.radius, traveller.among
         if key not in self._fields:
             if len(self._fields) >= _KEPT:

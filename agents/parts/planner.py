@@ -23,7 +23,7 @@ from protocol.scenario.model import CELLS, Scenario
 _Regions = tuple[int, ...]  # cells that each robot gets to, ascending
 _State = tuple[tuple[tuple[int, Vector], ...], tuple[object, ...], _Regions]
 
-MOST: Final = 2000  # times that one search looks where somebody gets by bringing a part to its goal
+MOST: Final = 2000  # times that one search looks where a robot gets by bringing a part to its goal
 _KEPT: Final = 20_000  # states whose outcome is remembered
 
 

@@ -1,4 +1,4 @@
-"""Where everybody was, by the world's last summary: what a robot knows of those whom it does not hear."""
+"""Where all robots were, by the world's last summary: what a robot knows of peers that it does not hear."""
 
 from __future__ import annotations
 

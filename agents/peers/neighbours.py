@@ -15,7 +15,7 @@ from protocol.scenario.model import RobotSpec
 
 @keeps_newest
 def _by_id(members: tuple[Member, ...]) -> Mapping[int, Member]:
-    """What robots of one process are told alike is kept once; nobody changes it."""
+    """What robots of one process are told alike is kept once; it is never changed."""
     return {each.robot: each for each in members}
 
 
@@ -77,7 +77,7 @@ def has_ended(roster: Roster, robot: int, incarnation: int) -> bool:
 
 
 class Fleet(NamedTuple):
-    """Who is in it, by id; nobody changes it.
+    """Who is in it, by id; it is never changed.
 
     Attributes:
         ids: of all.

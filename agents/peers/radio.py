@@ -62,7 +62,7 @@ class Radio:
         return tick
 
     def turn(self, tick: int) -> float:
-        """Who has a smaller one sends earlier in a tick."""
+        """A robot with a smaller one sends earlier in a tick."""
         return self._draws(tick)[1]
 
     def _gap(self, window: int) -> tuple[int, int]:

@@ -283,5 +283,5 @@ class PeerReader:
 def _identity(cursor: Cursor) -> int:
     robot = cursor.count()
     if not 1 <= robot <= HIGHEST_ID:
-        raise IndexError("nobody's id")
+        raise IndexError("no robot's id")
     return robot

@@ -1,4 +1,4 @@
-"""Where obstacles leave room for one only, one goes first and the others go back: nobody waits for ever."""
+"""Where obstacles leave room for one only, one goes first and the others go back: none waits for ever."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ import sys
 
 from deploy.processes.spawn import Exited, encode_news
 
-_LIE = encode_news(Exited(999_999, 0, 0.0, 0.0))  # of a process that nobody asked for
+_LIE = encode_news(Exited(999_999, 0, 0.0, 0.0))  # of a process that was not asked for
 
 
 def main(*command: str) -> int:
