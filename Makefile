@@ -10,13 +10,15 @@ KERNEL := .venv/.kernel
 SEARCH := $(wildcard deploy/theory/certify/*.py)
 
 , := ,
+# The machine's uv, else the one in .venv.
+UV = $(shell uv --version >/dev/null 2>&1 && echo uv || echo $(BIN)/uv)
 # $(call install,EXTRAS,OPTIONS): this checkout and these extras in .venv, by uv where the registry has it for this machine, else by pip.
 define install
 @test -n "$(PYTHON)" || { echo "disknav needs Python 3.11 or newer; none was found"; exit 1; }
 @test -x $(BIN)/python || $(PYTHON) -m venv .venv
-@$(BIN)/uv --version >/dev/null 2>&1 || $(BIN)/python -m pip install --quiet --disable-pip-version-check uv 2>/dev/null || true
-@export HATCH_BUILD_NO_HOOKS=true; if $(BIN)/uv --version >/dev/null 2>&1; \
-  then $(BIN)/uv pip install --quiet --python $(BIN)/python --editable '.[$(1)]' $(2); \
+@$(UV) --version >/dev/null 2>&1 || $(BIN)/python -m pip install --quiet --disable-pip-version-check uv 2>/dev/null || true
+@export HATCH_BUILD_NO_HOOKS=true; if $(UV) --version >/dev/null 2>&1; \
+  then $(UV) pip install --quiet --python $(BIN)/python --editable '.[$(1)]' $(2); \
   else $(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[$(1)]' $(2); fi
 @touch $@
 endef
@@ -38,7 +40,7 @@ setup:  ## build .venv with everything that running and testing needs, and compi
 	@$(MAKE) --no-print-directory --jobs=2 $(COMPILED) $(KERNEL)
 
 lock: $(READY)  ## renew the versions that `make setup` and `make test` install
-	$(BIN)/uv pip compile --quiet --upgrade --universal --python-version 3.11 --extra all --extra test \
+	$(UV) pip compile --quiet --upgrade --universal --python-version 3.11 --extra all --extra test \
 	  --no-header --no-annotate --no-emit-index-url pyproject.toml -o requirements.lock
 
 compile: $(COMPILED)  ## make C of the modules that run for every message again, after a change to one of them
