@@ -111,8 +111,10 @@ figures: $(READY) $(COMPILED)  ## run all studies; tables, data and pictures in 
 	$(BIN)/python -m tests.benchmarks.theory.sampled > out/sampled.md
 	$(BIN)/python -m tests.benchmarks.theory.certified --write
 	for study in tightness tuning robustness arrival delay scale; do \
-	  $(BIN)/disknav study $$study --json out/$$study.json --plot out/$$study.png || exit $$?; done
-	$(BIN)/disknav study peers --runs 3 --json out/peers.json --plot out/peers.png
+	  $(BIN)/disknav study $$study --json out/$$study.json || exit $$?; done
+	$(BIN)/disknav study peers --runs 3 --json out/peers.json
+	$(BIN)/python docs/examples/01-figures/draw.py out/tightness.json tight nrl_mean
+	$(BIN)/python docs/examples/01-figures/draw.py out/tuning.json k nrl_mean
 
 site: $(READY)  ## build the documentation as a site in out/site
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet

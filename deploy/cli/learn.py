@@ -240,7 +240,6 @@ def study(
         typer.Option(metavar="TEXT", help="peers: only scenarios whose names contain this text; repeatable."),
     ] = None,
     json_file: options.Json = None,
-    plot: Annotated[Path | None, typer.Option(help="Draw the rows: .png, .svg or .pdf.")] = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Discard the results of an earlier call.")] = False,
     quiet: options.Quiet = False,
 ) -> None:
@@ -249,7 +248,7 @@ def study(
     Every finished run is kept in FILE.runs.jsonl beside the --json FILE; the same command goes on from
     there after Ctrl-C or a crash, unless the code or the settings have changed.
 
-    Examples: disknav study tightness --json tightness.json --plot tightness.png;
+    Examples: disknav study tightness --json tightness.json;
     disknav study tuning --runs 5 --transport local;
     disknav study peers --law courtesy.py:Courtesy --only "swap 1"
 
@@ -276,7 +275,6 @@ def study(
         transport=transport,
         shard=Shard() if shard is None else Shard.parse(shard),
         target=json_file,
-        plot=plot,
         fresh=fresh,
         quiet=quiet,
         laws=tuple(law or ()),

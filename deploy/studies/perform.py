@@ -1,4 +1,4 @@
-"""One call of `disknav study`, from what was asked for to table, picture, file and exit status."""
+"""One call of `disknav study`, from what was asked for to table, file and exit status."""
 
 from __future__ import annotations
 
@@ -20,8 +20,6 @@ from deploy.studies.execution import Outcome, RunLog, execute
 from deploy.studies.experiments import scale, tightness, tuning
 from deploy.studies.peers.study import peers
 from deploy.studies.study import Row, Shard, Study, StudyName
-from deploy.telemetry.plot.draw import PICTURES
-from deploy.telemetry.plot.draw import check as check_plot
 from protocol.errors import UsageError
 
 _BUILD: dict[StudyName, Callable[..., Study]] = {
@@ -119,7 +117,6 @@ class Request:
     transport: Transport | None
     shard: Shard
     target: Path | None
-    plot: Path | None
     fresh: bool
     quiet: bool
     laws: tuple[str, ...] = ()
@@ -163,11 +160,6 @@ def perform(request: Request) -> int:
         },
     }
     write_json(document, request.target)
-    if request.plot is not None and outcome.rows:
-        from deploy.studies.charts import CHARTS, draw_study
-        from deploy.studies.peers import chart
-
-        draw_study(CHARTS.get(study.name, chart.peers), outcome.rows, request.plot)
     if not quiet:
         Console(width=None if sys.stdout.isatty() else _PAPER).print(table(study, outcome.rows))
     return _status(study, outcome, request.file)
@@ -178,10 +170,6 @@ def _check(request: Request, study: Study) -> None:
     if request.file is not None and not request.file.parent.is_dir():
         raise UsageError(f"{request.file}: the folder {request.file.parent} does not exist")
     check_json(request.target)
-    if request.plot is not None:
-        check_plot(request.plot)
-        if request.plot.suffix not in PICTURES:
-            raise UsageError(f"{request.plot}: a study is drawn as a picture: {', '.join(PICTURES)}")
     cell = study.cells[0]
     cell.build(cell.seeds[0])
 

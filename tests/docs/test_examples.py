@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 import subprocess
@@ -58,6 +59,18 @@ def test_a_fleet_that_lives(tmp_path: Path) -> None:
 @pytest.mark.process
 def test_two_routers(tmp_path: Path) -> None:
     run("08-several-hosts", "two_routers.py", *map(str, free_ports(2)), cwd=tmp_path)
+
+
+@pytest.mark.slow
+def test_a_study_is_drawn(tmp_path: Path) -> None:
+    study = tmp_path / "tuning.json"
+    rows = [
+        {"k": k, "nrl_mean": n, "nrl_std": 0.1, "paper": None, "exact": 1.1}
+        for k, n in ((5.0, None), (60.0, 1.2))
+    ]
+    study.write_text(json.dumps({"rows": rows}))
+    run("01-figures", "draw.py", study.name, "k", "nrl_mean", cwd=tmp_path)
+    assert study.with_suffix(".png").stat().st_size > 5_000
 
 
 @pytest.fixture(scope="module")

@@ -109,13 +109,6 @@ LAWS: dict[str, dict[str, Any]] = {
     "orca": {"law": f"{OTHERS}:Orca", "filter": "none"},
     "barrier": {"law": f"{OTHERS}:Barrier", "filter": "none"},
 }
-NAMES = {  # of the laws, for people
-    "reciprocal + lines": "reciprocal, lines",
-    "gradient + lines": "gradient, lines",
-    "gradient": "bare gradient",
-    "orca": "ORCA",
-    "barrier": "barrier QP",
-}
 # As many settings for either method. A barrier's gain times the period is at most 1. Where states are late a
 # margin has to cover what they miss: in m, up to what a robot drives in 150 and in 300 ms. Horizon 1 s and
 # gain 20 per s are left out there for the sake of more margins. RVO2's robots take 2.5 times as long as those

@@ -21,7 +21,6 @@ from protocol.messages import Clock
 # Okabe and Ito's palette without its yellow and black, which are lost on paper and among text.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 DASHES: tuple[Any, ...] = ("-", "--", "-.", ":")
-MARKERS = ("o", "s", "^", "D", "v", "P")
 INK = "#222222"
 FAINT = "#8a8a8a"
 
@@ -59,11 +58,6 @@ def colour(index: int) -> str:
 def dash(index: int) -> Any:
     """Line style that goes with it: it changes where colours repeat, and tells them apart in grey."""
     return DASHES[(index + index // len(COLOURS)) % len(DASHES)]
-
-
-def marker(index: int) -> str:
-    """Marker that goes with it."""
-    return MARKERS[index % len(MARKERS)]
 
 
 def _legend_disk(*, xdescent: float, ydescent: float, width: float, height: float, **_: object) -> Circle:

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
-from deploy.studies.charts import CHARTS, draw_study
 from deploy.studies.conditions import against, delay
 from deploy.studies.execution import RunLog, execute
 
@@ -19,7 +17,7 @@ def test_times_are_compared_seed_by_seed() -> None:
     assert against({"1": 6.0}, {}) == {"ratio": None, "ratio_error": None}
 
 
-def test_rows_have_both_paces_and_what_delay_costs(tmp_path: Path) -> None:
+def test_rows_have_both_paces_and_what_delay_costs() -> None:
     study = delay(1, delays=(0.0, 0.1))
     study = replace(study, cells=[cell for cell in study.cells if cell.labels["scenario"] == "tight 3.30"])
     rows = execute(study, "local", RunLog(None), jobs=1).rows
@@ -32,7 +30,6 @@ def test_rows_have_both_paces_and_what_delay_costs(tmp_path: Path) -> None:
     assert rows[1]["ratio"] == rows[1]["time_mean"] / rows[0]["time_mean"] > 1.0
     assert len(study.summary(rows)) == 2
     assert all(set(study.columns.split()) <= set(row) for row in rows)
-    draw_study(CHARTS[study.name], rows, tmp_path / "delay.svg")
 
 
 def test_a_row_whose_runs_without_delay_are_missing_has_no_ratio() -> None:

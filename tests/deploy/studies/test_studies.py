@@ -1,4 +1,4 @@
-"""Every study in small: its rows, summary, table and picture."""
+"""Every study in small: its rows, summary and table."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ import pytest
 from rich.console import Console
 
 from deploy.software import provenance
-from deploy.studies.charts import CHARTS, draw_study
 from deploy.studies.conditions import Conditions, arrival, crowd, robustness, room
 from deploy.studies.execution import RunLog, execute
 from deploy.studies.experiments import PERIOD, TOLERANCE, paper_flow, scale, tuning
@@ -32,7 +31,7 @@ SMALL: dict[str, Callable[[], Study]] = {
 
 
 @pytest.mark.parametrize("name", SMALL)
-def test_a_small_study_from_runs_to_picture(name: str, tmp_path: Path) -> None:
+def test_a_small_study_from_runs_to_table(name: str) -> None:
     study = SMALL[name]()
     result = execute(study, "local", RunLog(None), jobs=2)
     assert len(result.rows) == len(study.cells)
@@ -41,8 +40,6 @@ def test_a_small_study_from_runs_to_picture(name: str, tmp_path: Path) -> None:
     text = StringIO()
     Console(file=text, width=200).print(table(study, result.rows))
     assert all(line in text.getvalue() for line in study.summary(result.rows))
-    draw_study(CHARTS[study.name], result.rows, tmp_path / "study.svg")
-    assert (tmp_path / "study.svg").read_text().startswith("<?xml")
 
 
 def _request(**changes: object) -> Request:
@@ -55,7 +52,6 @@ def _request(**changes: object) -> Request:
         "transport": "local",
         "shard": Shard(),
         "target": None,
-        "plot": None,
         "fresh": False,
         "quiet": True,
     }
@@ -64,7 +60,7 @@ def _request(**changes: object) -> Request:
 
 def test_the_document_has_what_is_promised(tmp_path: Path) -> None:
     target = tmp_path / "rows.json"
-    assert perform(_request(target=target, plot=tmp_path / "rows.png")) == 0
+    assert perform(_request(target=target)) == 0
     document = json.loads(target.read_text())
     assert document["study"] == "tightness"
     assert [row["tight"] for row in document["rows"]] == [2.44, 2.63, 2.87, 3.30, 3.45]
@@ -72,14 +68,11 @@ def test_the_document_has_what_is_promised(tmp_path: Path) -> None:
     assert document["provenance"]["seed"] == 0
     assert document["provenance"]["versions"]["numpy"]
     assert document["provenance"]["machine"]["cores"] >= 1
-    assert (tmp_path / "rows.png").stat().st_size > 0
 
 
 def test_invalid_requests_start_nothing(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="does not exist"):
         perform(_request(target=tmp_path / "nowhere" / "rows.json"))
-    with pytest.raises(UsageError, match="picture"):
-        perform(_request(plot=tmp_path / "rows.gif"))
     with pytest.raises(ScenarioError, match="additions"):
         perform(_request(settings=('control.additions=["slow"]',)))
 
