@@ -116,7 +116,7 @@ _CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 
 
 class Finding(NamedTuple):
-    """One obstacle that was looked at.
+    """One fact of this machine that was examined.
 
     level: good; note: fine unless what `text` says is wanted; bad: nothing will run as it should.
     remedy: what to do; empty where nothing is.

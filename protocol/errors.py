@@ -11,7 +11,7 @@ class DisknavError(Exception):
 
 
 class Problem(NamedTuple):
-    """One obstacle that is wrong in a file: where (`robots[2].start`) and what."""
+    """One mistake in a file: where (`robots[2].start`) and what."""
 
     path: str
     text: str

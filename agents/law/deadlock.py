@@ -1,6 +1,6 @@
 """Deadlock: notice that a robot makes no progress, and leave along the direction of negative curvature.
 
-Two obstacles stop a robot away from its goal: a saddle of phi, where repulsion cancels attraction (exactly
+Two causes stop a robot away from its goal: a saddle of phi, where repulsion cancels attraction (exactly
 symmetric swaps come to rest on one), and a filter that projects the desired velocity to nothing. At a saddle
 phi falls when all members of a cluster circle its centroid, v_i = J (b_i - centroid), J = [[0, 1], [-1, 0]]
 (Karagoz, Bozma, Koditschek, Prop. C.4). The sense of rotation is a constant, so the members agree without

@@ -166,7 +166,7 @@ def _of_robots(dice: Dice, kind: str, fleet: Fleet, before: tuple[Order, ...]) -
 
 
 def _of_others(dice: Dice, kind: str, fleet: Fleet, before: tuple[Order, ...]) -> Iterator[tuple[int, Order]]:
-    """Ticks since it began, and what is asked of obstacles, or of all, then."""
+    """Ticks since it began, and what is asked of the other members, or of all, then."""
     later = dice.pick(_SOON)
     number = len(fleet.obstacles) + 1 + sum(order.place is not None for order in before)
     match kind:
