@@ -23,7 +23,8 @@ KEPT: Final = 400  # messages; a pose that is older than these is of no use
 _SLACK: Final = 0.005  # m, that a message may be off the one before, besides what the base can do
 _TURN_SLACK: Final = 0.02  # rad
 SETTLING: Final = 0.5  # s for which everything has to be sound
-SILENCE: Final = 0.5  # s without odometry after which nothing is known any more
+SILENCE: Final = 0.5  # s without odometry in time after which nothing is known any more
+DRIFT: Final = 5e-4  # s that two clocks may diverge in a second, as slewing one of them makes them
 _MOVED: Final = 0.01  # m, by which a base at rest may seem to move
 _TURNED: Final = 0.05  # rad, that a direction by odometry may be off besides its share of the turn
 _LEVEL: Final = 0.01  # by which a quaternion may miss unit length, or leave the plane
@@ -39,6 +40,31 @@ class Place(NamedTuple):
     way: float
 
 
+class LinkDelay:
+    """How old the messages of a stream are, although its clock and that of this process differ.
+
+    Arrival less stamp is the difference of the clocks and the delay. The least of it that was seen has the
+    least delay; it may rise by `DRIFT`, since clocks drift apart, so that a delay that has grown for good
+    counts again as the least one some minutes later.
+    """
+
+    def __init__(self) -> None:
+        self._least = math.inf  # s
+        self._stamp = self._arrived = -math.inf
+
+    def take(self, stamp: float, now: float) -> None:
+        """A message with a stamp, s, arrived `now`."""
+        self._least += DRIFT * (now - self._arrived)
+        if stamp < self._stamp:  # its clock was set back
+            self._least = math.inf
+        self._least = min(self._least, now - stamp)
+        self._stamp, self._arrived = stamp, now
+
+    def age(self, stamp: float, now: float) -> float:
+        """For how long a stamp has been true, s, beyond the least delay."""
+        return now - stamp - self._least
+
+
 class Odometer:
     """Checks and keeps odometry, a stream of poses in a frame of its own: no message is believed unchecked.
 
@@ -48,13 +74,17 @@ class Odometer:
 
     Attributes:
         newest: the newest place, None before any.
-        arrived: when that came, s, by the clock of this process.
+        oldest: s, that it may be old with which a tick begins.
+        arrived: when a message came last, s, by the clock of this process.
+        timely: when one came last that was young enough for a tick to begin with.
     """
 
     def __init__(self, base: Base, body: Body) -> None:
         self.newest: Place | None = None
-        self.arrived = -math.inf
+        self.arrived = self.timely = -math.inf
         self._frames = base.odometry_frame, base.base_frame
+        self._link, self._least = LinkDelay(), base.delay
+        self.oldest = base.age + base.latency
         self._offset = body.offset
         self._share, self._drift = body.odometry, body.drift
         self._speed, self._rate = body.speed, 0.0
@@ -77,7 +107,10 @@ class Odometer:
         x, y, _ = message.pose.position
         x, y = x + self._offset * math.cos(yaw), y + self._offset * math.sin(yaw)
         stamp, last = message.header.stamp / NANO, self.newest
+        self._link.take(stamp, now)
         self.arrived = now
+        if self._least + self._link.age(stamp, now) <= self.oldest:
+            self.timely = now
         if last is None:
             self._keep(Place(stamp, x, y, yaw, 0.0))
             return ""
@@ -87,6 +120,10 @@ class Odometer:
         if not wrong and passed > 0.0:
             self._keep(Place(stamp, x, y, last.yaw + turn, last.way + step))
         return wrong
+
+    def age(self, now: float) -> float:
+        """How old the newest place is, s; infinite before any."""
+        return math.inf if self.newest is None else self._least + self._link.age(self.newest.stamp, now)
 
     def _malformed(self, message: Odometry, yaw: float | None) -> str:
         """What is wrong with a message by itself; "" if nothing."""
@@ -236,8 +273,10 @@ class Senses:
         """Take in the newest pose that odometry encloses, and find out whether all is well."""
         if self._odometer.newest is None:
             return
-        if now - self._odometer.arrived > SILENCE:
-            self.doubt(f"no odometry for {SILENCE:g} s")
+        if now - self._odometer.timely > SILENCE:
+            silent = now - self._odometer.arrived > SILENCE
+            late = "odometry comes later than it did, by more than `base.age` allows"
+            self.doubt(f"no odometry for {SILENCE:g} s" if silent else late)
             return
         self._take_poses()
         if not self.sound and self._fix is not None and now >= self._settled_from + SETTLING:
@@ -257,8 +296,8 @@ class Senses:
         return 0.0 if fix is None or newest is None else wrapped(newest.yaw + fix.askew)
 
     def age(self, now: float) -> float:
-        """How long ago the newest odometry arrived, s."""
-        return now - self._odometer.arrived
+        """How old the newest odometry is, s."""
+        return self._odometer.age(now)
 
     def read(self, tick: int, motion: BaseMotion | None, now: float) -> Sense | None:
         """What is known as `tick` begins; None if nothing can be relied on.
@@ -268,7 +307,7 @@ class Senses:
         """
         self.look(now)
         fix, newest = self._fix, self._odometer.newest
-        if not self.sound or fix is None or newest is None or self.age(now) > self._base.age:
+        if not self.sound or fix is None or newest is None or self.age(now) > self._odometer.oldest:
             return None
         last, self._read = self._read, newest
         moved, off = (0.0, 0.0), 0.0

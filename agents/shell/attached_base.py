@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
 from agents.bases.base import Base, misplaced
@@ -9,14 +10,24 @@ from agents.robot import Robot
 from protocol.bus.bus import Bus
 from protocol.messages import Command, Sense, Tick, Vector
 
+_BOOT = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
+
+
+def since_boot() -> float:
+    """Time, s, that passes in a suspended computer, too, where its system has such a clock."""
+    return time.clock_gettime(_BOOT)
+
 
 class AttachedBase:
     """One base, for one life of its robot after another.
+
+    Its lease and the age of odometry count while the computer is suspended; deadlines are monotonic time.
 
     Args:
         base: the base.
         bus: the process's own connection.
         say: takes what a person should know.
+        clock: time for the base, s.
 
     Attributes:
         keys: under which it is heard.
@@ -24,50 +35,51 @@ class AttachedBase:
         in_place: whether all was well with it, and the robot where it may begin, at least once.
     """
 
-    def __init__(self, base: Base, bus: Bus, say: Callable[[str], None]) -> None:
+    def __init__(
+        self, base: Base, bus: Bus, say: Callable[[str], None], clock: Callable[[], float] = since_boot
+    ) -> None:
         self.keys = base.keys
         self.trouble = ""
         self.in_place = False
-        self._base, self._say = base, say
+        self._base, self._say, self._clock = base, say, clock
         bus.subscribe(*base.keys)
         self._tell = bus.foreign(base.tells)
 
     @property
     def due(self) -> float:
         """When `wake` wants to be called next, s, monotonic."""
-        return self._base.due
+        return time.monotonic() + self._base.due - self._clock()
 
-    def hear(self, key: str, payload: bytes, now: float) -> Vector | None:
+    def hear(self, key: str, payload: bytes) -> Vector | None:
         """Something arrived under one of its keys; as `Base.hear`."""
-        return self._base.hear(key, payload, now)
+        return self._base.hear(key, payload, self._clock())
 
-    def begin(self, core: Robot, tick: Tick, now: float) -> Sense | None:
+    def begin(self, core: Robot, tick: Tick) -> Sense | None:
         """What base and localisation say as a tick begins; the core is told if they begin anew."""
-        sense = self._base.begin(tick, now)
+        sense = self._base.begin(tick, self._clock())
         if self._base.begins_anew():
             core.begin_anew()
         elif core.lost and not self._base.note:
             self._base.doubt(core.note)
         return sense
 
-    def obey(self, command: Command, now: float) -> None:
+    def obey(self, command: Command) -> None:
         """Carry out the Command of the tick that began last; to be called before it is sent."""
-        self._base.obey(command, now)
+        self._base.obey(command, self._clock())
 
-    def stand(self, core: Robot, now: float, *, founded: bool) -> None:
-        """Brake at once: no tick goes on. For the rest see `wake`."""
-        self._base.stand(now)
-        self.wake(core, now, founded=founded)
+    def stand(self, core: Robot, *, founded: bool) -> None:
+        """Brake at once: no tick goes on. The parameters are those of `wake`."""
+        self._base.stand(self._clock())
+        self.wake(core, founded=founded)
 
-    def wake(self, core: Robot, now: float, *, founded: bool) -> None:
+    def wake(self, core: Robot, *, founded: bool) -> None:
         """Tell the base what it has to be told by now, and people what is wrong with it.
 
         Args:
             core: the robot that it moves.
-            now: s, monotonic.
             founded: whether the run had begun when the robot was admitted: it begins where its disk stands.
         """
-        for payload in self._base.wake(now):
+        for payload in self._base.wake(self._clock()):
             self._tell(payload)
         trouble = self._base.note
         if not self.in_place and not trouble:

@@ -124,7 +124,7 @@ class RobotNode:
 
     def _begin(self, admission: joining.Admission) -> None:
         if self._base is not None and self.core is not None and not self._ended:
-            self._base.stand(self.core, time.monotonic(), founded=self._founded)  # under another epoch
+            self._base.stand(self.core, founded=self._founded)  # under another epoch
         self.core = Robot(
             admission.scenario,
             self._robot,
@@ -214,7 +214,7 @@ class RobotNode:
 
     def _on_base(self, base: AttachedBase, key: str, payload: bytes) -> None:
         try:
-            wish = base.hear(key, payload, time.monotonic())
+            wish = base.hear(key, payload)
         except MessageError as error:
             self._rejected[error.reason] += 1
             return
@@ -268,7 +268,7 @@ class RobotNode:
             self._peers.on_roster(tick.roster, everybody=not core.scenario.hears_near)
         if tick.grants is not None and core.scenario.hears_near:
             self._peers.attend({each.peer for each in tick.grants.bindings if each.peer > 0})
-        sense = None if self._base is None else self._base.begin(core, tick, self._world.heard)
+        sense = None if self._base is None else self._base.begin(core, tick)
         self._said_state = encode(core.begin(tick, sense))
         if len(core.troubles) > self._noted:
             self._noted = len(core.troubles)
@@ -286,7 +286,7 @@ class RobotNode:
     def _command(self, core: Robot) -> None:
         command = core.command()
         if self._base is not None:
-            self._base.obey(command, time.monotonic())
+            self._base.obey(command)
         self._said_command = encode(command)
         self._tell_command(self._said_command)
         self._published += 1
@@ -312,7 +312,7 @@ class RobotNode:
         self._report()
         self._due = time.monotonic()
         if self._base is not None:
-            self._base.stand(core, self._due, founded=self._founded)
+            self._base.stand(core, founded=self._founded)
             self._look_at_place(self._base)
 
     # -- time
@@ -320,7 +320,7 @@ class RobotNode:
     def wake(self, now: float) -> None:
         base = self._base
         if base is not None and self.core is not None and now >= base.due:
-            base.wake(self.core, now, founded=self._founded)
+            base.wake(self.core, founded=self._founded)
             self._look_at_place(base)
         if base is None or now >= self._due:
             self._look(now)

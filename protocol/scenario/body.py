@@ -125,7 +125,8 @@ class Base:
     timeout: Positive = 0.25  # s without a velocity, after which the base begins to brake by itself
     patience: NonNegative = 0.1  # s without a tick, after the one it is in, until the robot has it brake
     latency: NonNegative = 0.03  # s that a message between robot and base may take, one way
-    age: Positive = 0.1  # s since the odometry arrived with which a tick may begin
+    delay: NonNegative = 0.0  # s that odometry takes at least
+    age: Positive = 0.1  # s, besides `latency`, that the odometry may be old with which a tick begins
 
     def carries(self, body: Body) -> Body:
         """The body as the filter has to take it: with all that comes late."""

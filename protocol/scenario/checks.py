@@ -246,6 +246,8 @@ def _names(steps: Steps, base: Base) -> Iterator[Finding]:
     for key in FRAMES:
         if not getattr(base, key).isprintable():
             yield (*steps, key), "must have no control characters"
+    if base.delay > base.latency:
+        yield (*steps, "delay"), f"must be at most `latency`, {base.latency:g}: the least delay of a message"
 
 
 def _shared(robot: Steps, base: Base, topics: Iterable[str], seen: dict[str, Steps]) -> Iterator[Finding]:

@@ -52,6 +52,7 @@ class Floor:
         loss: share of the fleet's messages that are lost.
         odometry: changes what a base says, by robot, time and message; None loses it.
         pose: the same of a localisation.
+        held_up: s, by which the link from a base to its robot is slower than usual, by robot and time.
     """
 
     def __init__(
@@ -63,6 +64,7 @@ class Floor:
         loss: float = 0.0,
         odometry: Callable[[int, float, Odometry], Odometry | None] = lambda _r, _t, m: m,
         pose: Callable[[int, float, StampedPose], StampedPose | None] = lambda _r, _t, m: m,
+        held_up: Callable[[int, float], float] = lambda _r, _t: 0.0,
     ) -> None:
         self.now = 0.0
         self.rng = random.Random(seed)
@@ -76,7 +78,8 @@ class Floor:
         self.strayed = -math.inf  # m, by which wheels left what their filter counts on
         self._events: list[tuple[float, int, Event]] = []
         self._number = count()
-        self._odometry, self._pose = odometry, pose
+        self._odometry, self._pose, self._held_up = odometry, pose, held_up
+        self._arrives = dict.fromkeys(scenario.ids, 0.0)  # s, when the last message of each base does
         self.crews: dict[int, Crew] = {}
         for robot in scenario.ids:
             table = scenario.base_of(robot)
@@ -162,8 +165,10 @@ class Floor:
     def _to_robot(self, crew: Crew, event: Event) -> None:
         table = self.scenario.base_of(crew.core.robot)
         assert table is not None
-        # in order, as a link has it
-        self._later(0.5 * table.latency, lambda: self._if_alive(crew, event))
+        robot = crew.core.robot
+        arrives = self.now + 0.5 * table.latency + self._held_up(robot, self.now)
+        self._arrives[robot] = max(self._arrives[robot], arrives)  # in order, as a link has it
+        self._later(self._arrives[robot] - self.now, lambda: self._if_alive(crew, event))
 
     def _if_alive(self, crew: Crew, event: Event) -> None:
         if crew.alive:

@@ -141,6 +141,26 @@ def test_a_robot_stands_while_a_stream_is_unsound_says_why_and_goes_on(stream, w
     assert floor.excess <= 0.0
 
 
+def test_a_robot_stands_while_its_odometry_comes_later_and_later_and_then_late_alike():
+    """No message is lost, none is unsound, and one arrives every 20 ms; the clocks are years apart."""
+    floor = Floor(PAIR, 2, held_up=lambda robot, now: late(now) if robot == 1 else 0.0).run(FROM)
+    assert floor.moving() == [1, 2]
+    floor.run(FROM + STOPPED)
+    assert 1 not in floor.moving()
+    floor.run(FROM + 20.0)
+    assert 1 not in floor.moving()
+    assert floor.crews[1].notes[-1].startswith("odometry comes later than it did")
+    floor.run(150.0)
+    assert floor.crews[1].notes[-1] == ""
+    assert floor.world.report()["verdict"] == "arrived"
+    assert floor.closest > 0.0
+
+
+def late(now: float) -> float:
+    """A delay that grows for a second and goes on for 20 s, s."""
+    return min(0.3 * (now - FROM), 0.3) if FROM <= now < FROM + 20.0 else 0.0
+
+
 def test_a_localisation_that_drifts_off_contradicts_itself_in_the_end_and_is_begun_anew():
     """No two poses exclude each other; all together do, in the robot's own set."""
     drift = count()

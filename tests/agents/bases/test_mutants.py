@@ -8,11 +8,11 @@ from dataclasses import replace
 import pytest
 
 from agents.bases.drive import Drive, Lease
-from agents.bases.senses import Senses
+from agents.bases.senses import LinkDelay, Senses
 from protocol.line import ROUNDING
 from protocol.scenario.body import Base
 from tests.agents.bases.floor import Floor
-from tests.agents.bases.test_floor import FROM, PAIR, STOPPED, fleet
+from tests.agents.bases.test_floor import FROM, PAIR, STOPPED, fleet, late
 from world.external import External
 
 THREE = fleet(3)
@@ -40,6 +40,15 @@ def drives_on_without_odometry() -> bool:
     floor = Floor(PAIR, 1).run(FROM)
     floor._odometry = lambda robot, _now, message: None if robot == 1 else message
     return 1 in floor.run(FROM + STOPPED + 0.3).moving()
+
+
+def drives_on_with_late_odometry() -> bool:
+    return (
+        1
+        in Floor(PAIR, 2, held_up=lambda robot, now: late(now) if robot == 1 else 0.0)
+        .run(FROM + 5.0)
+        .moving()
+    )
 
 
 def is_taken_for_where_it_is_not() -> bool:
@@ -79,6 +88,10 @@ def without_age(patch: pytest.MonkeyPatch) -> None:
     patch.setattr("agents.bases.senses.SILENCE", math.inf)
 
 
+def with_age_since_arrival(patch: pytest.MonkeyPatch) -> None:
+    patch.setattr(LinkDelay, "age", lambda link, _stamp, now: now - link._arrived)
+
+
 def without_the_way(patch: pytest.MonkeyPatch) -> None:
     resting = External.resting
 
@@ -94,6 +107,7 @@ RULES = {
     "a tick moves only under the lease": (without_lease, moves_on_stale_ticks),
     "a velocity is not held for ever": (without_hold_time, drives_on_without_a_coordinator),
     "odometry must be young": (without_age, drives_on_without_odometry),
+    "odometry is as old as its link is slow": (with_age_since_arrival, drives_on_with_late_odometry),
     "what comes late is lag": (without_latency, wheels_stray),
     "who is not heard may have gone on": (without_the_way, is_taken_for_where_it_is_not),
 }

@@ -140,6 +140,7 @@ def test_the_filter_takes_a_body_with_everything_that_comes_late():
             {"one": 'base = {odometry = "odom/**"}'},
             r"robots\[0\]\.base\.odometry: 'odom/\*\*' is no ROS name",
         ),
+        ({"one": "base = {delay = 0.04}"}, r"robots\[0\]\.base\.delay: must be at most `latency`, 0\.03"),
         ({"one": 'base = {pose = "a//b"}'}, r"robots\[0\]\.base\.pose: 'a//b' is no ROS name"),
         ({"one": 'base = {pose = "/"}'}, r"robots\[0\]\.base\.pose: must not be empty"),
         ({"two": 'base = {pose = "odom"}'}, r"robots\[1\]\.base: `odometry` and `pose` are both bot2/odom"),
