@@ -351,6 +351,9 @@ class Wish(Message, frozen=True, array_like=True, gc=False):
     velocity: Vector  # m/s; what is faster than the speed limit is slowed down to it
 
 
+LISTED: Final = 5000  # entries of a list of the report that may grow without limit
+
+
 class Result(Message, frozen=True, array_like=True, gc=False):
     """World to the launcher at the end: what it judged. `report` is a JSON object."""
 

@@ -2,36 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any
 
+from protocol.messages import LISTED
 from protocol.scenario.model import Order, Scenario
-from world.coordinator.commands import Commands
 from world.coordinator.lives import Lives
-from world.judge.contacts import Contact, Touches
 from world.judge.measures import normalised_length, tight
-from world.judge.record import Record
+from world.judge.record import Contact
 from world.sensing import Sensor
+from world.world import World
 
-LISTED = 5000  # entries of a list that may grow without limit: the result is one message
 
-
-def report(
-    scenario: Scenario,
-    *,
-    verdict: tuple[str, str],
-    arrived: list[int],
-    record: Record,
-    worlds: tuple[int, ...],
-    touches: Touches,
-    lengths: Mapping[int, float],
-    commands: Commands,
-    lives: Lives,
-    sensors: Iterable[Sensor],
-    orders: Iterable[tuple[int, Order, str]],
-    largest_bound: float | None = None,
-) -> dict[str, Any]:
+def result_of(world: World) -> dict[str, Any]:
     """Result fields: SI units, times in s of simulated time; None where a measure has no meaning.
 
     Of contacts, process faults and fences the first `LISTED` each; `collisions` counts all contacts.
@@ -40,17 +23,10 @@ def report(
     plant: what moved the disks, and the contacts that it reported by itself, if it can. Of bases outside
     the truth is unknown: everything here is judged by what robots reported of themselves, each time off by
     no more than `reported_bound`, m, unless a stated bound is wrong.
-
-    Args:
-        verdict: and its reason.
-        arrived: ids of robots that are at their goals.
-        worlds: ticks with which those worlds began that went on from others.
-        lengths: path length of each robot that is or was there, m.
-        orders: those of the scenario that were due: tick, order, and why it was refused or "".
-        largest_bound: by which a reported position may have been off, m; None where the truth is known.
     """
-    step, totals, segment = scenario.time.step, record.totals, record.segment
-    truth, contacts = totals.truth, totals.contacts.all
+    scenario, coordinator, referee = world.scenario, world.coordinator, world.referee
+    step, totals, segment = scenario.time.step, referee.record.totals, referee.record.segment
+    truth, lengths = totals.truth, world.simulation.lengths
     return {
         "scenario": scenario.name,
         "seed": scenario.seed,
@@ -58,35 +34,35 @@ def report(
         "law": scenario.control.law,
         "filter": scenario.control.filter,
         "k": scenario.k,
-        "verdict": verdict[0],
-        "reason": verdict[1],
-        "arrived": arrived,
-        "collisions": len(contacts),
-        "contacts": [_contact(contact, step) for contact in contacts[:LISTED]],
+        "verdict": referee.verdict,
+        "reason": referee.reason,
+        "arrived": referee.arrived(world.simulation.plant.positions),
+        "collisions": totals.collisions,
+        "contacts": [_contact(contact, step) for contact in totals.contacts],
         "min_clearance": totals.clearance,
         "plant": {
             "kind": scenario.world.plant,
-            "contacts": [{"pair": list(pair), "tick": tick} for tick, pair in touches.all[:LISTED]],
-            "reported_bound": largest_bound,
+            "contacts": [{"pair": list(pair), "tick": tick} for tick, pair in totals.touches],
+            "reported_bound": world.simulation.largest_bound,
         },
-        "nrl": normalised_length(segment.goals, dict(lengths)),
+        "nrl": normalised_length(segment.goals, lengths),
         "path_lengths": {str(robot): length for robot, length in sorted(lengths.items())},
         "lateral_deviation": {str(robot): deviation for robot, deviation in sorted(totals.deviation.items())},
         "tight": tight(segment.disks, segment.goals),
         "ticks": truth.tick,
         "sim_time": truth.tick * step,
-        "missed_commands": commands.missed,
-        "rejected_commands": dict(commands.refused),
-        "down": [fenced.robot for fenced in lives.standing],
-        "orders": [_order(tick, order, refused) for tick, order, refused in orders],
-        "faults": _faults(scenario, lives, list(sensors)),
+        "missed_commands": coordinator.commands.missed,
+        "rejected_commands": dict(coordinator.commands.refused),
+        "down": [fenced.robot for fenced in coordinator.lives.standing],
+        "orders": [_order(tick, order, refused) for tick, order, refused in coordinator.schedule.done],
+        "faults": _faults(scenario, coordinator.lives, list(world.simulation.sensors.values())),
         "phi": {"first": totals.first.phi, "last": truth.phi, "increases": totals.increases},
         "log_potential": {"first": totals.first.log_potential, "last": truth.log_potential},
         "positions": {
             str(robot): list(position) for robot, position in zip(truth.robots, truth.positions, strict=True)
         },
-        "trajectory_sha256": record.sha256(),
-        "worlds": list(worlds),
+        "trajectory_sha256": referee.record.sha256(),
+        "worlds": list(referee.worlds),
     }
 
 
@@ -110,11 +86,11 @@ def _faults(scenario: Scenario, lives: Lives, sensors: list[Sensor]) -> dict[str
         "process": [{**plain(fault), "tick": tick} for tick, fault in lives.applied[:LISTED]],
         "fenced": [
             {"robot": down.robot, "incarnation": down.incarnation, "tick": tick}
-            for tick, down in lives.fenced[:LISTED]
+            for tick, down in lives.fenced
         ],
         "given_up": [
             {"robot": robot, "incarnation": incarnation, "tick": tick, "reason": reason}
-            for tick, robot, incarnation, reason in lives.given_up[:LISTED]
+            for tick, robot, incarnation, reason in lives.given_up
         ],
         "measurements": {
             "delayed": sum(sensor.delayed for sensor in sensors),

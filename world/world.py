@@ -6,8 +6,6 @@ One tick: `open_tick` (and `coordinator.join` for each awaited robot), `accept` 
 
 from __future__ import annotations
 
-from typing import Any
-
 import msgspec
 from mypy_extensions import mypyc_attr
 
@@ -18,7 +16,6 @@ from world.coordinator.coordinator import Coordinator, PastCoordinator
 from world.external import External
 from world.judge.verdict import PastReferee, Referee
 from world.plants.plant import PastDisks
-from world.report import report
 from world.simulation import Simulation
 
 
@@ -142,9 +139,9 @@ class World:
             simulation.brake(self.tick)
         else:
             simulation.move(coordinator.commands.velocities, self.tick)
-        referee.touches.add(self.tick, simulation.plant.touched())
         coordinator.close(simulation.resting(), simulation.bounds)
-        referee.record.add(simulation.plant.positions, simulation.plant.between)
+        plant = simulation.plant
+        referee.record.add(plant.positions, plant.between, plant.touched())
         resized = self._handle()
         if coordinator.lives.settle():
             referee.record.set_obstacles(coordinator.lives.obstacles.standing)
@@ -321,21 +318,3 @@ class World:
         if not self.coordinator.halted or self.verdict:
             return ()
         return tuple(sorted(self.simulation.moving()))
-
-    def report(self) -> dict[str, Any]:
-        """All that the world knows of the result, in plain types that JSON knows."""
-        coordinator, simulation, referee = self.coordinator, self.simulation, self.referee
-        return report(
-            self.scenario,
-            verdict=(self.verdict, self.reason),
-            arrived=referee.arrived(simulation.plant.positions),
-            record=referee.record,
-            worlds=referee.worlds,
-            touches=referee.touches,
-            lengths=simulation.lengths,
-            commands=coordinator.commands,
-            lives=coordinator.lives,
-            orders=coordinator.schedule.done,
-            sensors=simulation.sensors.values(),
-            largest_bound=simulation.largest_bound,
-        )

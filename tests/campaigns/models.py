@@ -18,6 +18,7 @@ from tests.campaigns.campaign import Campaign, Dice, Mutant, Outcome
 from tests.system.orders.turnover import Turnover
 from tests.world.plants.fleet import BODIES as CARRIERS
 from tests.world.plants.fleet import PERIODS, drive, hostile, varied
+from world.report import result_of
 
 _product, _ride_product = cache(Product), cache(RideProduct)
 
@@ -87,7 +88,7 @@ def _turnover(dice: Dice) -> Outcome:
     turnover = Turnover(dice.seed, 36, 3600.0)
     turnover.run(72_000)
     settled = turnover.settles(6000)
-    report = turnover.fleet.world.world.report()
+    report = result_of(turnover.fleet.world.world)
     faults = ((report["collisions"], "contact"), (not settled, "stuck"), (turnover.changes < 1000, "rest"))
     violation = ", ".join(text for wrong, text in faults if wrong)
     figures = {"changes": float(turnover.changes), "clearance, m": report["min_clearance"]}

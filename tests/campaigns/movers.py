@@ -22,6 +22,7 @@ from protocol.geometry import Disk
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 from tests.campaigns.campaign import Campaign, Dice, Outcome
+from world.report import result_of
 from world.world import World
 
 SECONDS = 300.0  # of simulated time
@@ -55,7 +56,7 @@ def run(scenario: Scenario, kill: bool = False) -> Ended:
             fleet.kill(carriers[0])
             kill, apart = False, without_order(world, carriers[0], before)
         before = _standing(world)
-    report = world.report()
+    report = result_of(world)
     return Ended(
         scenario.seed,
         _left(world),

@@ -13,7 +13,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, fresh_run_name
 from protocol.errors import UsageError
 from protocol.scenario.file import write_toml
-from world.judge.trajectory import TrajectoryDigest
+from world.judge.record import TrajectoryDigest
 
 ROBOTS = [
     {"id": 7, "radius": 0.04, "start": np.array([-0.2, 0.0]), "goal": (0.2, 0.0)},

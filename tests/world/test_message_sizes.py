@@ -42,9 +42,10 @@ from protocol.scenario.model import (
     Workspace,
 )
 from protocol.streams import STREAMS
+from world.coordinator.lives import note
 from world.coordinator.surroundings import MOST as MOST_THINGS
 from world.coordinator.surroundings import Surroundings
-from world.judge.contacts import Contact
+from world.judge.record import LISTED, Contact
 from world.shell.run import Run
 
 MOST = 1000
@@ -212,14 +213,19 @@ def test_a_roster_of_all_obstacles_that_there_may_be_fits() -> None:
 @pytest.mark.slow
 def test_a_result_fits_whatever_happened_however_often() -> None:
     apart = tuple(Partition(float(n), n + 1.0, (IDS,)) for n in range(50))  # no more names are accepted
-    run = Run(validated(replace(crowd(), link=Link(partition=apart))))
+    restarts = tuple(ProcessFault(IDS[0], n / 7.0, "restart") for n in range(10_000))  # nor more faults
+    run = Run(validated(replace(crowd(), link=Link(partition=apart), process=restarts)))
     random, world = Random(1), run.world
-    world.referee.record.totals.contacts.all.extend(
+    totals = world.referee.record.totals
+    totals.collisions = 100_000
+    totals.contacts.extend(
         Contact((random.choice(IDS), random.choice(IDS)), random.random(), random.random(), -random.random())
-        for _ in range(100_000)
+        for _ in range(LISTED)
     )
-    world.coordinator.lives.applied += [(n, ProcessFault(IDS[0], n / 7.0, "restart")) for n in range(100_000)]
-    world.coordinator.lives.fenced += [(n, Standing(IDS[0], LIFE, POINT)) for n in range(100_000)]
+    world.coordinator.found(world.simulation.places, {})
+    world.coordinator.lives.apply_faults(2**40)
+    for n in range(100_000):
+        note(world.coordinator.lives.fenced, (n, Standing(IDS[0], LIFE, POINT)))
     report = run.report([], 0, 0.0)
     assert report["collisions"] == 100_000
     assert_fits(Result(json.dumps(report)), world_key("r", "result"))

@@ -11,6 +11,7 @@ from protocol.errors import JoinError
 from protocol.messages import Command
 from protocol.scenario.model import Actuation, Operation, Sensing
 from tests.world.driving import STEP, advance, joined, play, scenario, toward, two
+from world.report import result_of
 from world.world import World
 
 FAULTS = {
@@ -92,7 +93,7 @@ def test_missing_commands_mean_standing_still_and_are_counted():
     truth = world.truth
     assert truth.positions[0] == (-0.1, 0.1)
     assert truth.positions[1] == (-0.1 + 0.1 * STEP, -0.1)
-    assert world.report()["missed_commands"] == 1
+    assert result_of(world)["missed_commands"] == 1
 
 
 def test_commands_are_refused_by_reason():
@@ -113,7 +114,7 @@ def test_commands_are_refused_by_reason():
     assert not world.accept(Command(2, 1, 1, (0.1, 0.0)))
     world.close_tick()
     assert world.truth.positions == ((-0.1, 0.1), (-0.1, -0.1))
-    assert world.report()["rejected_commands"] == {
+    assert result_of(world)["rejected_commands"] == {
         **{"early": 2, "late": 1, "incarnation": 1},
         **{"unknown": 1, "duplicate": 1, "inactive": 1},
     }
@@ -133,7 +134,7 @@ def test_the_digest_is_that_of_little_endian_doubles():
     for tick in range(30):
         for robot, (x, y) in zip((1, 2), world.truth.positions, strict=True):
             bits += struct.pack("<d", tick) + struct.pack("<d", robot) + struct.pack("<dd", x, y)
-        assert world.report()["trajectory_sha256"] == hashlib.sha256(bits).hexdigest()
+        assert result_of(world)["trajectory_sha256"] == hashlib.sha256(bits).hexdigest()
         advance(world, toward(world, setting))
 
 
@@ -148,7 +149,7 @@ def follow_measurements(seed, reverse=False):
             gx, gy = setting.spec(robot).goal
             world.accept(Command(robot, 1, world.tick, ((gx - x) / 4, (gy - y) / 4)))
         world.close_tick()
-    return world.report()
+    return result_of(world)
 
 
 @settings(max_examples=12)
@@ -172,7 +173,7 @@ def test_truth_carries_what_the_result_sums_up():
         advance(world, toward(world, setting))
         clearance = min(clearance, world.truth.clearance)
         rises += world.truth.phi > before + 1e-12
-    report = world.report()
+    report = result_of(world)
     assert report["min_clearance"] == clearance
     assert report["phi"] == {"first": first.phi, "last": world.truth.phi, "increases": rises}
     assert report["positions"] == {
@@ -184,11 +185,11 @@ def test_going_back_raises_phi():
     world = joined(scenario(((0.0, 0.0), (0.1, 0.0))))
     for velocity in (0.1, 0.1, -0.1):
         advance(world, {1: (velocity, 0.0)})
-    assert world.report()["phi"]["increases"] == 1
+    assert result_of(world)["phi"]["increases"] == 1
 
 
 def test_the_report_has_every_field_and_is_plain_json():
-    report = play(two(**FAULTS)).report()
+    report = result_of(play(two(**FAULTS)))
     assert report.keys() >= FIELDS
     assert json.loads(json.dumps(report, allow_nan=False)) == report
     assert report["faults"]["sensing"] == [
@@ -214,7 +215,7 @@ def test_what_is_removed_is_fenced_in_the_same_step_and_leaves_nothing(is_open: 
         for robot in (1, 2):
             assert world.accept(Command(robot, told[robot].incarnation, world.tick, (0.05, 0.0), roster=0))
         world.close_tick()
-    (fenced,) = world.report()["faults"]["fenced"]
+    (fenced,) = result_of(world)["faults"]["fenced"]
     assert fenced == {"robot": 2, "incarnation": 1, "tick": world.tick + 1}
     assert world.coordinator.scenario.ids == (1,)
     told = world.open_tick()

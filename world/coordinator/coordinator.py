@@ -15,6 +15,7 @@ from mypy_extensions import mypyc_attr
 from protocol.messages import (
     Command,
     Count,
+    GoalStatus,
     Sense,
     Summary,
     Tick,
@@ -23,9 +24,9 @@ from protocol.messages import (
 from protocol.scenario.model import Scenario
 from world.coordinator.commands import Commands
 from world.coordinator.interest import Interest
-from world.coordinator.lives import Lives, PastLives
+from world.coordinator.lives import Lives, PastLives, note
 from world.coordinator.membership import Membership, PastMembership
-from world.coordinator.missions import NONE_ORDERED, Missions
+from world.coordinator.missions import Mission, Missions
 from world.coordinator.parts import Parts
 from world.coordinator.patience import blamed
 from world.coordinator.schedule import Operated, Schedule
@@ -38,9 +39,9 @@ class PastCoordinator(msgspec.Struct, frozen=True):
     founded: bool = False
     stopped: bool = False
     lives: PastLives | None = None
-    missions: msgspec.Raw = NONE_ORDERED
+    missions: list[tuple[Mission, GoalStatus]] = []
     membership: PastMembership = PastMembership()
-    orders: list[tuple[int, str]] = []  # of the scenario, that were carried out: see `Schedule`
+    orders: list[str] = []  # of the scenario, that were carried out: see `Schedule`
     missed: Count = 0  # commands
     refused: dict[str, Count] = {}  # commands, by reason
 
@@ -176,7 +177,7 @@ class Coordinator:
             self.lives.dismiss(robot)
 
     def _lament(self, robot: int, reason: str) -> None:
-        self.lives.given_up.append((self.tick, robot, self.lives.of[robot].incarnation, reason))
+        note(self.lives.given_up, (self.tick, robot, self.lives.of[robot].incarnation, reason))
 
     def _leave_out(self, robot: int) -> None:
         self.active = tuple(other for other in self.active if other != robot)

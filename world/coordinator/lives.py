@@ -7,21 +7,23 @@ it is fenced, killed or followed by the next.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Set
-from typing import Final
+from typing import Final, TypeVar
 
 import msgspec
+from msgspec.structs import replace
 from mypy_extensions import mypyc_attr
 
 from protocol import messages
 from protocol.errors import JoinError
 from protocol.geometry import Disk, Shape
-from protocol.messages import Command, Count, Grants, Id, PartPlace, Standing, Vector
+from protocol.messages import LISTED, Command, Count, Grants, Id, PartPlace, Standing, Vector
 from protocol.scenario.model import ProcessFault, RobotSpec, Scenario
 from world.coordinator.keeper import Keeper
 from world.coordinator.life import Life, Status
 from world.coordinator.roster import Roster
 from world.coordinator.surroundings import Surroundings
 
+Entry = TypeVar("Entry")
 _EVENTS: Final = {"kill": Life.kill, "pause": Life.pause, "resume": Life.resume, "restart": Life.restart}
 
 
@@ -29,13 +31,13 @@ class PastLives(msgspec.Struct, frozen=True):
     """The lives of a run up to a tick, as an attribute of `Lives` each, with roster and version."""
 
     of: dict[Id, Life]
-    applied: list[tuple[int, ProcessFault]]
-    passed_over: tuple[tuple[int, int], ...]
-    fenced: list[tuple[int, Standing]]
-    given_up: list[tuple[int, int, int, str]]
-    roster: msgspec.Raw
-    version: Count  # of the ledger
-    numbered: Count  # obstacles so far
+    faults: Count = 0  # of the scenario's, in order, that are over
+    skipped: list[Count] = []  # which of them found no disk
+    fenced: list[tuple[Count, Standing]] = []
+    given_up: list[tuple[Count, Id, Count, str]] = []
+    roster: messages.Roster = messages.Roster(0, ())
+    version: Count = 0  # of the ledger
+    numbered: Count = 0  # obstacles so far
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
@@ -53,41 +55,47 @@ class Lives:
         self, scenario: Scenario, returning: float = 0.0, past: PastLives | None = None, tick: int = 0
     ) -> None:
         if past is None:
-            lives = {robot: Life(0) for robot in scenario.ids}
-            past = PastLives(lives, [], (), [], [], msgspec.Raw(), 0, 0)
-            roster = messages.Roster(0, ())
+            past = PastLives({robot: Life(0) for robot in scenario.ids})
         else:
-            lives = {robot: life.over(tick) for robot, life in past.of.items()}
-            roster = msgspec.msgpack.decode(past.roster, type=messages.Roster)
-        self.of = lives
-        self.applied = past.applied  # tick and fault, as they happened
-        self.passed_over = past.passed_over  # tick and robot of each fault that did not happen
-        self.fenced = past.fenced  # tick and disk of each fencing, in order
+            past = replace(past, of={robot: life.over(tick) for robot, life in past.of.items()})
+        self.of = past.of
+        self.fenced = past.fenced  # tick and disk of the first fencings, in order
         self.given_up = past.given_up  # tick, robot, incarnation, why
-        self._roster = Roster(roster)
+        self._roster = Roster(past.roster)
         self.keeper = Keeper(scenario, past.version)
         self._begun: dict[int, int] = {}  # incarnation that has begun in the ledger, by robot
-        self.obstacles = Surroundings(scenario, roster.obstacles, past.numbered)
+        self.obstacles = Surroundings(scenario, past.roster.obstacles, past.numbered)
         self._name = scenario.name
         self._silence = max(1, scenario.ticks(scenario.time.fence))
         self._returning = max(self._silence, scenario.ticks(returning))
         faults = sorted(scenario.process, key=lambda fault: fault.at)  # stable: as written, if at once
-        self._schedule = [(scenario.ticks(fault.at), fault) for fault in faults]
-        del self._schedule[: len(past.applied) + len(past.passed_over)]
+        self._faults = [(scenario.ticks(fault.at), fault) for fault in faults]
+        self._over, self._skipped = past.faults, past.skipped
 
     @property
     def past(self) -> PastLives:
         """What another coordinator needs to go on from here."""
         return PastLives(
             self.of,
-            self.applied,
-            self.passed_over,
+            self._over,
+            self._skipped,
             self.fenced,
             self.given_up,
-            self._roster.encoded,
+            self._roster.message,
             self.keeper.version,
             self.obstacles.numbered,
         )
+
+    @property
+    def applied(self) -> list[tuple[int, ProcessFault]]:
+        """Tick and fault of each that happened to a process so far."""
+        skipped = set(self._skipped)
+        return [each for n, each in enumerate(self._faults[: self._over]) if n not in skipped]
+
+    @property
+    def passed_over(self) -> tuple[tuple[int, int], ...]:
+        """Tick and robot of each that found no disk."""
+        return tuple((self._faults[n][0], self._faults[n][1].robot) for n in self._skipped)
 
     @property
     def incarnations(self) -> dict[int, int]:
@@ -266,7 +274,7 @@ class Lives:
         self.keeper.remove(robot)
         if self._roster.is_live(robot):
             self._roster.fence(robot, position)
-            self.fenced.append((tick + 1, Standing(robot, life.incarnation, position)))
+            note(self.fenced, (tick + 1, Standing(robot, life.incarnation, position)))
         self._roster.remove(robot)
         life.status, life.awaited, life.fenced, life.fate = Status.LOST, False, True, "removed"
 
@@ -325,13 +333,14 @@ class Lives:
     def apply_faults(self, tick: int) -> None:
         """Let everything happen that the scenario has in store up to and including `tick`, but not to
         processes of robots whose disks are not there."""
-        while self._schedule and self._schedule[0][0] <= tick:
-            _, fault = self._schedule.pop(0)
-            if self._roster.status(fault.robot) not in ("live", "standing"):
-                self.passed_over += ((tick, fault.robot),)
-                continue
-            self.applied.append((tick, fault))
-            _EVENTS[fault.event](self.of[fault.robot])
+        for n, (at, fault) in enumerate(self._faults[self._over :], self._over):
+            if at > tick:
+                break
+            self._over += 1
+            if self._roster.status(fault.robot) in ("live", "standing"):
+                _EVENTS[fault.event](self.of[fault.robot])
+            else:
+                self._skipped.append(n)
 
     def fence(self, tick: int, robot: int, position: Vector, bound: float) -> None:
         """Announce a life as down, within `bound` of `position`, m, if it has been silent for long enough at
@@ -343,7 +352,7 @@ class Lives:
                 self.keeper.fence(robot, Disk(*position, self._roster.radius(robot) + bound))
             if self._roster.is_live(robot):
                 self._roster.fence(robot, position, bound)
-            self.fenced.append((tick + 1, Standing(robot, life.incarnation, position)))
+            note(self.fenced, (tick + 1, Standing(robot, life.incarnation, position)))
             if life.status is Status.UP:
                 life.status = Status.LOST
 
@@ -358,10 +367,17 @@ class Lives:
         A fenced life whose process still runs learns of it and joins again: it is given at least as long
         again as the silence that fenced it.
         """
-        returning = {fault.robot for _, fault in self._schedule if fault.event in ("resume", "restart")}
+        kinds = ("resume", "restart")
+        returning = {fault.robot for _, fault in self._faults[self._over :] if fault.event in kinds}
         over = self._silence + self._returning
         return all(
             life.fenced and tick - life.heard >= over and robot not in returning
             for robot, life in self.of.items()
             if life.status is not Status.UP
         )
+
+
+def note(entries: list[Entry], entry: Entry) -> None:
+    """Keep the first `LISTED` of entries that may grow without limit."""
+    if len(entries) < LISTED:
+        entries.append(entry)

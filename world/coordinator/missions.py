@@ -7,8 +7,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
-import msgspec
-
 from protocol.geometry import Shape
 from protocol.messages import Errand, GoalStatus, Standing, Vector
 from protocol.operations import Outcome
@@ -25,10 +23,6 @@ class Mission:
     deadline: int | None = None  # tick
 
 
-NONE_ORDERED = msgspec.Raw(msgspec.msgpack.encode([]))
-_decode = msgspec.msgpack.Decoder(list[tuple[Mission, GoalStatus]]).decode
-
-
 class Missions:
     """The missions of all robots of a scenario; each begins with the scenario's goal.
 
@@ -39,7 +33,7 @@ class Missions:
         past: of an earlier coordinator.
     """
 
-    def __init__(self, scenario: Scenario, past: msgspec.Raw = NONE_ORDERED) -> None:
+    def __init__(self, scenario: Scenario, past: Iterable[tuple[Mission, GoalStatus]] = ()) -> None:
         self._scenario = scenario
         self._missions = {robot: Mission((scenario.spec(robot).goal,)) for robot in scenario.ids}
         self._status = {
@@ -47,25 +41,20 @@ class Missions:
         }
         self._since: dict[int, int] = {}
         self._underway: set[int] = set()  # whose order has not come to an end
-        for mission, status in _decode(past):
+        for mission, status in past:
             self._missions[status.robot], self._status[status.robot] = mission, status
             if status.status == "under way":
                 self._underway.add(status.robot)
         self._news: list[GoalStatus] = []
-        self._past: msgspec.Raw | None = None
 
     @property
-    def past(self) -> msgspec.Raw:
-        """What another coordinator needs to go on from here: asked for in each tick, and changed seldom."""
-        if self._past is None:
-            ordered = [robot for robot, mission in self._missions.items() if mission.number]
-            kept = [(self._missions[robot], self._status[robot]) for robot in ordered]
-            self._past = msgspec.Raw(msgspec.msgpack.encode(kept))
-        return self._past
+    def past(self) -> list[tuple[Mission, GoalStatus]]:
+        """What another coordinator needs to go on from here."""
+        ordered = [robot for robot, mission in self._missions.items() if mission.number]
+        return [(self._missions[robot], self._status[robot]) for robot in ordered]
 
     def recast(self, scenario: Scenario) -> None:
         """Robots came and went."""
-        self._past = None
         for robot in set(self._missions) - set(scenario.ids):
             del self._missions[robot], self._status[robot]
             self._underway.discard(robot)
@@ -186,7 +175,7 @@ class Missions:
         ahead = 0 if mission.patrol else len(mission.points) - 1
         self._since[robot] = tick + 1
         said = GoalStatus(robot, tick, mission.number, status, mission.points[0], ahead)
-        self._status[robot], self._past = said, None
+        self._status[robot] = said
         self._news.append(said)
 
     def covered(self, shape: Shape) -> str:

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 
-import msgspec
 from msgspec.structs import replace
 from mypy_extensions import mypyc_attr
 
@@ -36,7 +35,6 @@ class Roster:
         self._members = {each.robot: each for each in past.members}
         self._heard: dict[int, tuple[int, int]] = {}  # life and version that it has heard, by robot
         self._newest: messages.Roster | None = None
-        self._written = past, msgspec.Raw()
         self._obstacles, self._parts = past.obstacles, past.parts
 
     @property
@@ -175,14 +173,6 @@ class Roster:
         if member is not None and self._heard.get(robot) == (member.incarnation, self.version):
             return None
         return self.message
-
-    @property
-    def encoded(self) -> msgspec.Raw:
-        """The present version, for another coordinator: asked for in each tick, and changed seldom."""
-        message = self.message
-        if message is not self._written[0]:
-            self._written = message, msgspec.Raw(msgspec.msgpack.encode(message))
-        return self._written[1]
 
     @property
     def message(self) -> messages.Roster:

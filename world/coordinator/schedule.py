@@ -23,18 +23,18 @@ class Schedule:
         done: tick, order, and why it was refused, "" if it was not; as they came.
 
     Args:
-        past: of those that are done, tick, and why they were refused.
+        past: of those that are done, why they were refused, "" if they were not.
     """
 
-    def __init__(self, scenario: Scenario, past: Sequence[tuple[int, str]] = ()) -> None:
+    def __init__(self, scenario: Scenario, past: Sequence[str] = ()) -> None:
         due = [(scenario.ticks(order.at), order) for order in scenario.orders]
         self._due = deque(sorted(due, key=lambda entry: entry[0]))  # stable: as written within a tick
-        self.done = [(tick, self._due.popleft()[1], refused) for tick, refused in past]
+        self.done = [(*self._due.popleft(), refused) for refused in past]
 
     @property
-    def past(self) -> list[tuple[int, str]]:
+    def past(self) -> list[str]:
         """What another coordinator needs to go on from here."""
-        return [(tick, refused) for tick, _, refused in self.done]
+        return [refused for *_, refused in self.done]
 
     @property
     def pending(self) -> bool:

@@ -10,14 +10,13 @@ boundary of free space and, by convention here, everywhere outside it. Lengths i
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
 
-from protocol.messages import Vector
+from protocol.messages import Id, Vector
 from protocol.scenario.model import Scenario
 from world.judge.clearance import FEW, Disks, Plane, Reals
 
@@ -28,43 +27,32 @@ _ROWS = 8  # of the triangle of many pairs, whose factors are multiplied before 
 _TWICE = np.tri(_ROWS, dtype=np.bool_)
 
 
-@dataclass(frozen=True)
-class Goals:
-    """Goals and straight ways, as complex numbers x + iy in the order of ids. Immutable.
+class Goals(msgspec.Struct, frozen=True, dict=True):
+    """Straight ways of robots to their goals. Immutable.
 
     Attributes:
-        ids: robot ids in increasing order, p of them.
-        points: present goals, shape (p,).
-        begins: where the straight way to the present goal begins, shape (p,).
+        ways: where the straight way to the present goal begins, and the goal, m, by id, ascending.
         behind: length of straight ways that another goal has ended, m.
     """
 
-    ids: tuple[int, ...]
-    points: Plane
-    begins: Plane
+    ways: dict[Id, tuple[Vector, Vector]]
     behind: float = 0.0
 
     @classmethod
     def of(cls, scenario: Scenario) -> Goals:
         """Those of a scenario."""
-        specs = [scenario.spec(robot) for robot in scenario.ids]
-        points: Plane = np.array([complex(*spec.goal) for spec in specs])
-        return cls(scenario.ids, points, np.array([complex(*spec.start) for spec in specs]))
-
-    @classmethod
-    def between(cls, ids: tuple[int, ...], ways: Iterable[tuple[Vector, Vector]], behind: float) -> Goals:
-        """Those of robots with these straight ways, from beginning to goal, m; `behind` as below."""
-        begins, points = np.array([*ways]).view(np.complex128)[..., 0].T.copy()
-        return cls(ids, points, begins, behind)
+        specs = map(scenario.spec, scenario.ids)
+        return cls({spec.id: (spec.start, spec.goal) for spec in specs})
 
     @cached_property
-    def ways(self) -> list[tuple[Vector, Vector]]:
-        """Where the straight way of each robot begins and ends, m."""
-        begins, points = self.begins.tolist(), self.points.tolist()
-        return [
-            ((begin.real, begin.imag), (point.real, point.imag))
-            for begin, point in zip(begins, points, strict=True)
-        ]
+    def begins(self) -> Plane:
+        """Where the straight ways begin, as complex numbers x + iy, shape (p,)."""
+        return np.array([complex(*begin) for begin, _ in self.ways.values()])
+
+    @cached_property
+    def points(self) -> Plane:
+        """The present goals, shape (p,)."""
+        return np.array([complex(*goal) for _, goal in self.ways.values()])
 
     def to(self, robot: int, goal: Vector, position: Vector) -> Goals:
         """From `position` on a robot is to go to `goal`: its straight way so far ends there.
@@ -72,23 +60,15 @@ class Goals:
         Raises:
             KeyError: unknown id.
         """
-        if robot not in self.ids:
-            raise KeyError(robot)
-        index, points, begins = self.ids.index(robot), self.points.copy(), self.begins.copy()
-        behind = self.behind + float(abs(complex(*position) - begins[index]))
-        begins[index], points[index] = complex(*position), complex(*goal)
-        return Goals(self.ids, points, begins, behind)
+        begin, _ = self.ways[robot]
+        return Goals({**self.ways, robot: (position, goal)}, self.behind + math.dist(position, begin))
 
     def of_fleet(self, scenario: Scenario) -> Goals:
         """Robots came and went: a new one's straight way begins at its start, that of one that left is behind
         up to where its goal was."""
-        new, left = Goals.of(scenario), dict(zip(self.ids, range(len(self.ids)), strict=True))
-        for index, robot in enumerate(new.ids):
-            if robot in left:
-                old = left.pop(robot)
-                new.points[index], new.begins[index] = self.points[old], self.begins[old]
-        gone = np.array(list(left.values()), dtype=np.intp)
-        return replace(new, behind=self.behind + float(np.abs(self.points[gone] - self.begins[gone]).sum()))
+        new = Goals.of(scenario).ways
+        gone = [math.dist(*way) for robot, way in self.ways.items() if robot not in new]
+        return Goals({robot: self.ways.get(robot, way) for robot, way in new.items()}, sum(gone, self.behind))
 
     @property
     def straight(self) -> float:

@@ -7,21 +7,25 @@ little more than over one, and no robot waits for it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import NamedTuple
+import hashlib
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final, NamedTuple
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from protocol.geometry import Shape
-from protocol.messages import Count, Id, Truth, Vector
+from protocol.messages import LISTED, Count, Id, Truth, Vector
 from protocol.scenario.model import Scenario
 from world.judge.clearance import Disks, NearestGaps, Plane, gaps
-from world.judge.contacts import Contact, Contacts
 from world.judge.measures import Goals, Level, levels_of
-from world.judge.trajectory import TrajectoryDigest
 
+Pair = tuple[int, int]
+Configurations = Sequence[Sequence[Vector]] | NDArray[np.float64]  # shape (n, p, 2)
+
+TOUCH: Final = 1e-9  # m; a gap below minus this is a contact: rounding at an exact touch is none
+_SAME = 1e-6  # ticks; an interval that ends at a tick and one that begins there are one
 _RISE = 1e-12  # an increase of phi below this is rounding
 _BATCH = 32  # ticks put aside at most
 _LARGEST = 1 << 14  # gaps measured at once at most: more would not stay in the processor's cache
@@ -48,61 +52,73 @@ def segment_of(scenario: Scenario, goals: Goals, obstacles: Mapping[int, Shape] 
     return Segment(disks, goals, scenario.k, NearestGaps(disks))
 
 
-@dataclass
-class Totals:
+class Contact(msgspec.Struct, array_like=True):
+    """An overlap of `pair` (0: the boundary, -n: obstacle n); times in ticks, `deepest` in m, negative."""
+
+    pair: Pair
+    begin: float
+    end: float
+    deepest: float
+
+
+class Totals(msgspec.Struct):
     """What all segments so far amount to.
 
     Attributes:
         truth: the newest configuration.
         clearance: smallest gap, over continuous time, m.
         first: phi and its logarithm in the first configuration.
-        increases: number of ticks in which phi rose.
         deviation: largest distance from its straight way of each robot that is there, m.
-        contacts: overlaps.
+        increases: number of ticks in which phi rose.
+        collisions, contacts: number of overlaps, and the first `LISTED` of them, in the order in which they
+            began.
+        touched, touches: number of contacts that the plant has reported, each once, and the first `LISTED` of
+            them, as tick and pair of ids.
     """
 
     truth: Truth
     clearance: float
     first: Level
-    deviation: dict[int, float]
-    increases: int = 0
-    contacts: Contacts = field(default_factory=Contacts)
-
-
-class Measured(msgspec.Struct, frozen=True):
-    """What a record has come to.
-
-    Attributes:
-        truth, clearance, first, increases, deviation, contacts: as in `Totals`.
-        ways: where the straight way of each robot begins and ends, m, in the order of ids.
-        behind: length of straight ways that are over, m.
-    """
-
-    truth: Truth
-    clearance: float
-    first: Level
-    increases: Count
     deviation: dict[Id, float]
-    contacts: list[Contact]
-    ways: list[tuple[Vector, Vector]]
-    behind: float
+    increases: Count = 0
+    collisions: Count = 0
+    contacts: list[Contact] = []
+    touched: Count = 0
+    touches: list[tuple[Count, Pair]] = []
 
 
 class PastRecord(msgspec.Struct, frozen=True):
-    """What another record needs to go on from one; asked for in each tick, and encoded as it comes to be.
+    """What another record needs to go on from one: totals and goals as they were when ticks were last
+    measured, and the configurations that were put aside since."""
 
-    Attributes:
-        measured: `Measured`, with the last batch.
-        aside: list of the configurations since then.
-    """
-
-    measured: msgspec.Raw
-    aside: msgspec.Raw
+    totals: Totals
+    goals: Goals
+    aside: list[tuple[Vector, ...]]
 
 
-_encode = msgspec.msgpack.encode
-_measured = msgspec.msgpack.Decoder(Measured).decode
-_configurations = msgspec.msgpack.Decoder(list[tuple[Vector, ...]]).decode
+class TrajectoryDigest:
+    """SHA-256 over, tick by tick and in the order of ids, the four little-endian doubles
+    tick, robot id, x, y (m)."""
+
+    def __init__(self, ids: Sequence[int]) -> None:
+        self._sha = hashlib.sha256()
+        self.set_fleet(ids)
+
+    def set_fleet(self, ids: Sequence[int]) -> None:
+        """Other robots from now on."""
+        self._ids = np.array(ids, dtype="<f8")
+
+    def add(self, ticks: Sequence[int], configurations: Configurations) -> None:
+        """Append the truth at the start of each of `ticks`, which do not decrease, in the order of ids."""
+        rows = np.empty((len(ticks), len(self._ids), 4), dtype="<f8")
+        rows[..., 0] = np.asarray(ticks)[:, None]
+        rows[..., 1] = self._ids
+        rows[..., 2:] = configurations
+        self._sha.update(rows.tobytes())
+
+    def hexdigest(self) -> str:
+        """Digest of all that was added."""
+        return self._sha.hexdigest()
 
 
 class Record:
@@ -127,29 +143,22 @@ class Record:
         past: PastRecord | None = None,
         obstacles: Mapping[int, Shape] | None = None,
     ) -> None:
-        before = None if past is None else _measured(past.measured)
-        goals = Goals.of(scenario)
-        if before is not None:
-            goals = Goals.between(scenario.ids, before.ways, before.behind)
+        goals = Goals.of(scenario) if past is None else past.goals
         self.segment = segment_of(scenario, goals, obstacles)
         self._parts = parts
         self._batch = parts * max(1, min(_BATCH, _LARGEST // parts // len(self.segment.disks)))
-        self._aside: list[tuple[Vector, ...]] = []
-        self._measured: msgspec.Raw | None = None  # as in `PastRecord`
-        self._written, self._encoded = 0, bytearray()  # of those put aside
+        self._latest: dict[Pair, Contact] = {}
+        self._touching: frozenset[Pair] = frozenset()
         self._news: list[Truth] = []
         self._digest = TrajectoryDigest(scenario.ids)
-        if past is None or before is None:
+        if past is None:
             truth = self.segment.truth(0, positions)
             level, deviation = Level(truth.phi, truth.log_potential), dict.fromkeys(scenario.ids, 0.0)
             self._totals = Totals(truth, truth.clearance, level, deviation)
         else:
-            contacts = Contacts(before.contacts)
-            self._totals = Totals(
-                before.truth, before.clearance, before.first, before.deviation, before.increases, contacts
-            )
-            self._aside.extend(_configurations(past.aside))
+            self._totals = past.totals
         self._plane = as_plane([self._totals.truth.positions])
+        self._aside = [] if past is None else [*past.aside]
         self._measure()
         truth = self._totals.truth
         self._news = self._news or [truth]
@@ -159,30 +168,26 @@ class Record:
     @property
     def past(self) -> PastRecord:
         """What another record needs to go on from here."""
-        if self._measured is None:
-            totals, goals = self._totals, self.segment.goals
-            measured = Measured(
-                totals.truth,
-                totals.clearance,
-                totals.first,
-                totals.increases,
-                totals.deviation,
-                totals.contacts.all,
-                goals.ways,
-                goals.behind,
-            )
-            self._measured, self._written, self._encoded = msgspec.Raw(_encode(measured)), 0, bytearray()
-        for each in self._aside[self._written :]:
-            self._encoded += _encode(each)
-        self._written = len(self._aside)
-        array = b"\xdc" + self._written.to_bytes(2, "big")  # msgpack's: so many follow
-        return PastRecord(self._measured, msgspec.Raw(array + self._encoded))
+        return PastRecord(self._totals, self.segment.goals, self._aside)
 
-    def add(self, positions: Sequence[Vector], between: Sequence[tuple[Vector, ...]] = ()) -> None:
+    def add(
+        self,
+        positions: Sequence[Vector],
+        between: Sequence[tuple[Vector, ...]] = (),
+        touching: Iterable[Pair] = (),
+    ) -> None:
         """The configuration one tick later, reached by straight motion since the one before; if a tick has
-        several parts, through those `between`."""
+        several parts, through those `between`. The plant itself has seen the disks of each pair `touching`.
+        """
         self._aside.extend(between)
         self._aside.append(tuple(positions))
+        present, totals = frozenset(touching), self._totals
+        for pair in sorted(present - self._touching):
+            totals.touched += 1
+            if len(totals.touches) < LISTED:
+                tick = totals.truth.tick + len(self._aside) // self._parts - 1
+                totals.touches.append((tick, pair))
+        self._touching = present
         if len(self._aside) >= self._batch:
             self._measure()
 
@@ -191,9 +196,9 @@ class Record:
     ) -> None:
         """From the newest configuration on, which is `positions` now, the robots of another scenario are
         judged, among obstacles of these shapes, by number."""
-        totals, self._measured = self.totals, None
+        totals = self.totals
         self.segment = segment_of(scenario, self.segment.goals.of_fleet(scenario), obstacles)
-        totals.contacts.end()
+        self._latest = {}  # an overlap that goes on is another contact
         totals.deviation = {robot: totals.deviation.get(robot, 0.0) for robot in scenario.ids}
         totals.truth = self.segment.truth(totals.truth.tick, positions)
         totals.clearance = min(totals.clearance, totals.truth.clearance)
@@ -202,7 +207,7 @@ class Record:
 
     def set_goal(self, robot: int, goal: Vector) -> None:
         """From the newest configuration on a robot is to go to `goal`, m."""
-        truth, self._measured = self.totals.truth, None
+        truth = self.totals.truth
         goals = self.segment.goals.to(robot, goal, truth.positions[truth.robots.index(robot)])
         self.segment = self.segment._replace(goals=goals)
 
@@ -234,18 +239,30 @@ class Record:
         aside, self._aside = self._aside, []
         if not aside:
             return
-        self._measured = None
         plane, parts, totals = as_plane(aside), self._parts, self._totals
         before = np.concatenate((self._plane, plane[:-1]))
         disks, during = self.segment.gaps(before, plane)
         for row, nearest in enumerate(during):
             tick = totals.truth.tick + row / parts
-            totals.contacts.add(tick, disks, nearest, before[row], plane[row], 1.0 / parts)
+            for index in (nearest < -TOUCH).nonzero()[0].tolist() if nearest.min() < -TOUCH else ():
+                for begin, end in disks.overlaps(index, before[row], plane[row], TOUCH):
+                    times = tick + begin / parts, tick + end / parts
+                    self._touch(disks.names(index), *times, float(nearest[index]))
         away = self.segment.goals.deviations(plane).max(axis=0).tolist()
         for robot, deviation in zip(disks.ids, away, strict=True):
             totals.deviation[robot] = max(totals.deviation[robot], deviation)
         self._tell(aside[parts - 1 :: parts], during.min(axis=1).reshape(-1, parts).min(axis=1).tolist())
         self._plane = plane[-1:]
+
+    def _touch(self, pair: Pair, begin: float, end: float, gap: float) -> None:
+        latest, totals = self._latest.get(pair), self._totals
+        if latest is not None and begin <= latest.end + _SAME:
+            latest.end, latest.deepest = end, min(latest.deepest, gap)
+            return
+        self._latest[pair] = contact = Contact(pair, begin, end, gap)
+        totals.collisions += 1
+        if len(totals.contacts) < LISTED:
+            totals.contacts.append(contact)
 
     def _tell(self, configurations: list[tuple[Vector, ...]], smallest: list[float]) -> None:
         """Take in the configurations at the ends of ticks, with the smallest gap in each of these."""

@@ -8,9 +8,8 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from protocol.geometry import Shape
-from protocol.messages import Count, Id, Vector
+from protocol.messages import Count, Vector
 from protocol.scenario.model import Scenario
-from world.judge.contacts import Touches
 from world.judge.record import PastRecord, Record
 
 VERDICTS = ("arrived", "collision", "timeout", "deadlock", "interrupted", "aborted")
@@ -24,7 +23,6 @@ class PastReferee(msgspec.Struct, frozen=True):
     """
 
     record: PastRecord
-    touches: list[tuple[Count, tuple[Id, Id]]]
     worlds: tuple[Count, ...] = ()
     verdict: str = ""
     reason: str = ""
@@ -51,7 +49,6 @@ class Referee:
         verdict, reason: empty while the run goes on.
         worlds: ticks with which those worlds began that went on from others.
         record: of the truth.
-        touches: contacts that the plant saw by itself.
     """
 
     def __init__(
@@ -66,7 +63,6 @@ class Referee:
         self.verdict = self.reason = ""
         self.worlds: tuple[int, ...] = ()
         self.record = Record(scenario, positions, parts, None if past is None else past.record, obstacles)
-        self.touches = Touches(() if past is None else past.touches)
         self._carries = bool(scenario.parts)
         self._anchors = {spec.id: spec.start for spec in scenario.robots}
         self._tolerance = time.tolerance
@@ -84,14 +80,14 @@ class Referee:
     @property
     def past(self) -> PastReferee:
         """What another referee needs to go on from here."""
-        return PastReferee(self.record.past, self.touches.all, self.worlds, self.verdict, self.reason)
+        return PastReferee(self.record.past, self.worlds, self.verdict, self.reason)
 
     def arrived(self, positions: Sequence[Vector]) -> list[int]:
         """Ids of robots within the tolerance of their goal; `positions` in the order of ids, m."""
         goals = self.record.segment.goals
         return [
             robot
-            for robot, (x, y), goal in zip(goals.ids, positions, goals.points.tolist(), strict=True)
+            for robot, (x, y), goal in zip(goals.ways, positions, goals.points.tolist(), strict=True)
             if abs(complex(x, y) - goal) <= self._tolerance
         ]
 
@@ -128,7 +124,7 @@ class Referee:
             alone: whether those that are not up will not come back.
             pending: what is still to come although robots are at their goals, in words; "" for nothing.
         """
-        ids, arrived = self.record.segment.goals.ids, self.arrived(positions)
+        ids, arrived = tuple(self.record.segment.goals.ways), self.arrived(positions)
         missing = [robot for robot in ids if robot not in arrived]
         waiting = self._carries and bool(pending)  # robots that are left may do what another cannot any more
         self._follow(tick, ids, positions)
@@ -148,7 +144,8 @@ class Referee:
         """End the run; a collision outranks, and a second verdict is ignored."""
         if self.verdict:
             return
-        touches = max(len(self.record.totals.contacts.all), len(self.touches.all))
+        totals = self.record.totals
+        touches = max(totals.collisions, totals.touched)
         if touches:
             verdict, reason = "collision", f"contacts: {touches}; otherwise {verdict}: {reason}"
         self.verdict, self.reason = verdict, reason

@@ -14,7 +14,6 @@ from typing import Any
 from xml.etree.ElementTree import Element, SubElement, tostring
 
 import mujoco
-import numpy as np
 
 from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, steps_of, turned
 from protocol.errors import UsageError
@@ -48,7 +47,6 @@ class Physics:
     fixed = "robots in MuJoCo are built once and for all: stop the run, and begin another"
 
     def __init__(self, scenario: Scenario) -> None:
-        self._scenario = scenario
         self._engine: Any = mujoco
         period = scenario.time.step
         self.parts = steps_of(period)
@@ -68,23 +66,6 @@ class Physics:
         self._touched: set[tuple[int, int]] = set()
         for robot in self._robots:
             robot.begin()
-
-    def __getstate__(self) -> dict[str, Any]:
-        """The engine's part is what another one integrates on from to the last bit."""
-        engine, what = self._engine, self._engine.mjtState.mjSTATE_INTEGRATION
-        state = np.empty(engine.mj_stateSize(self._model, what))
-        engine.mj_getState(self._model, self._data, state, what)
-        own = {name: getattr(self, name) for name in ("lengths", "between", "positions", "_touched")}
-        return {"scenario": self._scenario, "engine": state, "own": own, "robots": [*map(_own, self._robots)]}
-
-    def __setstate__(self, state: Mapping[str, Any]) -> None:
-        Physics.__init__(self, state["scenario"])
-        vars(self).update(state["own"])
-        for robot, own in zip(self._robots, state["robots"], strict=True):
-            vars(robot).update(own)
-        engine = self._engine
-        engine.mj_setState(self._model, self._data, state["engine"], engine.mjtState.mjSTATE_INTEGRATION)
-        engine.mj_kinematics(self._model, self._data)
 
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:  # noqa: ARG002
         """See `world.plants.plant.Plant`; no number is random here."""
@@ -142,12 +123,6 @@ class Physics:
             self.positions = places
         else:
             self.between.append(tuple(places))
-
-
-def _own(robot: _Wheeled) -> dict[str, Any]:
-    """What a robot's base knows that the engine does not."""
-    own = ("motion", "_arcs", "_angles", "_moved", "_odometry", "_way", "_turned", "_next")
-    return {name: getattr(robot, name) for name in own}
 
 
 class _Wheeled:

@@ -11,6 +11,7 @@ from typing import Any
 
 from protocol.messages import Clock, Health, Tick
 from protocol.scenario.model import Scenario
+from world.report import result_of
 from world.world import Past, World
 
 
@@ -105,7 +106,7 @@ class Run:
 
     def report(self, healths: Iterable[Health | None], published: int, ended: float) -> dict[str, Any]:
         """The world's report with the traffic of all processes and the wall time up to `ended`."""
-        report = self.world.report()
+        report = result_of(self.world)
         report["messages"] = traffic(healths, published, self.received, self.rejected)
         report["wall_time"] = ended - self.began
         return report

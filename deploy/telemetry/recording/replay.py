@@ -25,7 +25,7 @@ from protocol.keys import parse, robot_key, world_key
 from protocol.messages import Command, Result, Tick, Vector
 from protocol.process.signals import STOP
 from protocol.streams import STREAMS
-from world.judge.trajectory import TrajectoryDigest
+from world.judge.record import TrajectoryDigest
 
 
 class Participant(NamedTuple):

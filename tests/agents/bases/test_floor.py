@@ -14,6 +14,7 @@ from agents.bases.senses import Odometer
 from deploy.library.load import load
 from protocol.scenario.body import Base
 from tests.agents.bases.floor import Floor
+from world.report import result_of
 
 pytestmark = pytest.mark.slow
 
@@ -40,7 +41,7 @@ PAIR = fleet(2)
 
 def test_six_robots_swap_although_messages_are_late_and_lost():
     floor = Floor(fleet(6), 3, delay=0.1, loss=0.1).run(120.0)
-    report = floor.world.report()
+    report = result_of(floor.world)
     assert report["verdict"] == "arrived"
     assert floor.closest > 0.0
     assert floor.excess <= 0.0  # each robot's set held the truth all the time
@@ -53,13 +54,13 @@ def test_six_robots_swap_although_messages_are_late_and_lost():
 def test_six_robots_that_know_little_of_their_places_do_not_hold_each_other():
     bounds = ("sensing.noise_bound=0.01", "base.latency=0.04", "base.patience=0.15", "base.age=0.12")
     floor = Floor(fleet(6, *bounds, "world.lease=0.8", "control.law=reciprocal"), 7).run(45.0)
-    assert floor.world.report()["verdict"] == "arrived"
+    assert result_of(floor.world)["verdict"] == "arrived"
     assert floor.closest > 0.0
 
 
 def test_commands_that_come_when_their_tick_is_over_are_signs_of_life():
     floor = Floor(PAIR, 1, delay=0.3).run(120.0)
-    assert floor.world.report()["verdict"] == "arrived"
+    assert result_of(floor.world)["verdict"] == "arrived"
     assert floor.closest > 0.0
 
 
@@ -136,7 +137,7 @@ def test_a_robot_stands_while_a_stream_is_unsound_says_why_and_goes_on(stream, w
     assert any(re.search(says, note) for note in crew.notes), crew.notes
     floor.run(120.0)
     assert crew.notes[-1] == ""
-    assert floor.world.report()["verdict"] == "arrived"
+    assert result_of(floor.world)["verdict"] == "arrived"
     assert floor.closest > 0.0
     assert floor.excess <= 0.0
 
@@ -152,7 +153,7 @@ def test_a_robot_stands_while_its_odometry_comes_later_and_later_and_then_late_a
     assert floor.crews[1].notes[-1].startswith("odometry comes later than it did")
     floor.run(150.0)
     assert floor.crews[1].notes[-1] == ""
-    assert floor.world.report()["verdict"] == "arrived"
+    assert result_of(floor.world)["verdict"] == "arrived"
     assert floor.closest > 0.0
 
 
@@ -173,7 +174,7 @@ def test_a_localisation_that_drifts_off_contradicts_itself_in_the_end_and_is_beg
     assert any("the measurement of tick" in note for note in floor.crews[1].notes)
     assert floor.crews[1].notes[-1] == ""
     assert not floor.crews[1].core.lost
-    assert floor.world.report()["verdict"] == "arrived"
+    assert result_of(floor.world)["verdict"] == "arrived"
     assert floor.closest > 0.0
 
 
@@ -184,7 +185,7 @@ def test_a_base_that_dies_is_stood_by_and_one_that_comes_back_is_driven_on():
     assert floor.crews[1].base.note == "no odometry for 0.5 s"
     assert floor.closest > 0.0
     floor.crews[1].wheels.dead = False
-    assert floor.run(150.0).world.report()["verdict"] == "arrived"
+    assert result_of(floor.run(150.0).world)["verdict"] == "arrived"
     assert floor.closest > 0.0
 
 
@@ -207,7 +208,7 @@ def test_a_robot_cut_off_from_its_coordinator_stands_within_hold_and_braking():
 
 
 def test_a_fleet_that_was_cut_off_from_its_coordinator_drives_on():
-    assert cut_off().run(200.0).world.report()["verdict"] == "arrived"
+    assert result_of(cut_off().run(200.0).world)["verdict"] == "arrived"
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -16,6 +16,7 @@ from protocol.bus.bus import Event, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.errors import JoinError
 from tests.agents.bases.wheels import STEP, Wheels
+from world.report import result_of
 from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
 
@@ -132,8 +133,8 @@ def test_another_world_takes_over_bases_that_drive(seconds: float, tmp_path: Pat
         ),
     )
     assert stage.floor.closest > sum(spec.radius for spec in stage.scenario.robots)
-    assert begun.report()["collisions"] == 0
-    assert begun.report()["worlds"] == [tick]
+    assert result_of(begun)["collisions"] == 0
+    assert result_of(begun)["worlds"] == [tick]
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ from protocol.errors import MessageError
 from protocol.scenario.model import Scenario
 from tests.agents.bases.crossing import CROSSING
 from tests.agents.bases.floor import Floor
+from world.report import result_of
 
 SPEED = 0.12  # m/s
 
@@ -67,7 +68,7 @@ class Planned(Floor):
 @pytest.mark.slow
 def test_planners_that_heed_no_robot_arrive_behind_the_filter() -> None:
     floor = Planned(crossing()).run(90.0)
-    assert floor.world.report()["verdict"] == "arrived"
+    assert result_of(floor.world)["verdict"] == "arrived"
     assert floor.closest > 0.0
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from agents.robot import Robot
 from protocol.messages import Handling
 from protocol.scenario.model import Carrying, Part, RobotSpec, Scenario
+from world.report import result_of
 from world.world import World
 
 SMALL, LARGE = 0.04, 0.05
@@ -55,4 +56,4 @@ def test_who_was_ready_for_one_part_takes_no_other_up_on_it() -> None:
     mover.held, mover.handles = 1, Handling(1, LARGE)
     tick()
     assert [place.carrier for place in world.coordinator.parts.places] == [1, 0]
-    assert world.report()["collisions"] == 0
+    assert result_of(world)["collisions"] == 0

@@ -9,6 +9,7 @@ from itertools import pairwise
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.scenario.model import Sensing
+from world.report import result_of
 
 SCENARIO = load("in-turn-3")
 TICKS = SCENARIO.ticks(1.0)
@@ -52,6 +53,6 @@ def test_one_moves_at_a_time_and_phi_descends_though_static_robots_are_disturbed
     for tick in set(range(len(moved))) - pushed:
         assert moved[tick] <= {SCENARIO.ids[tick // TICKS % len(SCENARIO.ids)]}
     assert {tick for tick, (b, a) in enumerate(pairwise(heights)) if a > b + 1e-12} <= pushed
-    report = fleet.world.world.report()
+    report = result_of(fleet.world.world)
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
     assert sum(map(bool, moved)) > 3 * TICKS

@@ -20,6 +20,7 @@ from protocol.scenario.body import Body
 from protocol.scenario.model import Operation, Order, RobotSpec
 from tests.system.orders.guests import GUEST, SWAP, status, step, to_be
 from tests.system.orders.turnover import asked
+from world.report import result_of
 
 COMINGS = [(0.2, {"add": GUEST}), (1.0, {"remove": 7}), (1.3, {"add": GUEST})]
 AT_ONCE = replace(SWAP, orders=tuple(Order(at, **order) for at, order in COMINGS))
@@ -56,7 +57,7 @@ def test_nothing_appears_while_somebody_is_in_its_place() -> None:
     step(fleet, 1)
     assert status(fleet, 7) == "appearing"
     to_be(fleet, 7, "live")  # who is there makes room
-    assert fleet.world.world.report()["collisions"] == 0
+    assert result_of(fleet.world.world)["collisions"] == 0
 
 
 def test_who_is_removed_ends_and_may_come_back() -> None:
@@ -70,7 +71,7 @@ def test_who_is_removed_ends_and_may_come_back() -> None:
     assert asked(fleet, {"add": RobotSpec(2, 0.02, (0.0, -0.2), (0.1, -0.2))}).accepted
     to_be(fleet, 2, "live")
     step(fleet, 40)
-    report = fleet.world.world.report()
+    report = result_of(fleet.world.world)
     assert (report["collisions"], report["robots"]) == (0, [1, 2, 3, 4])
     assert math.dist(report["positions"]["2"], (0.0, -0.2)) > 0.01  # it moves again
 

@@ -12,6 +12,7 @@ from protocol.scenario.file import parse_toml
 from tests.campaigns.observe import observe
 from tests.system.orders.guests import GUEST, SWAP, step, to_be
 from tests.system.orders.turnover import Turnover, asked
+from world.report import result_of
 from world.shell.checkpoint import Checkpoint
 
 
@@ -103,6 +104,6 @@ def test_a_restarted_world_can_tell_everybody_whom_its_roster_names(tmp_path: Pa
 def test_comings_and_goings_under_faults() -> None:
     turnover = Turnover(0)
     turnover.run(600)
-    assert turnover.fleet.world.world.report()["collisions"] == 0
+    assert result_of(turnover.fleet.world.world)["collisions"] == 0
     assert turnover.changes >= 20
     assert turnover.settles(2400)

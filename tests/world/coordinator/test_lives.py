@@ -4,6 +4,7 @@ from protocol.errors import JoinError
 from protocol.messages import Command, Member, Standing
 from protocol.scenario.model import ProcessFault, Time
 from tests.world.driving import STEP, advance, joined, two
+from world.report import result_of
 from world.world import World
 
 FENCE = 4  # ticks
@@ -42,8 +43,8 @@ def test_a_lost_robot_stands_and_is_fenced_after_its_silence():
     assert not world.accept(Command(2, 1, world.tick, (0.1, 0.0)))
     advance_to(world, 20)
     assert place(world, 2) == stood
-    assert world.report()["rejected_commands"] == {"fenced": 1}
-    assert world.report()["faults"]["fenced"] == [{"robot": 2, "incarnation": 1, "tick": 3 + FENCE}]
+    assert result_of(world)["rejected_commands"] == {"fenced": 1}
+    assert result_of(world)["faults"]["fenced"] == [{"robot": 2, "incarnation": 1, "tick": 3 + FENCE}]
 
 
 def test_a_lost_robot_that_is_started_again_is_waited_for():
@@ -74,7 +75,7 @@ def test_losing_a_robot_in_an_open_tick_tells_the_others():
     assert world.coordinator.waiting == {1}
     world.close_tick()
     assert place(world, 2) == (-0.1, -0.1)
-    assert world.report()["missed_commands"] == 2
+    assert result_of(world)["missed_commands"] == 2
 
 
 def test_a_live_robot_that_sends_nothing_is_fenced_too():
@@ -85,7 +86,7 @@ def test_a_live_robot_that_sends_nothing_is_fenced_too():
         world.close_tick()
     assert [down.robot for down in world.coordinator.lives.standing] == [2]
     assert world.open_tick()[1].active == (1,)
-    assert world.report()["missed_commands"] == FENCE
+    assert result_of(world)["missed_commands"] == FENCE
 
 
 def test_one_command_in_time_keeps_a_robot_from_being_fenced():
@@ -148,7 +149,7 @@ def test_kill_excludes_from_its_tick_on_and_the_dead_are_told_nothing():
     assert place(world, 2) == stood
     assert world.open_tick().keys() == {1}
     assert [down.robot for down in world.coordinator.lives.standing] == [2]
-    assert world.report()["faults"]["process"] == [{"robot": 2, "at": 5 * STEP, "event": "kill", "tick": 5}]
+    assert result_of(world)["faults"]["process"] == [{"robot": 2, "at": 5 * STEP, "event": "kill", "tick": 5}]
     assert world.coordinator.join(2) == 2  # an operator may start it again
 
 
@@ -200,7 +201,7 @@ def test_restart_waits_for_a_new_life():
         world.close_tick()
     assert world.coordinator.join(2) == 2
     assert world.open_tick().keys() == {1, 2}
-    assert len(world.report()["faults"]["process"]) == 1
+    assert len(result_of(world)["faults"]["process"]) == 1
 
 
 def test_waiting_may_be_given_up_and_the_robot_may_still_come():

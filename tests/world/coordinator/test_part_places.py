@@ -9,6 +9,7 @@ import pytest
 from protocol.messages import Command, Handling, PartPlace, Vector
 from protocol.scenario.model import Operation, Part, RobotSpec, Time, Workspace
 from tests.world.driving import joined, obeying, scenario
+from world.report import result_of
 from world.world import World
 
 SMALL, LARGE = 0.04, 0.05
@@ -56,7 +57,7 @@ def test_a_part_that_is_taken_up_is_gone_and_its_carrier_larger() -> None:
     tick(found, {1: TAKE})
     assert (where(found), radius(found, 1)) == (PartPlace(1, carrier=1), LARGE)
     assert not found.coordinator.lives.obstacles.standing
-    assert found.report()["collisions"] == 0
+    assert result_of(found)["collisions"] == 0
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from protocol.messages import PlacedObstacle, Roster, Tick
 from protocol.scenario.model import Obstacle as Listed
 from protocol.scenario.model import Operation, Workspace
 from tests.world.driving import advance, joined, obeying, scenario
+from world.report import result_of
 from world.world import World
 
 BOX = ((0.1, 0.1), (0.2, 0.1), (0.2, 0.2), (0.1, 0.2))
@@ -61,7 +62,7 @@ def test_what_the_scenario_lists_can_go_and_leaves_the_judge() -> None:
         advance(found, {1: (0.1, 0.03)})
     assert not found.operate(Operation(take=1)).accepted
     assert "no obstacle 1" in found.operate(Operation(take=1)).text
-    assert found.report()["collisions"] == 0
+    assert result_of(found)["collisions"] == 0
 
 
 def test_a_obstacle_that_came_is_judged_and_then_forgotten() -> None:
@@ -71,7 +72,7 @@ def test_a_obstacle_that_came_is_judged_and_then_forgotten() -> None:
         advance(found)
     for _ in range(10):
         advance(found, {1: (0.1, 0.0)})
-    assert [contact["pair"] for contact in found.report()["contacts"]] == [[-number, 1]]
+    assert [contact["pair"] for contact in result_of(found)["contacts"]] == [[-number, 1]]
     found.operate(Operation(take=number))
     assert found.coordinator.lives.obstacles.changes == ()
 

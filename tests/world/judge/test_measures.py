@@ -63,7 +63,7 @@ def test_another_fleet_keeps_the_ways_of_those_that_stay():
     )
     stays = scenario(((0.9, 0.9), (0.9, 0.9)), ((0.1, 0.1), (0.1, 0.2)), ((0.0, 0.0), (0.0, 0.5)))
     fleet = goals.of_fleet(replace(stays, robots=stays.robots[1:]))
-    assert fleet.ids == (2, 3)
+    assert tuple(fleet.ways) == (2, 3)
     assert fleet.points.tolist() == [0.1j, 0.5j]
     assert fleet.straight == pytest.approx(0.3 + 0.1 + 0.5)
 
@@ -125,7 +125,8 @@ def test_phi_and_its_logarithm_equal_the_formulas_in_many_digits(robots, k, seed
 @pytest.mark.parametrize("robots", [2, 20, 70])
 def test_phi_of_many_is_the_same(robots, monkeypatch):
     setting, positions = spread(robots, 0, 1e4)
-    disks, goals = Disks.of(setting), replace(Goals.of(setting), points=positions + 0.01)
+    disks = Disks.of(setting)
+    goals = Goals({n: ((0.0, 0.0), (at.real + 0.01, at.imag)) for n, at in enumerate(positions, 1)})
     positions = np.array([positions, positions])
     positions[1, 0] = positions[1, -1] + RADIUS
     found = levels_of(disks, goals, setting.k, positions)

@@ -33,7 +33,7 @@ def test_contacts_name_the_obstacle_or_the_wall():
     record = Record(setting, [(-0.5, 0.15)])
     for place in ((0.0, 0.15), (0.5, 0.15), (0.98, 0.15), (0.98, 0.15)):
         record.add([place])
-    contacts = {contact.pair: contact for contact in record.totals.contacts.all}
+    contacts = {contact.pair: contact for contact in record.totals.contacts}
     assert set(contacts) == {(-1, 3), (-2, 3), (0, 3)}
     box = contacts[(-1, 3)]
     assert math.isclose(box.begin, (0.5 - 0.09) / 0.5, abs_tol=1e-6)
@@ -59,7 +59,7 @@ def test_a_touch_within_a_tick_is_found_when_and_where_it_was() -> None:
     record = Record(setting, [(-0.1, 0.1), (-0.1, -0.1)], parts=2)
     record.add([(-0.1, 0.1), (-0.1, -0.1)], [((-0.1, 0.01), (-0.1, -0.01))])
     record.add([(-0.1, 0.1), (-0.1, -0.1)], [((-0.1, 0.1), (-0.1, -0.1))])
-    (contact,) = record.totals.contacts.all
+    (contact,) = record.totals.contacts
     assert record.totals.clearance == pytest.approx(-0.06)
     assert contact.deepest == pytest.approx(-0.06)
     assert 0.25 < contact.begin < 0.5 < contact.end < 0.75
@@ -75,7 +75,7 @@ def test_what_changes_counts_from_the_newest_configuration_on():
     record.set_obstacles({7: Disk(0.1, 0.05, 0.02)})
     assert record.totals.clearance == pytest.approx(0.26 - math.hypot(0.1, 0.01))
     record.add([(0.1, 0.1)])
-    (contact,) = record.totals.contacts.all
+    (contact,) = record.totals.contacts
     assert contact.pair == (-7, 1)
     assert record.totals.clearance == pytest.approx(-0.06)
     assert record.totals.deviation == {1: pytest.approx(0.01)}

@@ -8,7 +8,7 @@ from hashlib import sha256
 from hypothesis import given
 from hypothesis import strategies as st
 
-from world.judge.trajectory import TrajectoryDigest
+from world.judge.record import TrajectoryDigest
 
 IDS = (3, 5)
 

@@ -2,6 +2,7 @@ import pytest
 
 from protocol.scenario.model import Journey, Link, Order, Partition, ProcessFault, Time
 from tests.world.driving import STEP, advance, joined, play, scenario, toward, two
+from world.report import result_of
 from world.shell.failure_detector import returning
 from world.world import World
 
@@ -16,11 +17,11 @@ def test_arrived_means_all_robots_at_once():
         if world.verdict:
             break
     assert world.verdict == "deadlock"
-    assert world.report()["arrived"] == [1]
+    assert result_of(world)["arrived"] == [1]
     world = play(setting)
-    assert (world.verdict, world.report()["arrived"]) == ("arrived", [1, 2])
-    assert world.report()["ticks"] == 39  # 0.2 m less the tolerance, at 5 mm a tick
-    assert world.report()["nrl"] == pytest.approx(0.195 / 0.2)
+    assert (world.verdict, result_of(world)["arrived"]) == ("arrived", [1, 2])
+    assert result_of(world)["ticks"] == 39  # 0.2 m less the tolerance, at 5 mm a tick
+    assert result_of(world)["nrl"] == pytest.approx(0.195 / 0.2)
 
 
 def test_no_verdict_before_the_first_tick():
@@ -38,7 +39,7 @@ def test_timeout_at_the_limit():
         advance(world)
     assert world.verdict == "timeout"
     assert world.reason == "1.02 s are over; robots 1, 2 are not at the goal"
-    assert world.report()["sim_time"] == pytest.approx(1.05)
+    assert result_of(world)["sim_time"] == pytest.approx(1.05)
 
 
 def test_a_timeout_says_what_is_still_to_come():
@@ -82,7 +83,7 @@ def test_no_deadlock_while_the_scenario_has_a_change_in_store(fault):
 
 def test_a_collision_outranks_at_the_end_and_the_run_goes_on():
     world = play(scenario(((-0.1, 0.0), (0.1, 0.0)), ((0.1, 0.01), (-0.1, 0.01))))
-    report = world.report()
+    report = result_of(world)
     assert (world.verdict, report["collisions"], report["arrived"]) == ("collision", 1, [1, 2])
     assert world.reason == "contacts: 1; otherwise arrived: all robots are at their goals"
     assert report["min_clearance"] == pytest.approx(0.01 - 0.08)
@@ -112,8 +113,8 @@ def test_aborted_when_the_others_are_down_for_good():
     world = play(setting)
     assert world.verdict == "aborted"
     assert world.reason == "robot 2 is down for good; the others are at their goals"
-    assert world.report()["arrived"] == [1]
-    assert world.report()["down"] == [2]
+    assert result_of(world)["arrived"] == [1]
+    assert result_of(world)["down"] == [2]
 
 
 def test_aborted_when_nobody_is_left():

@@ -16,6 +16,7 @@ from protocol.scenario.body import PRESETS, Body, Preset
 from protocol.scenario.model import Control, Link, RobotSpec, Scenario, Sensing, Time, Workspace
 from protocol.scenario.model import World as WorldTable
 from world.plants.integrator import Integrator
+from world.report import result_of
 from world.world import World
 
 ADVERSARY = "tests.laws.adversary:Adversary"
@@ -107,7 +108,7 @@ def drive(
             if lost.random() >= setting.dropped:
                 world.accept(command)
         world.close_tick()
-    return world.report()
+    return result_of(world)
 
 
 class TowardsTheNearest:
