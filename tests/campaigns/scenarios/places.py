@@ -13,8 +13,15 @@ from tests.campaigns.campaign import Dice
 _DARTS = 40  # attempts per disk
 _SWEEPS = 200  # of pushing disks apart that darts did not place
 _ATTEMPTS = 20
-_GAPS = (0.0, 0.0, 1e-9, 1e-6, 1e-3, 0.03)  # in radii; 0: the next number of the computer
+_BETWEEN = (0.0, 0.0, 1e-9, 1e-6, 1e-3, 0.03)  # in radii; 0: the next number of the computer
 _WHISKER = 1e-15  # by which an exact touch is left, at first
+_OBSTACLES = 30  # attempts
+_BESIDE = (1e-6, 1e-3, 0.3)  # of the radius, between a robot and the obstacle beside which it begins
+_WALL_GAPS = (1e-9, 1e-6, 1e-3, 0.1)  # of the workspace's radius, between robots and straight walls
+_PARTS = 12  # attempts
+_MOST = 3  # parts
+_SMALLEST = 0.16  # of the room, the smallest robot among which parts are drawn: ways are planned on a grid
+_REACHED = (0.0, 1e-6, 0.1, 0.5, 1.0)  # of the reach, between a part and its neighbour
 
 
 def scattered(dice: Dice, radii: Sequence[float], workspace: float) -> list[Point] | None:
@@ -48,7 +55,7 @@ def drawn_together(
     points = list(points)
     for _ in range(times):
         i, j = dice.whole(0, len(points) - 1), dice.whole(0, len(points) - 1)
-        gap = dice.pick(_GAPS) * radii[i]
+        gap = dice.pick(_BETWEEN) * radii[i]
         moved = (
             at_the_wall(points[i], radii[i], workspace, gap)
             if i == j
@@ -117,11 +124,6 @@ def _parted(one: Point, other: Point, apart: float) -> tuple[Point, Point]:
     return (one[0] - push * dx, one[1] - push * dy), (other[0] + push * dx, other[1] + push * dy)
 
 
-_TRIES = 30
-_GAPS = (1e-6, 1e-3, 0.3)  # of the radius, between a robot and what it begins beside
-_WALL_GAPS = (1e-9, 1e-6, 1e-3, 0.1)  # of the workspace's radius, between robots and straight walls
-
-
 def around(dice: Dice, workspace: Workspace, robots: Sequence[RobotSpec]) -> Workspace:
     """The same round workspace, or a polygon: around it, or as close around all robots as walls can stand."""
     if dice.chance(0.65):
@@ -182,7 +184,7 @@ def obstacles(dice: Dice, robots: Sequence[RobotSpec], workspace: float, room: S
     """
     if not dice.chance(0.35):
         return ()
-    drawn = [one_obstacle(dice, robots, workspace, (0.0, 0.0)) for _ in range(_TRIES)]
+    drawn = [one_obstacle(dice, robots, workspace, (0.0, 0.0)) for _ in range(_OBSTACLES)]
     clear = [
         obstacle
         for obstacle in drawn
@@ -207,7 +209,7 @@ def one_obstacle(dice: Dice, robots: Sequence[RobotSpec], workspace: float, cent
     if dice.chance(0.5):
         robot = dice.pick(robots)
         x, y = robot.start
-        far = size + robot.radius * (1.0 + dice.pick(_GAPS))
+        far = size + robot.radius * (1.0 + dice.pick(_BESIDE))
     else:
         (x, y), far = centre, workspace * math.sqrt(dice.uniform(0.0, 1.0))
     middle = (x + far * math.cos(angle), y + far * math.sin(angle))
@@ -228,18 +230,8 @@ def _polygon(dice: Dice, centre: Point, size: float, turn: float) -> tuple[Point
     return tuple(points)
 
 
-_TRIES = 12
-_MOST = 3
-_SMALLEST = 0.16  # of the room, the smallest robot among which parts are drawn: ways are planned on a grid
-_GAPS = (0.0, 1e-6, 0.1, 0.5, 1.0)  # of the reach, between a part and what it stands beside
-
-
 def loads(
-    dice: Dice,
-    robots: Sequence[RobotSpec],
-    standing: Iterable[Obstacle],
-    room: Shape,
-    some: float = 0.4,
+    dice: Dice, robots: Sequence[RobotSpec], standing: Iterable[Obstacle], room: Shape, some: float = 0.4
 ) -> tuple[tuple[Part, ...], Carrying]:
     """None in most scenarios; else a few, many of them larger than robots, and how far these reach.
 
@@ -254,7 +246,7 @@ def loads(
     starts: list[Shape] = [*obstacles, *(Disk(*robot.start, robot.radius) for robot in robots)]
     goals: list[Shape] = [*obstacles, *(Disk(*robot.goal, robot.radius) for robot in robots)]
     alike, found = dice.chance(0.5), list[Part]()
-    for _ in range(_TRIES):
+    for _ in range(_PARTS):
         radius = found[0].radius if alike and found else smallest * dice.log_uniform(0.7, 2.5)
         start = _start(dice, robots, found, radius, carrying.reach, room)
         goal = _goal(dice, start, radius, smallest, room)
@@ -282,7 +274,7 @@ def _start(
         return point
     others: list[RobotSpec | Part] = [*robots, *parts]
     other = dice.pick(others)
-    return beside(other.start, other.radius, point, radius, reach * dice.pick(_GAPS))
+    return beside(other.start, other.radius, point, radius, reach * dice.pick(_REACHED))
 
 
 def _goal(dice: Dice, start: Point, radius: float, unit: float, room: Shape) -> Point:
