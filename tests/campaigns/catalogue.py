@@ -13,6 +13,8 @@ CAMPAIGNS = {  # what each searches for, and where it is
     "faults": ("a collision under everything that may go wrong at once", "faults:FAULTS"),
     "skirmish": ("a broken invariant of the lines of whole robots", "models:SKIRMISH"),
     "aftermath": ("a broken invariant after a skirmish", "models:AFTERMATH"),
+    "mortal-skirmish": ("the same while worlds die, at any message", "mortal_skirmish:SKIRMISH"),
+    "mortal-floor": ("contact of bases outside, under worlds and processes that die", "mortal_floor:FLOOR"),
     "bodies": ("a body that leaves its swept disk or its lines", "models:BODIES"),
     "plants": ("contact of wheels in MuJoCo, under late, lost and noisy messages", "models:PLANTS"),
     "adversary": (
@@ -21,6 +23,7 @@ CAMPAIGNS = {  # what each searches for, and where it is
     ),
     "adversary-mujoco": ("the same in MuJoCo", "models:ADVERSARY_MUJOCO"),
     "deviations": ("a body in MuJoCo that is off its way by more than it states", "models:DEVIATIONS"),
+    "worlds": ("a contact, or something forgotten, when the world dies at any moment", "models:WORLDS"),
     "turnover": ("a contact, or a robot that is stuck, while robots come and go", "models:TURNOVER"),
     "laws": ("a livelock of the reciprocal law where the paper's law arrives", "laws:LAWS"),
     "movers": ("parts that do not reach their goals though there is an order", "movers:MOVERS"),

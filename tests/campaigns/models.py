@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache, partial
+from random import Random
 from types import ModuleType
 
 from protocol.scenario.body import PRESETS
@@ -18,6 +19,7 @@ from tests.campaigns.campaign import Campaign, Dice, Mutant, Outcome
 from tests.system.orders.turnover import Turnover
 from tests.world.plants.fleet import BODIES as CARRIERS
 from tests.world.plants.fleet import PERIODS, drive, hostile, varied
+from tests.world.shell import test_world_dies as worlds
 from world.report import result_of
 
 _product, _ride_product = cache(Product), cache(RideProduct)
@@ -95,6 +97,14 @@ def _turnover(dice: Dice) -> Outcome:
     return Outcome("violated" if violation else "held", violation, figures=figures)
 
 
+def _deaths(dice: Dice) -> Outcome:
+    """A course whose world dies at any operation by which it tells what it did."""
+    name = dice.pick(sorted(worlds.COURSES))
+    doom, report = worlds.died(name, Random(dice.seed))
+    worlds.check(name, doom, report)
+    return Outcome(name, figures={"deaths": float(doom.deaths)})
+
+
 def _naive() -> tuple[int, str]:
     for seed in range(10):
         if violation := _drive(Dice(seed), naive=True).violation:
@@ -107,6 +117,7 @@ AFTERMATH = Campaign(partial(_of_lines, aftermath), 5_000, partial(_line_mutants
 BODIES = Campaign(_ride, 30_000, _ride_mutants)
 PLANTS = Campaign(_drive, 200, lambda: [Mutant("bodies are no points", _naive)])
 DEVIATIONS = Campaign(_deviation, 40, patience=600.0)
+WORLDS = Campaign(_deaths, 1_000)
 TURNOVER = Campaign(_turnover, 3, patience=3600.0)
 ADVERSARY = Campaign(partial(_attack, "integrator"), 4_000)
 ADVERSARY_MUJOCO = Campaign(partial(_attack, "mujoco"), 300, patience=600.0)

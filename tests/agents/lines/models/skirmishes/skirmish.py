@@ -239,7 +239,8 @@ class Skirmish:
         for _, state, robot in due:
             radius = self.scenario.spec(state.robot).radius
             for process in self._all_of(robot):
-                process.core.hearing.on_state(addressed_to(robot, state, radius))
+                if process.core.epoch == state.epoch:
+                    process.core.hearing.on_state(addressed_to(robot, state, radius))
             if self.rng.random() < 0.1:
                 self.under_way.append((self.world.tick + self.rng.randint(1, 10), state, robot))
 
