@@ -101,12 +101,12 @@ def test_nobody_takes_the_seat_of_a_process_that_is_there_when_the_world_comes_b
 
 @pytest.mark.process
 @pytest.mark.timeout(120)
-@pytest.mark.long(15)
+@pytest.mark.long(7)
 def test_who_is_frozen_for_longer_than_its_token_lives_goes_on() -> None:
     """At any speed: a token lives for two seconds."""
-    faults = (ProcessFault(2, 0.5, "pause"), ProcessFault(2, 4.0, "resume"))
-    scenario = replace(SWAP, process=faults, time=replace(SWAP.time, fence=6.0))
+    faults = (ProcessFault(2, 0.2, "pause"), ProcessFault(2, 3.2, "resume"))
+    scenario = replace(SWAP, process=faults, time=replace(SWAP.time, fence=6.0, limit=4.5))
     with Fleet(scenario, RunOptions("routed", speed=1.0)) as fleet:
         report = fleet.execute()
-    assert (report["verdict"], report["faults"]["given_up"]) == ("arrived", [])
+    assert (report["verdict"], report["down"], report["faults"]["given_up"]) == ("timeout", [], [])
     assert report["trajectory_sha256"] == LocalFleet(scenario).execute()["trajectory_sha256"]

@@ -77,10 +77,10 @@ def table(
 
 @contextmanager
 def a_long_run(
-    server: Server, folder: Path, *options: str, **changes: str
+    server: Server, folder: Path, *options: str, over_ssh: Sequence[str] = ("base", "left"), **changes: str
 ) -> Iterator[subprocess.Popen[bytes]]:
     """A launcher whose fleet runs; afterwards nothing of that is left on the hosts, or soon will not be."""
-    hosts, port = table(server, folder, ("base", "left"), **changes)
+    hosts, port = table(server, folder, over_ssh, **changes)
     command = [*DISKNAV, "run", "figure-1", "--hosts", str(hosts), "--run", "long", *LONG, *options]
     launcher = subprocess.Popen(
         [*command, "--quiet", "--json", str(folder / "result.json")], start_new_session=True
@@ -192,38 +192,30 @@ def lose(launcher: subprocess.Popen[bytes], host: int) -> None:
     sorted(connections, key=lambda each: each.create_time())[host].kill()
 
 
-def test_a_host_that_is_lost_costs_its_own_robots_only(server: Server, tmp_path: Path) -> None:
-    with a_long_run(server, tmp_path) as launcher:
-        lose(launcher, 1)
-        await_ticks(port_of(tmp_path), lambda clock: {3, 4}.isdisjoint(clock.active), more=20)
-        launcher.send_signal(signal.SIGTERM)
-        assert launcher.wait(20.0) == 128 + signal.SIGTERM
-    found = result(tmp_path)
-    assert found["down"] == [3, 4]
-    assert found["min_clearance"] > 0.0
-    whys = {row["name"]: row["exit_code"] for row in found["processes"]}
-    assert {name for name, code in whys.items() if code == EXIT_FAULT} == {
-        "router-left",
-        "robot-3",
-        "robot-4",
-    }
-
-
 @pytest.mark.long(10)
-def test_a_host_that_does_not_talk_as_it_should_costs_no_more(server: Server, tmp_path: Path) -> None:
+def test_a_host_that_is_lost_or_does_not_talk_as_it_should_costs_its_own_robots_only(
+    server: Server, tmp_path: Path
+) -> None:
     python = f"env PYTHONPATH={ROOT} {sys.executable}"
     liar = f"{python} -m tests.system.hosts.testbed.liar {server.command}"
-    with a_long_run(server, tmp_path, command=liar) as launcher:
-        (one,) = (
+    with a_long_run(server, tmp_path, over_ssh=tuple(HOSTS), command=liar) as launcher:
+        lose(launcher, 2)
+        await_ticks(port_of(tmp_path), lambda clock: {5, 6}.isdisjoint(clock.active))
+        (left,) = (
             each
             for each in psutil.Process(server.pid).children(recursive=True)
             if "tests.system.hosts.testbed.liar" in each.cmdline()
         )
-        one.send_signal(signal.SIGUSR1)
+        left.send_signal(signal.SIGUSR1)
         await_ticks(port_of(tmp_path), lambda clock: {3, 4}.isdisjoint(clock.active), more=20)
         launcher.send_signal(signal.SIGTERM)
         assert launcher.wait(20.0) == 128 + signal.SIGTERM
-    assert result(tmp_path)["down"] == [3, 4]
+    found = result(tmp_path)
+    assert found["down"] == [3, 4, 5, 6]
+    assert found["min_clearance"] > 0.0
+    ends = {row["name"]: row["exit_code"] for row in found["processes"]}
+    lost = {"router-left", "robot-3", "robot-4", "router-right", "robot-5", "robot-6"}
+    assert {name for name, code in ends.items() if code == EXIT_FAULT} == lost
 
 
 def test_the_host_of_the_world_ends_the_run(server: Server, tmp_path: Path) -> None:
