@@ -1,8 +1,8 @@
 """Every command that README and the documentation show is run, or at least understood by the command line.
 
 A fenced block marked `sh` holds commands. The lines of a page that begin with `disknav` run one after
-another in a folder of the page's own (of an example, a copy of its folder), and have to succeed; a proof does
-in campaigns. A comment before a block changes that:
+another in a folder of the page's own (of an example, a copy of its folder), and have to succeed; proofs and
+moving pictures in campaigns only. A comment before a block changes that:
 
     <!-- not run: why -->     its commands and options have to exist, no more
     <!-- file: mine.toml -->  the block, of whatever kind, is the content of this file in the page's folder
@@ -24,7 +24,6 @@ from tests.forks import Forks
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-_LONG = "certify"  # tests/deploy/theory/certify runs it down to a larger k
 COMMAND: Any = typer.main.get_command(app)
 _BLOCK = re.compile(
     r"(?:<!-- (not run|file): ([^>]*?) -->\n+)?^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE
@@ -63,38 +62,39 @@ def _name(page: Path) -> str:
 WITH_COMMANDS = [page for page in PAGES if any(block.commands for block in blocks(page))]
 
 
-@pytest.mark.process
-@pytest.mark.timeout(390)
-@pytest.mark.parametrize(
-    "page",
-    [
-        pytest.param(page, marks=pytest.mark.long(30) if page == ROOT / "README.md" else ())
-        for page in WITH_COMMANDS
-    ],
-    ids=_name,
-)
-def test_they_run(page: Path, disknav: Forks, tmp_path: Path) -> None:
+def carry_out(page: Path, disknav: Forks, folder: Path, *, everything: bool) -> None:
+    """Run the commands of a page; unless `everything`, none that takes long."""
     if page.parent.parent.name == "examples":
-        shutil.copytree(page.parent, tmp_path, dirs_exist_ok=True)
+        shutil.copytree(page.parent, folder, dirs_exist_ok=True)
     for block in blocks(page):
         if block.file:
-            (tmp_path / block.file).write_text(block.text)
+            (folder / block.file).write_text(block.text)
         for words in block.commands if block.runs else ():
-            if words[0] == _LONG:
-                continue
-            call, target = redirected(words)
-            done = disknav(*call, cwd=tmp_path)
-            assert done.returncode == 0, (words, done.stderr)
-            (tmp_path / target).write_text(done.stdout)
+            if everything or not takes_long(words):
+                call, target = redirected(words)
+                done = disknav(*call, cwd=folder)
+                assert done.returncode == 0, (words, done.stderr)
+                (folder / target).write_text(done.stdout)
+
+
+def takes_long(words: list[str]) -> bool:
+    """Whether a command proves something, or draws a moving picture; the tests of both do so in small."""
+    return words[0] == "certify" or any(word.endswith(".webp") for word in words)
+
+
+@pytest.mark.process
+@pytest.mark.timeout(390)
+@pytest.mark.parametrize("page", WITH_COMMANDS, ids=_name)
+def test_they_run(page: Path, disknav: Forks, tmp_path: Path) -> None:
+    carry_out(page, disknav, tmp_path, everything=False)
 
 
 @pytest.mark.campaign
 @pytest.mark.timeout(900)
-def test_what_takes_minutes_runs(disknav: Forks, tmp_path: Path) -> None:
-    long = [words for page in PAGES for block in blocks(page) if block.runs for words in block.commands]
-    for words in long:
-        if words[0] == _LONG:
-            assert disknav(*words, cwd=tmp_path).returncode == 0
+@pytest.mark.parametrize("page", WITH_COMMANDS, ids=_name)
+def test_so_does_what_takes_long(page: Path, disknav: Forks, tmp_path: Path) -> None:
+    if any(takes_long(words) for block in blocks(page) for words in block.commands if block.runs):
+        carry_out(page, disknav, tmp_path, everything=True)
 
 
 @pytest.mark.parametrize("page", WITH_COMMANDS, ids=_name)
