@@ -86,8 +86,9 @@ test: $(READY) $(KERNEL)  ## lint, types, import contracts, the whole suite from
 	@$(MAKE) --no-print-directory $(COMPILED)
 	$(BIN)/python -m pytest tests/deploy/test_software.py
 
-campaigns: $(READY)  ## what the suite leaves out: planted faults and mutants that random runs and the proof have to find
+campaigns: $(READY)  ## what the suite leaves out: long runs, a thousand examples of each property, planted faults and mutants
 	$(BIN)/python -m pytest -n 2 -m campaign
+	$(BIN)/python -m pytest -n 2 -m 'hypothesis and not campaign' --hypothesis-profile campaign
 
 golden: $(READY) $(COMPILED)  ## renew the kept trajectories of the library, and say by how much each has changed
 	$(BIN)/python -m tests.golden

@@ -14,8 +14,11 @@ from protocol.errors import UsageError
 from tests.forks import Forks
 
 # A busy machine is no counterexample; in continuous integration the same examples are tried every time.
-settings.register_profile("disknav", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile(
+    "disknav", deadline=None, max_examples=30, suppress_health_check=[HealthCheck.too_slow]
+)
 settings.register_profile("ci", settings.get_profile("disknav"), derandomize=True)
+settings.register_profile("campaign", settings.get_profile("disknav"), max_examples=1000)
 settings.load_profile("ci" if os.environ.get("CI") else "disknav")
 
 os.environ["MUJOCO_GL"] = "disable"  # nothing is drawn, and looking for libraries that draw takes a while
