@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from typing import Final, Protocol, final
 
 from agents.lines.boundary import Boundary
-from agents.lines.polygon import Polygon
+from agents.lines.own_set import Polygon
 from agents.lines.safe_velocity import nearest, safe_velocity, wedge
 from protocol.bodies.kinematics import Kinematics, Motion
 from protocol.bodies.sweep import Sweep, Tolerance, sweep

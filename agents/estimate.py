@@ -16,7 +16,7 @@ from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
-from agents.lines.polygon import DIRECTIONS, SIDES, Polygon, around
+from agents.lines.own_set import DIRECTIONS, SIDES, Polygon, around
 from protocol.line import ROUNDING, HalfPlane
 from protocol.messages import Sense, Vector
 

@@ -40,7 +40,6 @@ class PeerInbox:
         self._far = Arrivals(scenario, robot) if scenario.hears_near else None
         self._since: dict[int, int] = {}  # first tick of whose States count, by peer that is heard
         self._active: tuple[int, ...] = ()  # as the tick before named them
-        self._ahead: dict[int, int] = {}  # newest tick, by peer that is ahead of this robot
         self._awaited: set[int] = set()
         self._open = False  # whether the tick's State is out and its Command is not
 
@@ -54,10 +53,7 @@ class PeerInbox:
         self._link.locate(tick.tick, place)
         self._attend(tick)
         self._tick = tick.tick
-        self._awaited = set(self._since)
-        if self._ahead:
-            self._ahead = {peer: newest for peer, newest in self._ahead.items() if newest >= tick.tick}
-            self._awaited.difference_update(self._ahead)
+        self._awaited = set(self._since).difference(self._link.ahead(tick.tick))
         if self._far is not None:
             self._far.open(tick.tick)
         self._take(tick.tick - 1)
@@ -85,13 +81,9 @@ class PeerInbox:
 
     def on_state(self, state: PeerState) -> None:
         """The State of a peer of this run has arrived, perhaps again."""
-        robot, tick = state.robot, state.tick
-        if tick >= self._tick:  # news or not: a false incarnation must hold up no robot
-            self._awaited.discard(robot)
-            if tick > self._tick and tick > self._ahead.get(robot, -1):
-                self._ahead[robot] = tick
-        if not self._link.is_news(state):
-            return
+        tick = state.tick
+        if tick >= self._tick:  # of whichever incarnation: a false one must hold up no robot
+            self._awaited.discard(state.robot)
         if self._open and tick <= self._tick and self._link.ideal:
             self._learn(state)  # as `close` would in a moment
         else:
@@ -134,5 +126,5 @@ class PeerInbox:
         if state.tick < self._since.get(state.robot, _NEVER):
             return
         state.size(self.neighbours.radii.get(state.robot, 0.0))
-        if self.neighbours.on_state(state):
+        if self.neighbours.on_state(state, self._tick):
             self._lines.on_state(state)

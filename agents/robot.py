@@ -94,7 +94,7 @@ class Robot:
         if tick.roster is not None:
             self._follow(tick.roster)
         if tick.grants is not None:
-            self._filter.lines.hear(tick.grants, self.hearing.neighbours.radii)
+            self._filter.lines.hear(tick.grants, self.hearing.neighbours)
             self.hearing.neighbours.attend(self._filter.lines.peers)
         self._filter.locate(self.tick, self._estimate, blind=self._blind)
         self.hearing.open(tick, self._estimate.position)
@@ -267,15 +267,18 @@ class Robot:
         The radius never falls below the roster's: a disk of that radius is the obstacle if this robot fails.
         """
         own = self._roster.member(self.robot)
-        told = filter_.radius if own is None else own.radius
-        wanted, held = max(told, mover.radius), -mover.held if told < mover.radius else NO
-        is_kept = wanted <= filter_.radius and filter_.lines.held in (NO, held)
-        if not (is_kept or told >= wanted or filter_.has_room(wanted, held, self._estimate)):
-            wanted, held = max(told, self._spec.radius), NO
+        before = filter_.radius
+        told = before if own is None else own.radius
+        part, radius = -mover.held, mover.radius
+        has = radius <= told or (radius <= before and filter_.lines.part in (NO, part))
+        if not has and not filter_.reach(radius, part, self._estimate):
+            radius = self._spec.radius
+        radius = max(told, radius)
+        if radius != filter_.radius:
+            filter_.resize(radius)
         filter_.lines.wanted = mover.radius
-        if wanted != filter_.radius and not self._law.failure:
-            self._law = self._law_of_disk(wanted)
-        filter_.resize(wanted, held)
+        if radius != before and not self._law.failure:
+            self._law = self._law_of_disk(radius)
         return mover.handles if filter_.radius >= mover.radius else None
 
     def _law_of_disk(self, radius: float) -> GuardedLaw:

@@ -12,9 +12,8 @@ from typing import Final, final
 from agents.bodies import Body, Limits
 from agents.estimate import Estimate
 from agents.lines.boundary import BothBoundaries, Boundary, RoundBoundary, boundary_of
-from agents.lines.polygon import Polygon
+from agents.lines.own_set import Polygon
 from agents.lines.separating_lines import SeparatingLines
-from protocol.kernel.records import NO
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 
@@ -105,24 +104,31 @@ class SafetyFilter:
         wish, half_planes = self.lines.make_room(desired), self.lines.half_planes()
         return self._body.velocity(wish, Limits(position, half_planes, self._boundary, estimate.shape))
 
-    def has_room(self, radius: float, held: int, estimate: Estimate) -> bool:
-        """Whether a larger disk would satisfy all that is obeyed.
+    def reach(self, radius: float, part: int, estimate: Estimate) -> bool:
+        """Be a larger disk from now on, if that satisfies all that is obeyed and is inside the workspace.
 
         Args:
             radius: of it, m.
-            held: a disk that only the present one keeps clear of; NO for none.
+            part: a disk that only the present one keeps clear of; NO for none.
             estimate: of the own position.
+
+        Returns whether it is one.
         """
         position = estimate.position
         if position is None or not (self._located and self.lines.ready):
             return False
         swept = 0.0 if self._body.swept is None else self._body.reach
         inside = boundary_of(self._room, radius).contains(*position, estimate.bound + swept)
-        return inside and self.lines.has_room(radius, held)
+        if not (inside and self.lines.reach(radius, part)):
+            return False
+        self._resize(radius)
+        return True
 
-    def resize(self, radius: float, held: int = NO) -> None:
-        """The own disk is one of `radius` from now on, m; a larger one only where it `has_room`."""
-        self.lines.resize(radius, held)
-        if radius != self.radius:
-            self.radius = radius
-            self._workspace = boundary_of(self._room, radius)
+    def resize(self, radius: float) -> None:
+        """Be a smaller disk than before, of `radius`, m; or the one that this life begins as."""
+        self.lines.resize(radius)
+        self._resize(radius)
+
+    def _resize(self, radius: float) -> None:
+        self.radius = radius
+        self._workspace = boundary_of(self._room, radius)

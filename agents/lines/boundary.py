@@ -15,7 +15,7 @@ from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
-from agents.lines.polygon import Polygon
+from agents.lines.own_set import Polygon
 from protocol.geometry import Disk, Shape
 from protocol.line import ROUNDING, HalfPlane, room_of
 

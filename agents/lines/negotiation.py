@@ -1,11 +1,14 @@
-"""What a robot says of lines to peers that hear its States.
+"""Where lines lie, and what a robot says of them to peers that hear its States.
+
+Nothing here can be unsafe: an owner offers only lines that the own body satisfies, and a follower adopts only
+those that its own body satisfies.
 
 States carry only what is open. The newest proposal is repeated in every State until it is answered. An answer
 is said when a proposal was heard, in the States of the next few ticks. That suffices: an owner without an
 unanswered proposal needs no answer; one that has any repeats the newest for ever, so if every answer so far
 was lost, the next repetition that arrives brings about another, and that settles all older ones.
 
-The initial line knows nothing of where the two want to go, and stays if one of them is lost. So an owner
+The first line knows nothing of where the two want to go, and stays if one of them is lost. So an owner
 replaces it once although neither is near, a few pairs a tick: all at once, a large fleet would begin with
 messages ten times their usual size.
 
@@ -19,20 +22,235 @@ import math
 from collections.abc import Iterable
 from typing import Final, final
 
-from agents.lines.bond import Bond, Cover
-from agents.lines.placement import Disk, fit_line, is_same
+from mypy_extensions import mypyc_attr
+
+from agents.lines.own_set import Cover
 from agents.peers.state import PeerState
+from protocol.geometry import Shape
 from protocol.kernel.pair import Follower, Owner
-from protocol.kernel.robot import LINES, Robot
-from protocol.line import Line
-from protocol.messages import Answer, Proposal
+from protocol.kernel.robot import ASKED, LINES, Bound, Robot
+from protocol.line import ROUNDING, SURE, HalfPlane, Line
+from protocol.messages import Answer, Proposal, Vector
 from protocol.region import Region
 
+Span = tuple[Vector, Vector]  # a point of each of two segments
+
+_BISECTIONS: Final = 8
+_NEED: Final = 4.0 * ROUNDING  # gap that a line takes, m
+_MOST: Final = 0.99  # of a gap, that is kept as standoffs
 ANSWER_TICKS: Final = 3  # an answer stands in this many States after the proposal was last heard
 OUTSTANDING: Final = 32  # most unanswered proposals of one pair
-RENEWALS: Final = 5  # initial lines that an owner replaces in a tick although no peer is near
+RENEWALS: Final = 5  # first lines that an owner replaces in a tick although no peer is near
 FOLLOWED: Final = 3.0  # periods for which a follower's way is kept free from when it adopts a line
 UNCHANGED: Final = 1e-2  # of what a robot moves in a tick: a line that differs by less is not proposed
+
+
+@final
+@mypyc_attr(acyclic=True)
+class Disk:
+    """One robot as the owner of a line sees it: centre, radius and error bound (m), desired velocity, and the
+    one that it was last seen to have."""
+
+    __slots__ = ("radius", "ux", "uy", "vx", "vy", "x", "y")
+
+    def __init__(
+        self,
+        x: float,
+        y: float,
+        radius: float,
+        vx: float = 0.0,
+        vy: float = 0.0,
+        ux: float = 0.0,
+        uy: float = 0.0,
+    ) -> None:
+        self.x, self.y, self.radius = x, y, radius
+        self.vx, self.vy, self.ux, self.uy = vx, vy, ux, uy
+
+
+def is_same(one: Line, other: Line, tolerance: float) -> bool:
+    """Whether two lines differ by less than `tolerance` (m, and per metre along the line)."""
+    return (
+        abs(one.nx - other.nx) < tolerance
+        and abs(one.ny - other.ny) < tolerance
+        and abs(one.offset - other.offset) < tolerance
+    )
+
+
+def fit_line(
+    owner: Disk,
+    follower: Disk,
+    *,
+    ahead: float = 0.0,
+    begin: float = 0.0,
+    end: float = 0.0,
+    share: float = 0.5,
+    standoff: float = 0.0,
+) -> Line | None:
+    """The line that lets both do what they want for the longest time.
+
+    The owner obeys it at once: its disk sweeps along its desired velocity for `ahead` seconds. The follower
+    obeys it from `begin` to `end` seconds after it was where the owner sees it: its disk sweeps from where it
+    is then, if it goes on as it was seen to, to where its desired velocity leads. The line separates the two
+    swept areas, and leaves the owner `share` of the gap between them. If they meet, all times are
+    the same largest fraction of what they should be, so two that drive at each other share the gap in
+    proportion to what each wants of it. Either keeps a `standoff` (m), the owner first: where the gap seen is
+    less than two, one at least can make room.
+
+    None when the disks were not seen apart, and will not be if both do as they want.
+    """
+    mine = theirs = 0.0
+    if standoff > 0.0:
+        gap = math.hypot(follower.x - owner.x, follower.y - owner.y) - owner.radius - follower.radius
+        room = max(0.0, _MOST * (gap - _NEED))
+        mine, theirs = min(standoff, room), min(standoff, max(0.0, room - standoff))
+    need = owner.radius + follower.radius + _NEED + mine + theirs
+    span = _closest(owner, follower, ahead, begin, end)
+    if _length(span) < need:
+        span = _closest(owner, follower, 0.0, 0.0, 0.0)
+        if _length(span) < need:
+            return _halfway(span, owner.radius, follower.radius)
+        low, high = 0.0, 1.0
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (low + high)
+            longer = _closest(owner, follower, middle * ahead, middle * begin, middle * end)
+            if _length(longer) < need:
+                high = middle
+            else:
+                low, span = middle, longer
+    (ax, ay), (bx, by) = span
+    length = _length(span)
+    nx, ny = (bx - ax) / length, (by - ay) / length
+    edge = nx * ax + ny * ay + owner.radius + 0.5 * _NEED + mine
+    return Line(nx, ny, edge + share * (length - need))
+
+
+def _halfway(span: Span, mine: float, theirs: float) -> Line | None:
+    """The line in the middle of a gap that is narrower than what lines take, between disks of these radii,
+    m; None if nothing is left. Two may come to stand as near as that, one beside the disk that the other was.
+    """
+    (ax, ay), (bx, by) = span
+    length = _length(span)
+    gap = length - mine - theirs
+    if gap < 2.0 * SURE:
+        return None
+    nx, ny = (bx - ax) / length, (by - ay) / length
+    return Line(nx, ny, nx * ax + ny * ay + mine + 0.5 * gap)
+
+
+def _length(span: Span) -> float:
+    return math.hypot(span[1][0] - span[0][0], span[1][1] - span[0][1])
+
+
+def _closest(one: Disk, other: Disk, ahead: float, begin: float, end: float) -> Span:
+    """Closest points of the paths that the two centres take, as of `fit_line`."""
+    px, py, ux, uy = one.x, one.y, one.vx * ahead, one.vy * ahead
+    qx, qy = other.x + other.ux * begin, other.y + other.uy * begin
+    vx, vy = other.vx * end - other.ux * begin, other.vy * end - other.uy * begin
+    wx, wy = qx - px, qy - py
+    cross = ux * vy - uy * vx
+    if cross != 0.0:
+        s, t = (wx * vy - wy * vx) / cross, (wx * uy - wy * ux) / cross
+        if 0.0 <= s <= 1.0 and 0.0 <= t <= 1.0:
+            point = (px + s * ux, py + s * uy)
+            return point, point
+    uu, vv = ux * ux + uy * uy, vx * vx + vy * vy
+    shortest, nearest = math.inf, ((px, py), (qx, qy))
+    for s, t in (
+        (_clamped(wx * ux + wy * uy, uu), 0.0),
+        (_clamped((wx + vx) * ux + (wy + vy) * uy, uu), 1.0),
+        (0.0, _clamped(-wx * vx - wy * vy, vv)),
+        (1.0, _clamped((ux - wx) * vx + (uy - wy) * vy, vv)),
+    ):
+        span = ((px + s * ux, py + s * uy), (qx + t * vx, qy + t * vy))
+        length = _length(span)
+        if length < shortest:
+            shortest, nearest = length, span
+    return nearest
+
+
+def _clamped(part: float, whole: float) -> float:
+    """part / whole, kept within 0 and 1."""
+    if part <= 0.0:
+        return 0.0
+    return 1.0 if part >= whole else part / whole
+
+
+def tangent(shape: Shape, x: float, y: float, low: bool, near: float) -> Line | None:
+    """The line between (x, y), m, and what stands; None if (x, y) is in it.
+
+    Of what is more than `near` (m) away, the disk around it counts.
+
+    Args:
+        low: whether the robot is the low end of the binding.
+    """
+    around = shape.around
+    dx, dy = around.x - x, around.y - y
+    distance = math.hypot(dx, dy)
+    target: Shape = around
+    if shape is not around and distance - around.radius <= near:
+        target = shape
+        px, py = shape.nearest(x, y)
+        dx, dy = px - x, py - y
+        distance = math.hypot(dx, dy)
+    if distance == 0.0:
+        return None
+    nx, ny = dx / distance, dy / distance
+    edge = target.limit(nx, ny, 0.0)
+    return Line(nx, ny, edge) if low else Line(-nx, -ny, -edge)
+
+
+def deficit(shape: Shape, x: float, y: float, room: float) -> Vector:
+    """How far to back off from (x, y), m, to be `room` (m) from what stands."""
+    px, py = shape.nearest(x, y)
+    if px == x and py == y:
+        px, py = shape.around.x, shape.around.y
+    dx, dy = x - px, y - py
+    distance = math.hypot(dx, dy)
+    lacking = room - shape.distance(x, y)
+    if lacking <= 0.0:
+        return 0.0, 0.0
+    if distance == 0.0:
+        return lacking, 0.0
+    return lacking * dx / distance, lacking * dy / distance
+
+
+@final
+class Bond:
+    """One binding as the robot looks at it in every tick: the kernel's own end, and what follows from it.
+
+    Args:
+        bound: the kernel's own end.
+        own_radius: of the disk that keeps to it, m.
+        state: newest State heard of the peer.
+
+    Attributes:
+        half_planes: where the own centre must stay.
+        answers_left: States that still have to carry the answer.
+    """
+
+    __slots__ = ("answers_left", "bound", "half_planes", "own_radius", "peer", "state")
+
+    def __init__(self, bound: Bound[Region, Line], own_radius: float, state: PeerState | None) -> None:
+        self.bound, self.peer = bound, bound.peer
+        self.own_radius, self.state = own_radius, state
+        self.answers_left = 0
+        self.half_planes: list[HalfPlane] = []
+        self.renew()
+
+    def renew(self) -> None:
+        """What is obeyed has changed."""
+        self.half_planes = [line.side(self.own_radius, self.bound.low) for line in self.bound.obeyed]
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether the first line is still to be found."""
+        return self.bound.state == ASKED
+
+    def resize(self, own_radius: float) -> None:
+        """This robot is another disk."""
+        if own_radius != self.own_radius:
+            self.own_radius = own_radius
+            self.renew()
 
 
 @final
@@ -103,13 +321,7 @@ class Negotiation:
         ticks = max(0, tick - state.tick) + 2
         apart = 2.0 * ticks * self._max_step
         # A pair is left alone if neither comes near the line before a new one could be agreed.
-        mine, theirs = apart + me.radius, apart + bond.radius + state.bound
-        if (
-            bond.settled
-            and bond.offset - bond.nx * me.x - bond.ny * me.y > mine
-            and -(bond.offset - bond.nx * state.x - bond.ny * state.y) > theirs
-        ):
-            return 0
+        mine, theirs = apart + me.radius, apart + state.radius + state.bound
         if len(lines.open) >= OUTSTANDING:
             return 0
         newest, renewal = (lines.open[-1][1] if lines.open else lines.held), 0
@@ -129,10 +341,10 @@ class Negotiation:
         """The line that lets both do what they want, as far as can be told from the peer's State."""
         halted = bond.bound.place is not None
         # While States are lost, a peer is reckoned to go on as it did for at most its radius.
-        age = max(0, min(tick - state.tick, bond.transit + math.ceil(bond.radius / self._max_step)))
-        peer = Disk(state.x, state.y, bond.radius + state.bound)
+        age = max(0, min(tick - state.tick, state.transit + math.ceil(state.radius / self._max_step)))
+        peer = Disk(state.x, state.y, state.radius + state.bound)
         if not halted:
-            (peer.vx, peer.vy), (peer.ux, peer.uy) = state.desired, self._seen_velocity(bond)
+            (peer.vx, peer.vy), (peer.ux, peer.uy) = state.desired, self._seen_velocity(state)
         # The follower holds a line from when it has come, as late as its State came here, until the next has.
         late = 2.0 * max(0, age - 1) * self._period
         return fit_line(
@@ -145,8 +357,8 @@ class Negotiation:
             standoff=self._standoff,
         )
 
-    def _seen_velocity(self, bond: Bond) -> tuple[float, float]:
+    def _seen_velocity(self, state: PeerState) -> Vector:
         """Of the peer, from where its last two States were, m/s; measurements may leap, disks do not."""
-        ux, uy = bond.moved_x, bond.moved_y
+        ux, uy = state.moved_x, state.moved_y
         leap = max(1.0, math.hypot(ux, uy) / self._max_step) * self._period
         return ux / leap, uy / leap

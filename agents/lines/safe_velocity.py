@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from agents.lines.boundary import Boundary
-from agents.lines.polygon import Polygon
+from agents.lines.own_set import Polygon
 from protocol.line import HalfPlane, room_of
 from protocol.messages import Vector
 

@@ -7,15 +7,11 @@ States of this tick, then `half_planes` for the velocity. No command is outstand
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from typing import Final
 
-from agents.lines.bond import Bond, Cover, CoverGeometry
-from agents.lines.negotiation import ANSWER_TICKS, Negotiation
-from agents.lines.own_set import OwnSet
-from agents.lines.placement import Disk
-from agents.lines.polygon import Polygon
-from agents.lines.tangent import deficit, tangent
+from agents.lines.negotiation import ANSWER_TICKS, Bond, Disk, Negotiation, deficit, tangent
+from agents.lines.own_set import Cover, CoverGeometry, OwnSet, Polygon
+from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from protocol.bodies.sweep import Sweep
 from protocol.geometry import Disk as Circle
@@ -47,7 +43,7 @@ class SeparatingLines:
     Attributes:
         kernel: what is obeyed; None until the ledger has spoken.
         wanted: radius of the disk for which own lines leave room, if that is larger, m.
-        held: the disk that only a smaller own disk keeps clear of, as it is taken up; NO for none.
+        part: the disk that only a smaller own disk keeps clear of, as it is taken up; NO for none.
     """
 
     def __init__(
@@ -62,7 +58,7 @@ class SeparatingLines:
     ) -> None:
         self.kernel: Robot[Region, Line, Cover] | None = None
         self.wanted = 0.0
-        self.held = NO
+        self.part = NO
         self._robot, self._radius, self._small = robot, radius, radius
         self._period, self._max_step = period, speed * period
         self._reach = reach if reach > 0.0 else self._max_step
@@ -77,12 +73,8 @@ class SeparatingLines:
 
     # -- what the ledger says
 
-    def hear(self, grants: Grants, radii: Mapping[int, float]) -> None:
-        """Take in what the ledger says, unless something newer was heard.
-
-        Args:
-            radii: of robots, m, by id.
-        """
+    def hear(self, grants: Grants, neighbours: Neighbours) -> None:
+        """Take in what the ledger says, unless something newer was heard."""
         kernel = self.kernel
         if kernel is None:
             cover = Cover(self._own, self._radius)
@@ -94,7 +86,7 @@ class SeparatingLines:
         for number, bound in kernel.bound.items():
             bond = known.get(number)
             if bond is None:
-                bond = Bond(bound, self._size(bound.peer), radii.get(bound.peer, 0.0))
+                bond = Bond(bound, self._size(bound.peer), neighbours.state(bound.peer))
             else:
                 bond.renew()
             self._bonds[number] = bond
@@ -106,10 +98,7 @@ class SeparatingLines:
         }
         self._each = sorted(self._bonds.values(), key=_by_peer)
         self._still = [bond for bond in self._each if bond.bound.place is not None]
-        before, self._lines = self._lines, {b.peer: b for b in self._each if not b.bound.static}
-        for peer, bond in self._lines.items():
-            if bond.state is None and peer in before:
-                bond.state = before[peer].state
+        self._lines = {bond.peer: bond for bond in self._each if not bond.bound.static}
 
     @property
     def version(self) -> int:
@@ -193,29 +182,39 @@ class SeparatingLines:
 
     def _size(self, peer: int) -> float:
         """Radius of the disk that keeps off a peer, m."""
-        return self._small if peer == self.held else self._radius
+        return self._small if peer == self.part else self._radius
 
-    def has_room(self, radius: float, held: int = NO) -> bool:
-        """Whether the own disk satisfies all it obeys if it is one of `radius`, m, around the same centre; to
-        disk `held` it may remain as it is."""
-        own, region = self._own, self.bound
-        if region is not None and not own.within(region.x, region.y, region.radius - radius):
+    def reach(self, radius: float, part: int) -> bool:
+        """Be a larger disk from now on, of `radius`, m, if that satisfies all obeyed; whether it does.
+
+        Of disk `part`, which is taken up, only the present one keeps clear.
+        """
+        kernel, geometry = self.kernel, CoverGeometry()
+        if kernel is None or kernel.region is None:
             return False
-        return all(
-            own.satisfies(side, radius - bond.own_radius)
-            for bond in self._each
-            if bond.peer != held
-            for side in bond.half_planes
-        )
+        small = self._size(part)
+        body, own = Cover(self._own, radius), Cover(self._own, small)
+        if not (
+            geometry.inside(body, kernel.region)
+            and all(
+                geometry.keeps(own if each.peer == part else body, each) for each in kernel.bound.values()
+            )
+        ):
+            return False
+        kernel.command(body, own, part)
+        self._radius, self._small, self.part = radius, small, part
+        self._renew()
+        return True
 
-    def resize(self, radius: float, held: int = NO) -> None:
-        """The own disk is one of `radius` from now on, m, a larger one only where it `has_room`; disk `held`
-        is kept clear of as before."""
-        self._small = self._size(held) if held != NO else radius
-        self._radius, self.held = radius, held
+    def resize(self, radius: float) -> None:
+        """Be a smaller disk than before, of `radius`, m; or the one that this life begins as."""
+        self._radius = self._small = radius
+        self.part = NO
         if self.kernel is not None:
-            self.kernel.part = held
             self._cover(self.kernel)
+        self._renew()
+
+    def _renew(self) -> None:
         for bond in self._each:
             bond.resize(self._size(bond.peer))
 
@@ -226,8 +225,7 @@ class SeparatingLines:
         bond, kernel = self._lines.get(state.robot), self.kernel
         if bond is None or kernel is None:
             return
-        bond.hear(state, self._tick)
-        lines = bond.bound.lines
+        bond.state, lines = state, bond.bound.lines
         if isinstance(lines, Owner):
             for answer in state.answers:
                 if answer.binding == bond.bound.number and lines.seen < answer.seen <= lines.number:
@@ -294,10 +292,6 @@ class SeparatingLines:
         near = own.bound + 2.0 * ROUNDING + 2.0 * self._reach
         found = []
         for bond in self._each:
-            if bond.settled:
-                if bond.limit - bond.nx * x - bond.ny * y < near:
-                    found.append(own.kept_in(bond.nx, bond.ny, bond.limit))
-                continue
             for side in bond.half_planes:
                 if side.slack(x, y) < near:
                     found.append(own.kept_in(side.nx, side.ny, side.limit))

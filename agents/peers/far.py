@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Mapping, Sequence
 from functools import lru_cache
 from typing import Final, final
@@ -73,11 +72,6 @@ class Places:
         self._radii: Mapping[int, float] | None = None
         self._sizes = self.x
 
-    def place(self, robot: int) -> Vector | None:
-        """Where a robot was, m; None if nobody knows."""
-        index = self.index.get(robot)
-        return None if index is None else (self.x.item(index), self.y.item(index))
-
     def sizes(self, radii: Mapping[int, float]) -> Array:
         """Radii of `robots`, m, from those of everybody, by id; 0 of whom it lacks. Robots of one process
         share them."""
@@ -88,14 +82,6 @@ class Places:
 
 
 places_of = lru_cache(maxsize=1)(Places)
-
-
-@lru_cache(maxsize=16)  # robots of one process go back to a few summaries
-def shift(before: Places, after: Places) -> float:
-    """The farthest that anybody is from where a summary before has it, m; infinite if not all are in both."""
-    if before.runs != after.runs:
-        return math.inf
-    return float(np.hypot(after.x - before.x, after.y - before.y).max(initial=0.0))
 
 
 @lru_cache(maxsize=16)
@@ -129,10 +115,6 @@ class FarPicture:
             self._sizes = before._sizes
         else:
             self._sizes = said.sizes(radii)
-
-    def place(self, robot: int) -> Vector | None:
-        """Where a robot was, m; None if nobody knows."""
-        return self.said.place(robot)
 
     def courses(self) -> tuple[Array, Array, Array, Array, Array]:
         """Of all who are in it: x and y, m, how much of both they went on in a tick, m, and radii, m."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections import defaultdict
+from collections.abc import Iterable
 from math import dist
 
 import numpy as np
@@ -41,7 +42,6 @@ class Link:
         drawn = () if self.ideal else scenario.ids
         self._column = {peer: column for column, peer in enumerate(drawn)}
         self._draws: dict[int, np.ndarray] = {}
-        self._newest: dict[int, PeerState] = {}  # by sender
         self._early: list[PeerState] = []  # those that this robot's own tick is behind
         self._radios: dict[int, Radio] = {}  # by robot
         self._turns: tuple[int, list[float]] = (-1, [])  # of the newest tick, in their order
@@ -51,24 +51,6 @@ class Link:
         self._rows = _DRAWS * (1 + self._is_wireless)
         self._waiting: defaultdict[int, list[PeerState]] = defaultdict(list)  # by the tick when they are due
 
-    def is_news(self, state: PeerState) -> bool:
-        """Whether a State arrives for the first time: while the world waits for somebody it has all States
-        said again, and how often is a matter of the wall clock, so that nothing may follow from it.
-
-        The States of one life arrive in order, so that only its newest is said again. Between those of two
-        lives there is no order: a frozen process may wake when its follower lives, and both repeat theirs.
-        What an older life says after a newer one was heard is no news: nobody waits for it, and of two lives
-        robots go by the newer, so that it may be lost. What is on its way is heard when it is due.
-        """
-        newest = self._newest.get(state.robot)
-        if newest is not None and (
-            state.incarnation < newest.incarnation
-            or (state.incarnation == newest.incarnation and state.tick == newest.tick)
-        ):
-            return False
-        self._newest[state.robot] = state
-        return True
-
     def locate(self, tick: int, place: Vector | None) -> None:
         """This robot is at `place`, m, as `tick` opens, if that is known."""
         if place is not None and self._faults.distance is not None:
@@ -77,8 +59,16 @@ class Link:
                 del self._places[next(iter(self._places))]
 
     def put(self, state: PeerState) -> None:
-        """A peer's State has arrived; it will be heard at the tick that the faults leave it."""
+        """A peer's State has arrived, perhaps again; it will be heard at the tick that the faults leave it.
+
+        While the world waits for a robot, all States are repeated. A repeated one meets the same draws, so it
+        is lost if the first was, and heard no earlier.
+        """
         self._early.append(state)
+
+    def ahead(self, tick: int) -> Iterable[int]:
+        """Robots whose States of `tick`, or of a later one, have arrived."""
+        return [state.robot for state in self._early if state.tick >= tick]
 
     def take(self, tick: int) -> list[PeerState]:
         """All States due up to and including `tick`, by due tick, then by sender and age; without faults

@@ -123,12 +123,12 @@ class Neighbours:
         """The newest State of a peer."""
         return self._states.get(peer)
 
-    def on_state(self, state: PeerState) -> bool:
-        """Take over a peer's State if it is news of its present life; False when it is not."""
-        known, member, life = self._states.get(state.robot), self.members.get(state.robot), state.incarnation
-        if member is not None and (member.incarnation != life or member.status != "live"):
+    def on_state(self, state: PeerState, tick: int) -> bool:
+        """Take over a peer's State in a tick if it is news of its present life; False when it is not."""
+        member = self.members.get(state.robot)
+        if member is not None and (member.incarnation != state.incarnation or member.status != "live"):
             return False
-        if known is not None and not is_newer(state, known):
+        if not state.follow(self._states.get(state.robot), tick):
             return False
         self._states[state.robot] = state
         if self.standing:
@@ -195,10 +195,3 @@ class Neighbours:
     def _stands_at(self, peer: int) -> tuple[float, float] | None:
         member = self.standing.get(peer)
         return None if member is None else member.position
-
-
-def is_newer(state: PeerState, known: PeerState) -> bool:
-    """Whether `state` is of a newer incarnation than `known`, or of a later tick of the same incarnation."""
-    if state.incarnation == known.incarnation:
-        return state.tick > known.tick
-    return state.incarnation > known.incarnation

@@ -48,7 +48,9 @@ class PeerState(Peer):
         radius: the peer's, m; see `size`.
         claim: which part it fetches or carries.
 
-    Attributes: as given.
+    Attributes: the arguments, and what `follow` finds:
+        transit: age of the State when it could be used first, ticks.
+        moved_x, moved_y: how far the peer came in a tick between the State before and this one, m.
     """
 
     __slots__ = (
@@ -56,11 +58,14 @@ class PeerState(Peer):
         "bound",
         "claim",
         "incarnation",
+        "moved_x",
+        "moved_y",
         "placed",
         "proposals",
         "robot",
         "slice",
         "tick",
+        "transit",
         "vx",
         "vy",
     )
@@ -90,6 +95,24 @@ class PeerState(Peer):
         self.vx, self.vy = vx, vy
         self.proposals, self.answers = proposals, answers
         self.claim = claim
+        self.transit, self.moved_x, self.moved_y = 0, 0.0, 0.0
+
+    def follow(self, before: PeerState | None, tick: int) -> bool:
+        """Take the place of the State heard before; False if that is of as late a tick, or of a later life.
+
+        Args:
+            tick: that begins, or has begun, as it is heard.
+        """
+        if before is not None and self.incarnation <= before.incarnation:
+            if self.incarnation < before.incarnation or self.tick <= before.tick:
+                return False
+            if self.placed and before.placed:
+                ticks = self.tick - before.tick
+                self.moved_x, self.moved_y = (self.x - before.x) / ticks, (self.y - before.y) / ticks
+            else:
+                self.moved_x, self.moved_y = before.moved_x, before.moved_y
+        self.transit = tick + 1 - self.tick
+        return True
 
     def size(self, told: float) -> None:
         """To be called as it is heard: the peer's disk is of the radius that the roster of that tick says, m,

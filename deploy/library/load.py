@@ -229,7 +229,9 @@ def _neighbours(scenario: Scenario, robot: int) -> Neighbours:
         x, y = spec.start
         gamma = (x - spec.goal[0]) ** 2 + (y - spec.goal[1]) ** 2
         pull = 2.0 * gamma**0.5
-        heard.on_state(PeerState(spec.id, 1, 0, True, x, y, 0.0, gamma, pull, 0.0, 0.0, radius=spec.radius))
+        heard.on_state(
+            PeerState(spec.id, 1, 0, True, x, y, 0.0, gamma, pull, 0.0, 0.0, radius=spec.radius), 0
+        )
     return heard
 
 

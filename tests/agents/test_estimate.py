@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.estimate import HISTORY, Estimate
-from agents.lines.polygon import SIDES
+from agents.lines.own_set import SIDES
 from protocol.line import HalfPlane
 from protocol.messages import Sense
 from world.plants.disturbance import truncated_normal

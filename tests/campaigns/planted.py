@@ -19,19 +19,10 @@ Fault = Callable[[Modules, pytest.MonkeyPatch], None]
 
 # in the order of their imports, up to those that a fleet is made of
 _CHAIN = (
-    *("agents.lines.boundary", "agents.lines.safe_velocity"),
-    "agents.bodies",
-    *("protocol.kernel.pair", "protocol.kernel.robot", "agents.lines.bond", "agents.lines.negotiation"),
-    "agents.lines.separating_lines",
-    *(
-        "agents.peers.neighbours",
-        "agents.peers.link",
-        "agents.safety_filter",
-        "agents.hearing",
-        "agents.robot",
-        "agents.shell.node",
-        "deploy.run.local",
-    ),
+    *("agents.lines.boundary", "agents.lines.safe_velocity", "agents.bodies", "protocol.kernel.pair"),
+    *("protocol.kernel.robot", "agents.peers.neighbours", "agents.lines.negotiation"),
+    *("agents.lines.separating_lines", "agents.peers.link", "agents.safety_filter", "agents.hearing"),
+    *("agents.robot", "agents.shell.node", "deploy.run.local"),
 )
 
 
@@ -69,7 +60,13 @@ def trusting_the_estimate(modules: Modules, _: pytest.MonkeyPatch) -> None:
 
 def growing_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A robot takes itself for the larger disk that a part needs, wherever it is."""
-    modules["agents.safety_filter"].SafetyFilter.has_room = lambda *_: True
+    filters = modules["agents.safety_filter"].SafetyFilter
+
+    def reach(self: Any, radius: float, *_: Any) -> bool:
+        self.resize(radius)
+        return True
+
+    filters.reach = reach
 
 
 def not_waiting(modules: Modules, _: pytest.MonkeyPatch) -> None:
@@ -95,7 +92,7 @@ def sizing_as_it_comes(modules: Modules, _: pytest.MonkeyPatch) -> None:
         before(self, state)
 
     def learn(self: Any, state: Any) -> None:
-        if state.tick >= self._since.get(state.robot, 2**62) and self.neighbours.on_state(state):
+        if state.tick >= self._since.get(state.robot, 2**62) and self.neighbours.on_state(state, self._tick):
             self._lines.on_state(state)
 
     hearing.on_state, hearing._learn = on_state, learn

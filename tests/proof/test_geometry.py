@@ -15,9 +15,9 @@ import z3
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from agents.lines.bond import Cover, CoverGeometry
+from agents.lines.negotiation import tangent
 from agents.lines.own_set import OwnSet
-from agents.lines.tangent import tangent
+from agents.lines.separating_lines import Cover, CoverGeometry
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.kernel.records import PRESENT, Held
 from protocol.kernel.records import Disk as Kept

@@ -12,6 +12,7 @@ import pytest
 
 from agents.lines.negotiation import OUTSTANDING
 from agents.lines.separating_lines import SeparatingLines
+from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState, addressed_to
 from protocol.codec import REASONS, decode, encode
 from protocol.kernel.pair import Owner
@@ -91,10 +92,10 @@ def bound(ids: tuple[int, ...], robot: int) -> Grants:
 def cut_off(place: int) -> SeparatingLines:
     """The lines of one of many after a long partition: all that it owns is unanswered, answers are due."""
     lines = SeparatingLines(IDS[place], 0.04, speed=0.1, period=0.05)
-    lines.hear(bound(IDS, IDS[place]), dict.fromkeys(IDS, 0.04))
+    lines.hear(bound(IDS, IDS[place]), Neighbours(dict.fromkeys(IDS, 0.04)))
     lines.locate(LIFE, POINT, 1e-3)
     for n, bond in enumerate(lines._lines.values()):
-        bond.hear(PeerState(bond.peer, LIFE, LIFE, True, 9.0, 9.0, 0.1, 1.0, 1.0, *POINT, radius=0.04), LIFE)
+        bond.state = PeerState(bond.peer, LIFE, LIFE, True, 9.0, 9.0, 0.1, 1.0, 1.0, *POINT, radius=0.04)
         bond.answers_left = 3
         owner = bond.bound.lines
         if isinstance(owner, Owner):

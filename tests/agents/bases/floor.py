@@ -16,7 +16,7 @@ from itertools import count
 from agents.bases.ros2 import Ros2Base
 from agents.bases.ros_messages import NANO, Odometry, StampedPose
 from agents.bodies import InertialBody
-from agents.lines.polygon import DIRECTIONS
+from agents.lines.own_set import DIRECTIONS
 from agents.peers.state import addressed_to
 from agents.robot import Robot
 from protocol.bodies.sweep import Sweep

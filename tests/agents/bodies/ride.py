@@ -14,7 +14,8 @@ from random import Random
 from types import ModuleType
 from typing import Any
 
-from agents.lines.polygon import around
+from agents.lines.own_set import around
+from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from protocol.bodies.kinematics import turned
 from protocol.line import HalfPlane
@@ -116,7 +117,7 @@ class Ride:
         lines = self.product.lines.SeparatingLines(
             OWN, self.radius, speed=self.speed, period=self.period, reach=self.filter.reach
         )
-        lines.hear(Grants(1, 9, 8, None, tuple(bindings)), dict.fromkeys(PEERS, self.radius))
+        lines.hear(Grants(1, 9, 8, None, tuple(bindings)), Neighbours(dict.fromkeys(PEERS, self.radius)))
         return lines
 
     def tick(self) -> float:

@@ -37,7 +37,7 @@ def test_without_additions_the_law_is_the_papers_to_the_last_bit(seed: int) -> N
             if (tick + spec.id) % 3 == 0:
                 gamma = math.dist(spec.start, spec.goal) ** 2
                 state = (spec.id, 1, tick, True, *spec.start, 0.0, gamma, 0.1, 0.05, 0.05)
-                known.on_state(PeerState(*state, radius=spec.radius))
+                known.on_state(PeerState(*state, radius=spec.radius), 0)
         view = View(
             tick=tick,
             position=(x, y),

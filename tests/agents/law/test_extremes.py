@@ -63,7 +63,7 @@ def drive(
                 if spec.id == 2:
                     for name, value in lies.items():
                         setattr(state, name, min(value, tick) if name == "tick" else value)
-                known.on_state(state)
+                known.on_state(state, state.tick)
         if far:
             known.far = FarField(max(0, tick - 3), *own.start)
             for name, value in far.items():

@@ -165,7 +165,7 @@ def seen(tick: int, peer: Vector, velocity: Vector) -> View:
     """Robot 1 half a radius from its goal; the peer is on the side of the goal, and drives it away."""
     known = Neighbours({2: RADIUS})
     gamma = math.dist(peer, SCENARIO.robots[1].goal) ** 2
-    known.on_state(PeerState(2, 1, tick, True, *peer, 0.0, gamma, 0.0, *velocity, radius=RADIUS))
+    known.on_state(PeerState(2, 1, tick, True, *peer, 0.0, gamma, 0.0, *velocity, radius=RADIUS), tick)
     return View(tick=tick, position=HERE, goal=GOAL, displacement=(0.0, 0.0), neighbours=known)
 
 

@@ -62,7 +62,7 @@ def test_near_and_far_the_same_are_met_as_on_straight_ways(place: Vector, veloci
     gap = _nearest(there, velocity) - 2.0 * RADIUS
     assume(abs(gap) > 1e-2)
     near = Neighbours({2: RADIUS})
-    near.on_state(PeerState(2, 1, BETWEEN, True, *place, 0.0, 0.0, 0.0, *velocity, radius=RADIUS))
+    near.on_state(PeerState(2, 1, BETWEEN, True, *place, 0.0, 0.0, 0.0, *velocity, radius=RADIUS), BETWEEN)
     far = Neighbours({2: RADIUS})
     far.picture = _picture({1: (0.0, 0.0), 2: place}, {1: WAY, 2: velocity})
     for known in near, far:
@@ -78,7 +78,7 @@ def test_who_is_heard_too_counts_once_and_who_stands_does_not() -> None:
     encounters = Encounters(1, RADIUS, PERIOD, AHEAD)
     once = [Encounter(*ahead, RADIUS, 1.5)]
     assert encounters.met(_view(BETWEEN, known), WAY) == once
-    known.on_state(PeerState(2, 1, BETWEEN, True, *ahead, 0.0, 0.0, 0.0, *back, radius=RADIUS))
+    known.on_state(PeerState(2, 1, BETWEEN, True, *ahead, 0.0, 0.0, 0.0, *back, radius=RADIUS), BETWEEN)
     assert encounters.met(_view(BETWEEN, known), WAY) == once
     known.on_member(Member(2, 1, "standing", RADIUS, ahead))
     assert encounters.met(_view(BETWEEN, known), WAY) == []

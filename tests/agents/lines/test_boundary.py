@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from agents.estimate import Estimate
 from agents.lines.boundary import RoundBoundary
-from agents.lines.polygon import Polygon, around
+from agents.lines.own_set import Polygon, around
 from protocol.line import ROUNDING, HalfPlane
 from protocol.messages import Sense
 from tests.interpreted import interpreted

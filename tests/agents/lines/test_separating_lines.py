@@ -6,8 +6,9 @@ import math
 
 import pytest
 
-from agents.lines.polygon import around
+from agents.lines.own_set import around
 from agents.lines.separating_lines import SeparatingLines
+from agents.peers.neighbours import Neighbours
 from agents.peers.state import addressed_to
 from protocol.messages import Answer, Binding, Grants, Proposal, State, Vector
 
@@ -25,7 +26,7 @@ def robot(identity: int, *bindings: Binding, at: Vector = STILL, bound: float = 
 
 
 def hear(lines: SeparatingLines, version: int, *bindings: Binding, number: int = 8) -> None:
-    lines.hear(Grants(4, version, number, None, bindings), RADII)
+    lines.hear(Grants(4, version, number, None, bindings), Neighbours(RADII))
 
 
 def said(identity: int, tick: int, x: float, *entries: Proposal | Answer) -> State:
@@ -38,7 +39,7 @@ def test_a_robot_stands_until_it_obeys_a_region_that_it_is_in() -> None:
     lines = SeparatingLines(1, 0.04, speed=0.1, period=0.05)
     lines.locate(0, STILL, 0.0)
     assert not lines.ready
-    lines.hear(Grants(4, 9, 8, (0.5, 0.0, 0.3), ()), RADII)
+    lines.hear(Grants(4, 9, 8, (0.5, 0.0, 0.3), ()), Neighbours(RADII))
     lines.locate(1, STILL, 0.0)
     assert (lines.ready, lines.version, lines.region) == (False, 9, 0)
     lines.locate(2, (0.4, 0.0), 0.17)  # not surely inside
@@ -51,7 +52,7 @@ def test_a_robot_stands_until_it_obeys_a_region_that_it_is_in() -> None:
 def test_an_older_tick_or_one_to_another_life_is_not_taken_in() -> None:
     lines = robot(1, Binding(5, 2, HALFWAY), at=(0.0, 0.0))
     hear(lines, 8)
-    lines.hear(Grants(7, 20, 19, None, ()), RADII)
+    lines.hear(Grants(7, 20, 19, None, ()), Neighbours(RADII))
     assert (lines.version, lines.peers) == (9, {2})
     hear(lines, 10)
     assert (lines.version, lines.peers) == (10, set())
@@ -120,15 +121,14 @@ def test_a_follower_adopts_what_fits_once_and_says_so() -> None:
 def test_a_larger_disk_keeps_off_everything_but_the_part_that_it_takes_up() -> None:
     part = Binding(6, -3, (0.0, 1.0, -0.042), ((0.0, -0.083),), 0.04, True)
     lines = robot(1, Binding(5, 2, HALFWAY), part)
-    assert not lines.has_room(0.06)
-    assert not lines.has_room(0.045)
-    assert lines.has_room(0.045, -3)
-    lines.resize(0.045, -3)
+    assert not lines.reach(0.06, -3)
+    assert not lines.reach(0.045, 0)
+    assert lines.reach(0.045, -3)
     limits = {peer: side.limit for peer, side in lines.crossed(0.0, 0.0, WIDE)}
     assert limits == {2: pytest.approx(0.005), -3: pytest.approx(0.003)}
     hear(lines, 10, Binding(5, 2, HALFWAY))
-    lines.resize(0.045)
-    assert {peer for peer, _ in lines.crossed(0.0, 0.0, WIDE)} == {2}
+    lines.resize(0.04)
+    assert {peer: side.limit for peer, side in lines.crossed(0.0, 0.0, WIDE)} == {2: pytest.approx(0.01)}
 
 
 def test_nothing_is_surely_satisfied_where_nothing_is_known() -> None:

@@ -18,12 +18,12 @@ MUTANTS = (
     Mutant(
         "room-to-grow",
         "a robot takes itself for the larger disk only where that satisfies all that is obeyed",
-        (Edit(_ROBOT, "filter_.has_room(wanted, held, self._estimate))", "True)"),),
+        (Edit(_FILTER, "if not (inside and self.lines.reach(radius, part)):", "if not inside:"),),
     ),
     Mutant(
         "inside-to-grow",
         "and is inside",
-        (Edit(_FILTER, "return inside and self.lines.has_room", "return self.lines.has_room"),),
+        (Edit(_FILTER, "if not (inside and self.lines.reach", "if not (self.lines.reach"),),
     ),
     Mutant(
         "grown-before-asking",
@@ -39,7 +39,7 @@ MUTANTS = (
     Mutant(
         "as-large-as-told",
         "it never is a smaller disk than the roster says",
-        (Edit(_ROBOT, "wanted, held = max(told, mover.radius)", "wanted, held = mover.radius"),),
+        (Edit(_ROBOT, "        radius = max(told, radius)\n", ""),),
         first=24,
     ),
     Mutant(
@@ -62,7 +62,13 @@ MUTANTS = (
     Mutant(
         "lines-of-the-larger-disk",
         "half-planes are those of the disk that it is",
-        (Edit("agents.lines.bond", "            self.own_radius = own_radius\n", "            pass\n"),),
+        (
+            Edit(
+                "agents.lines.separating_lines",
+                "            self.own_radius = own_radius\n",
+                "            pass\n",
+            ),
+        ),
     ),
 )
 

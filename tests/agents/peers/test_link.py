@@ -143,16 +143,8 @@ def test_nothing_touches_in_a_bad_network(seed: int) -> None:
     assert max(report["path_lengths"].values()) > 0.05
 
 
-def test_what_is_said_again_is_no_news() -> None:
-    link = Link(SCENARIO, 1)
-    told = [state(2, 3), state(3, 3), state(2, 3), state(2, 4), state(3, 3), state(2, 4), state(2, 5)]
-    assert [link.is_news(each) for each in told] == [True, True, False, True, False, False, True]
-    assert link.is_news(state(2, 5, 2))
-
-
-def test_what_an_older_life_says_late_is_no_news_nor_makes_any() -> None:
-    """Two processes of one robot live, and both say again what they said last, in any order."""
-    link = Link(SCENARIO, 1)
-    told = [(3, 1), (7, 2), (3, 1), (7, 2), (4, 1), (7, 2), (8, 2), (4, 1), (9, 3)]
-    news = [each for each in told if link.is_news(state(2, *each))]
-    assert news == [(3, 1), (7, 2), (8, 2), (9, 3)]
+def test_a_state_that_is_said_again_meets_the_same_faults() -> None:
+    faults = LinkFaults(delay=(0.0, 0.3), loss=0.3, duplicate=0.2)
+    states = [state(2, tick) for tick in range(200)]
+    once, again = heard(faults, states), heard(faults, [each for each in states for _ in range(3)])
+    assert [set(each) for each in again] == [set(each) for each in once]

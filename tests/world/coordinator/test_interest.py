@@ -128,4 +128,4 @@ def test_what_several_robots_read_is_read_once_and_nobody_can_change_it() -> Non
             array[0] = 5
     fields = [picture.field((9.0, 9.0), 0.1, ()) for picture in (mine, theirs)]
     assert fields[0].log_x != fields[1].log_x  # the radii are each robot's own
-    assert [picture.place(7) for picture in (mine, theirs)] == [(1.0, 2.0)] * 2
+    assert (mine.said.x[2], mine.said.y[2]) == (1.0, 2.0)

@@ -15,11 +15,10 @@ _KERNEL = [
     "protocol.region",
 ]
 _LINES = [
-    f"agents.lines.{name}"
-    for name in ("own_set", "boundary", "placement", "tangent", "bond", "negotiation", "separating_lines")
+    "agents.peers.neighbours",
+    *(f"agents.lines.{name}" for name in ("own_set", "boundary", "negotiation", "separating_lines")),
 ]
 _ROBOT = [
-    "agents.peers.neighbours",
     "agents.estimate",
     "agents.lines.safe_velocity",
     "agents.bodies",

@@ -45,7 +45,7 @@ def run(scenario: Scenario) -> dict[str, Any]:
 def heard(x: float, y: float, velocity: Vector = STILL, tick: int = 0) -> Neighbours:
     """Robot 2 as robot 1 last heard it."""
     known = Neighbours({2: 0.04})
-    known.on_state(PeerState(2, 1, tick, True, x, y, 0.0, 0.0, 0.0, *velocity, radius=0.04))
+    known.on_state(PeerState(2, 1, tick, True, x, y, 0.0, 0.0, 0.0, *velocity, radius=0.04), tick)
     return known
 
 

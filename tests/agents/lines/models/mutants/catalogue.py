@@ -7,7 +7,6 @@ from tests.agents.lines.models.mutants.mutant import Mutant
 from tests.agents.lines.models.product import LARGE_ROOM
 from tests.interpreted import Edit
 
-_BOND = "agents.lines.bond"
 _BOUNDARY = "agents.lines.boundary"
 _COMMANDS = "world.coordinator.commands"
 _ESTIMATE = "agents.estimate"
@@ -18,7 +17,7 @@ _LIVES = "world.coordinator.lives"
 _OWN_SET = "agents.lines.own_set"
 _PLANT = "world.plants.integrator"
 _ROSTER = "agents.peers.neighbours"
-_TANGENT = "agents.lines.tangent"
+_NEGOTIATION = "agents.lines.negotiation"
 
 ITSELF = (
     Mutant(
@@ -139,8 +138,8 @@ SURROUNDINGS = (
         "nearest-point",
         "a tangent touches the obstacle itself: one through its middle leaves half of it on the own side",
         (
-            Edit(_TANGENT, "edge = target.limit(nx, ny, 0.0)", "edge = nx * around.x + ny * around.y"),
-            Edit(_BOND, "return is_beside(place.shape, line, low)", "return True"),
+            Edit(_NEGOTIATION, "edge = target.limit(nx, ny, 0.0)", "edge = nx * around.x + ny * around.y"),
+            Edit(_OWN_SET, "return is_beside(place.shape, line, low)", "return True"),
         ),
     ),
 )

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from agents.lines.placement import Disk, fit_line
+from agents.lines.negotiation import Disk, fit_line
 
 place = st.floats(-1.0, 1.0)
 velocity = st.floats(-0.5, 0.5)

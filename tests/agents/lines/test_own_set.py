@@ -1,0 +1,192 @@
+"""The polygon: supports are exact, cuts keep exactly what they should, by brute force over its corners. Whole
+robots that know themselves badly: none leaves the workspace; one that is told nonsense stands.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec import structs
+
+from agents.lines.own_set import DIRECTIONS, SIDES, Polygon, around, circumscribed
+from agents.shell.node import RobotNode
+from deploy.run.local import LocalFleet
+from protocol.bus.bus import Event, Sample
+from protocol.codec import decode, encode
+from protocol.messages import Tick
+from protocol.scenario.model import Actuation, Control, RobotSpec, Scenario, Sensing, Time
+
+angles = st.floats(0.0, 2.0 * math.pi)
+cuts = st.lists(st.tuples(angles, st.floats(-0.5, 1.0)), max_size=40)
+TINY = 1e-12
+
+
+def unit(angle: float) -> tuple[float, float]:
+    return math.cos(angle), math.sin(angle)
+
+
+def cut_by(polygon: Polygon, edges: list[tuple[float, float]]) -> tuple[Polygon, list[tuple[float, float]]]:
+    """What is left after these cuts, passing over those that would leave nothing; and those made."""
+    made = []
+    for angle, limit in edges:
+        left = polygon.cut(*unit(angle), limit)
+        if left is not None:
+            polygon = left
+            made.append((angle, limit))
+    return polygon, made
+
+
+@given(angles, st.floats(1e-6, 10.0))
+def test_a_disk_is_taken_for_a_polygon_two_percent_larger_at_most(angle, radius) -> None:
+    extent = around(radius).extent(*unit(angle))
+    assert radius - TINY <= extent <= radius / math.cos(math.pi / SIDES) + TINY
+    assert around(radius).radius <= 1.02 * radius
+
+
+@given(cuts, angles, st.floats(0.0, 1.0))
+def test_a_point_is_inside_as_long_as_no_cut_excludes_it(edges, angle, share) -> None:
+    x, y = (share * part for part in unit(angle))
+    polygon = around(1.0)
+    for turn, limit in edges:
+        nx, ny = unit(turn)
+        left = polygon.cut(nx, ny, limit)
+        if nx * x + ny * y <= limit - TINY:
+            assert left is not None
+        if left is None or nx * x + ny * y > limit:
+            continue
+        polygon = left
+        for direction in range(48):
+            nx, ny = unit(direction * math.pi / 24.0)
+            assert nx * x + ny * y <= polygon.extent(nx, ny) + TINY
+
+
+@given(st.lists(st.tuples(st.integers(0, SIDES - 1), st.floats(0.05, 1.0)), max_size=30), angles)
+def test_the_support_is_that_of_all_points_that_satisfy_every_cut(edges, angle) -> None:
+    """A linear program by brute force: the largest n.x over all crossings of two edges that are allowed."""
+    limits = dict.fromkeys(range(SIDES), 1.0)
+    polygon = around(1.0)
+    for side, limit in edges:
+        left = polygon.cut(*DIRECTIONS[side], limit)
+        assert left is not None
+        polygon, limits[side] = left, min(limits[side], limit)
+    planes = [(*DIRECTIONS[side], limit) for side, limit in limits.items()]
+    nx, ny = unit(angle)
+    best = -math.inf
+    for a, b, c in planes:
+        for d, e, f in planes:
+            if abs(a * e - b * d) > 1e-9:
+                x, y = (c * e - b * f) / (a * e - b * d), (a * f - c * d) / (a * e - b * d)
+                if all(p * x + q * y <= r + 1e-9 for p, q, r in planes):
+                    best = max(best, nx * x + ny * y)
+    assert polygon.extent(nx, ny) == pytest.approx(best, abs=1e-8)
+
+
+@given(cuts)
+def test_its_tightest_polygon_has_its_supports(edges) -> None:
+    polygon, _ = cut_by(around(1.0), edges)
+    tight = circumscribed(polygon.extents())
+    assert tight.extents() == pytest.approx(polygon.extents(), abs=1e-12)
+    assert len(polygon.xs) <= 2 * SIDES
+
+
+def test_nothing_is_left_beyond_the_farthest_corner() -> None:
+    assert around(1.0).cut(1.0, 0.0, -1.1) is None
+
+
+@given(cuts, angles)
+def test_the_margin_surrounds_it(edges, angle) -> None:
+    bare, _ = cut_by(around(1.0), edges)
+    padded = Polygon(bare.xs, bare.ys, 0.1)
+    assert padded.extent(*unit(angle)) == pytest.approx(bare.extent(*unit(angle)) + 0.1)
+    assert padded.radius == pytest.approx(bare.radius + 0.1)
+    assert padded.widened(0.2).extents() == pytest.approx([each + 0.3 for each in bare.extents()])
+    cx, cy = bare.centre()
+    assert max(bare.shifted(-cx, -cy).extents()) <= max(2.0, bare.radius)
+
+
+RADIUS, ALONG, EDGE = 0.04, 0.5, 0.2598  # m, rad, m: 0.2 mm from the wall
+
+
+def along_the_wall(seed: int, sensing: Sensing, noise: float = 0.0) -> Scenario:
+    """One robot from one place at the wall to another."""
+    goal = (EDGE * math.cos(ALONG), EDGE * math.sin(ALONG))
+    return Scenario(
+        (RobotSpec(1, RADIUS, (EDGE, 0.0), goal),),
+        seed=seed,
+        control=Control(k=60.0).without("pace"),
+        time=Time(limit=15.0, tolerance=5e-4, deadlock=15.0),
+        sensing=(sensing,),
+        actuation=Actuation(noise),
+    )
+
+
+BIASED = Sensing(delay=(0.0, 0.5), noise=0.01, noise_bound=0.02, bias=(-0.014, -0.014), dropout=0.5)
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize(
+    ("sensing", "noise"), [(BIASED, 0.0), (BIASED, 0.1), (replace(BIASED, bias=(0.0, 0.0), delay=0.0), 0.0)]
+)
+def test_no_robot_is_pushed_through_the_wall(seed: int, sensing: Sensing, noise: float) -> None:
+    """Shrinking the wall by the error bound lets 7 of the first 20 of the first kind out, by 5 mm."""
+    report = LocalFleet(along_the_wall(seed, sensing, noise)).execute()
+    assert report["min_clearance"] >= 0.0
+    assert report["collisions"] == 0
+
+
+class Liar:
+    """Stands between the bus and a robot's node: from tick 20 on it is told a place 20 mm away."""
+
+    def __init__(self, node: RobotNode) -> None:
+        self._node = node
+
+    def handle(self, event: Event) -> None:
+        if isinstance(event, Sample) and event.key.endswith("tick"):
+            told = decode(event.key, event.payload)
+            assert isinstance(told, Tick)
+            sense = told.sense
+            if told.tick >= 20 and sense is not None and sense.position is not None:
+                x, y = sense.position
+                told = structs.replace(told, sense=structs.replace(sense, position=(x + 0.02, y)))
+            event = Sample(event.key, encode(told))
+        self._node.handle(event)
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self._node, name)
+
+
+def lied_to(policy: str) -> tuple[dict, str, list[str]]:
+    """A run in which the measurements are wrong by five times the stated bound; what it said of itself."""
+    sensing = Sensing(noise=0.002, noise_bound=0.004, contradiction=policy)
+    scenario = replace(
+        along_the_wall(1, sensing),
+        robots=(RobotSpec(1, RADIUS, (-0.2, 0.0), (0.2, 0.0)),),
+        time=Time(limit=15.0, deadlock=2.0),
+    )
+    fleet, said = LocalFleet(scenario), []
+    bus = fleet.robots[1]
+    node = RobotNode(bus, fleet.run, 1, say=said.append)
+    bus.node = Liar(node)
+    report = fleet.execute()
+    assert node.core is not None
+    return report, node.core.health(0, 0, {}).note, said
+
+
+def test_a_robot_whose_measurements_exclude_each_other_stands_still_and_says_so() -> None:
+    report, note, said = lied_to("stand")
+    assert report["verdict"] == "deadlock"
+    assert report["positions"]["1"][0] < -0.09  # of 0.4 m, 0.1 m were driven by tick 20
+    assert "exclude each other by" in note
+    assert note.endswith("stands still")
+    assert said == [note]
+
+
+def test_it_goes_on_from_the_newest_measurement_where_it_may() -> None:
+    report, note, said = lied_to("newest")
+    assert report["positions"]["1"] == pytest.approx([0.18, 0.0], abs=0.005)
+    assert note.endswith("begins anew from the newest measurement")
+    assert said == [note]
