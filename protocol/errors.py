@@ -92,10 +92,6 @@ class JoinError(DisknavError):
         self.robot = robot
 
 
-class RosterError(DisknavError):
-    """The roster does not allow what was asked of it: to admit, fence, announce or remove that disk now."""
-
-
 class ProcessError(DisknavError):
     """A process of the fleet did not start, or ended when it should not have."""
 

@@ -10,7 +10,6 @@ from protocol.messages import Command, Report, Sense, Vector
 from protocol.scenario.model import RobotSpec, Scenario
 from protocol.scenario.places import SHARE, room_at_start
 from world.plants.plant import PastDisks
-from world.sensing import Sensor
 
 STILL: Vector = (0.0, 0.0)
 # Ticks that may take no time: the one in which something is heard, at its end, and one by which the clock of
@@ -31,7 +30,6 @@ class External:
 
     Attributes:
         plant: the robots' disks as they are reported.
-        sensors: none.
         bounds: by how much places are off, m, by robot id.
         unsettled: robots that stand, but have not reported where since they do, or not exactly.
         founding_bounds: by how much robots may be off their starts as they begin a run, or until they stand.
@@ -44,7 +42,6 @@ class External:
         else:
             scenario = past.moved(scenario)
         self.plant = Reported(scenario, past)
-        self.sensors: dict[int, Sensor] = {}
         self.bounds: dict[int, float] = {}
         self.unsettled: Set[int] = frozenset()
         self.founding_bounds = past.bounds or {
@@ -98,6 +95,11 @@ class External:
         """Nothing: bases speak for themselves."""
         self._tick = tick
         return {}
+
+    @property
+    def measurements(self) -> dict[str, int]:
+        """How many measurements came late, were missing, or were dropped: none is made here."""
+        return {"delayed": 0, "missing": 0, "dropped": 0}
 
     def hear(self, command: Command) -> None:
         """A robot commands itself in a tick, and says where it was as that began, if it knows."""

@@ -10,7 +10,6 @@ from protocol.scenario.model import Order, Scenario
 from world.coordinator.lives import Lives
 from world.judge.measures import normalised_length, tight
 from world.judge.record import Contact
-from world.sensing import Sensor
 from world.world import World
 
 
@@ -53,9 +52,9 @@ def result_of(world: World) -> dict[str, Any]:
         "sim_time": truth.tick * step,
         "missed_commands": coordinator.commands.missed,
         "rejected_commands": dict(coordinator.commands.refused),
-        "down": [fenced.robot for fenced in coordinator.lives.standing],
+        "down": [fenced.robot for fenced in coordinator.lives.roster.standing],
         "orders": [_order(tick, order, refused) for tick, order, refused in coordinator.schedule.done],
-        "faults": _faults(scenario, coordinator.lives, list(world.simulation.sensors.values())),
+        "faults": _faults(scenario, coordinator.lives, world.simulation.measurements),
         "phi": {"first": totals.first.phi, "last": truth.phi, "increases": totals.increases},
         "log_potential": {"first": totals.first.log_potential, "last": truth.log_potential},
         "positions": {
@@ -80,7 +79,7 @@ def _order(tick: int, order: Order, refused: str) -> dict[str, Any]:
     return {**asked, "tick": tick, "refused": refused}
 
 
-def _faults(scenario: Scenario, lives: Lives, sensors: list[Sensor]) -> dict[str, Any]:
+def _faults(scenario: Scenario, lives: Lives, measurements: dict[str, int]) -> dict[str, Any]:
     """What the scenario asked for, and what came of it."""
     return {
         "process": [{**plain(fault), "tick": tick} for tick, fault in lives.applied[:LISTED]],
@@ -92,11 +91,7 @@ def _faults(scenario: Scenario, lives: Lives, sensors: list[Sensor]) -> dict[str
             {"robot": robot, "incarnation": incarnation, "tick": tick, "reason": reason}
             for tick, robot, incarnation, reason in lives.given_up
         ],
-        "measurements": {
-            "delayed": sum(sensor.delayed for sensor in sensors),
-            "missing": sum(sensor.missing for sensor in sensors),
-            "dropped": sum(sensor.dropped for sensor in sensors),
-        },
+        "measurements": measurements,
         "sensing": plain(scenario.sensing),
         "link": plain(scenario.link),
         "actuation": plain(scenario.actuation),

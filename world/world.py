@@ -7,7 +7,6 @@ One tick: `open_tick` (and `coordinator.join` for each awaited robot), `accept` 
 from __future__ import annotations
 
 import msgspec
-from mypy_extensions import mypyc_attr
 
 from protocol.messages import Command, GoalStatus, Tick, Truth
 from protocol.operations import Outcome
@@ -30,7 +29,6 @@ class Past(msgspec.Struct, frozen=True):
     referee: PastReferee | None = None
 
 
-@mypyc_attr(allow_interpreted_subclasses=True)
 class World:
     """One run of a scenario.
 
@@ -159,7 +157,7 @@ class World:
         live = {
             robot: asked
             for robot, asked in coordinator.commands.handles.items()
-            if coordinator.lives.status_of(robot) == "live" and not coordinator.membership.leaves(robot)
+            if coordinator.lives.roster.status(robot) == "live" and not coordinator.membership.leaves(robot)
         }
         return coordinator.parts.handle(live, self.simulation.places)
 
@@ -168,7 +166,6 @@ class World:
         loaded = self.coordinator.parts.loaded(self.scenario)
         obstacles = self.coordinator.lives.obstacles
         self.referee.set_fleet(loaded, self.simulation.plant.positions, obstacles.standing, self.tick)
-        obstacles.recast(loaded)
 
     def _turn_over(self) -> None:
         """Between two ticks: let robots appear that were added, and vanish that were removed."""
@@ -218,7 +215,7 @@ class World:
         """Send a robot elsewhere, from the next tick on that is opened."""
         coordinator, robot = self.coordinator, order.robot
         obstacles = coordinator.lives.obstacles.standing
-        refusal = coordinator.missions.refusal(order, coordinator.lives.standing, obstacles)
+        refusal = coordinator.missions.refusal(order, coordinator.lives.roster.standing, obstacles)
         if refusal:
             return Outcome(False, text=refusal)
         outcome = coordinator.missions.accept(order, self.tick, self.simulation.place(robot))
@@ -277,7 +274,8 @@ class World:
         """
         coordinator = self.coordinator
         refusal = "" if coordinator.lives.founded else "the run has not begun"
-        refusal = refusal or coordinator.lives.obstacles.refusal(order, self.simulation.plant.positions)
+        loaded, positions = coordinator.parts.loaded(self.scenario), self.simulation.plant.positions
+        refusal = refusal or coordinator.lives.obstacles.refusal(order, loaded, positions)
         if refusal:
             return Outcome(False, text=refusal)
         number = coordinator.lives.announce(order.shape)

@@ -13,7 +13,7 @@ from agents.estimate import HISTORY, Estimate
 from agents.lines.own_set import SIDES
 from protocol.line import HalfPlane
 from protocol.messages import Sense
-from world.plants.disturbance import truncated_normal
+from world.plants.plant import truncated_normal
 
 REACH = 0.005
 polar = st.tuples(st.floats(0.0, 2.0 * math.pi), st.floats(0.0, 1.0))

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from world.close_pairs import close_pairs
+from world.judge.clearance import close_pairs
 
 coordinate = st.floats(-2.0, 2.0) | st.sampled_from([0.0, 0.5, 1.0])
 disk = st.tuples(st.builds(complex, coordinate, coordinate), st.floats(0.01, 0.5))

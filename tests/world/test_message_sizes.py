@@ -44,8 +44,8 @@ from protocol.scenario.model import (
 )
 from protocol.streams import STREAMS
 from world.coordinator.lives import note
-from world.coordinator.surroundings import MOST as MOST_THINGS
-from world.coordinator.surroundings import Surroundings
+from world.coordinator.roster import MOST as MOST_THINGS
+from world.coordinator.roster import Surroundings
 from world.judge.record import LISTED, Contact
 from world.shell.run import Run
 
@@ -163,7 +163,7 @@ def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() 
     assert len(world.coordinator.active) == MOST
     assert_fits(told[IDS[0]], robot_key("r", IDS[0], "tick"))
     assert_fits(run.clock(), world_key("r", "clock"))
-    while len(world.coordinator.lives.standing) < MOST:
+    while len(world.coordinator.lives.roster.standing) < MOST:
         world.open_tick()
         world.close_tick()
     (last, *_) = [m for robot, m in world.open_tick().items() if robot == IDS[0]]
@@ -187,15 +187,16 @@ def test_a_roster_of_all_obstacles_that_there_may_be_fits() -> None:
     lives = run.world.coordinator.lives
     for robot in IDS:
         run.world.coordinator.join(robot)
-    lives.obstacles = Surroundings(replace(crowd(), workspace=Workspace(1000.0), obstacles=(SPECK,) * MOST))
+    wide = replace(crowd(), workspace=Workspace(1000.0), obstacles=(SPECK,) * MOST)
+    lives.obstacles = lives.roster.obstacles = Surroundings(wide)
     lives.keeper.found({}, dict.fromkeys(range(1, MOST + 1), SPECK.shape))
     assert all(lives.take_away(number) for number in range(1, MOST + 1))
     for number in range(MOST_THINGS):
         order = ROUNDISH if number < 62 else DISK  # nearly as many corners as may come
         lives.announce(order.shape)
-    assert "at a time" in lives.obstacles.refusal(DISK, [])
+    assert "at a time" in lives.obstacles.refusal(DISK, wide, [])
     lives.take_away(MOST + MOST_THINGS)
-    assert "corners" in lives.obstacles.refusal(ROUNDISH, [])
+    assert "corners" in lives.obstacles.refusal(ROUNDISH, wide, [])
     told = run.world.open_tick()[IDS[0]]
     obstacles = [
         Binding(LIFE + n, -n, (1.0, 0.0, 0.1), ROUNDISH.points, 0.0, True)

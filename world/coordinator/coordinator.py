@@ -10,7 +10,6 @@ from collections.abc import Mapping, Set
 from types import MappingProxyType
 
 import msgspec
-from mypy_extensions import mypyc_attr
 
 from protocol.messages import (
     Command,
@@ -22,14 +21,12 @@ from protocol.messages import (
     Vector,
 )
 from protocol.scenario.model import Scenario
-from world.coordinator.commands import Commands
+from world.coordinator.commands import Commands, blamed
 from world.coordinator.interest import Interest
 from world.coordinator.lives import Lives, PastLives, note
 from world.coordinator.membership import Membership, PastMembership
-from world.coordinator.missions import Mission, Missions
+from world.coordinator.missions import Mission, Missions, Operated, Schedule
 from world.coordinator.parts import Parts
-from world.coordinator.patience import blamed
-from world.coordinator.schedule import Operated, Schedule
 
 
 class PastCoordinator(msgspec.Struct, frozen=True):
@@ -46,7 +43,6 @@ class PastCoordinator(msgspec.Struct, frozen=True):
     refused: dict[str, Count] = {}  # commands, by reason
 
 
-@mypyc_attr(allow_interpreted_subclasses=True)
 class Coordinator:
     """Lives, commands, missions and membership of one run.
 
@@ -73,11 +69,10 @@ class Coordinator:
         self.lives = Lives(scenario, returning, past.lives, past.tick)
         self.missions = Missions(scenario, past.missions)
         self.membership = Membership(scenario, self.lives, self.missions, past.membership)
-        self.parts = Parts(scenario, self.lives, self.lives.roster.parts)
+        self.parts = Parts(scenario, self.lives, self.lives.roster.message.parts)
         if past.membership.robots is not None:
             self.missions.recast(self.scenario)
             self.parts.recast(self.scenario)
-        self.lives.obstacles.recast(self.parts.loaded(self.scenario))
         self.schedule = Schedule(scenario, past.orders)
         self.commands = Commands(self.lives, scenario.is_external)
         self.commands.missed, self.commands.refused = past.missed, Counter(past.refused)
@@ -173,8 +168,8 @@ class Coordinator:
 
     def dismiss(self, robot: int) -> None:
         """The process of a robot that was removed knows it, and is told no more."""
-        if robot in self.lives.of and self.lives.status_of(robot) in ("gone", "appearing"):
-            self.lives.dismiss(robot)
+        if robot in self.lives.of and self.lives.roster.status(robot) in ("gone", "appearing"):
+            self.lives.of[robot].joined = False
 
     def _lament(self, robot: int, reason: str) -> None:
         note(self.lives.given_up, (self.tick, robot, self.lives.of[robot].incarnation, reason))
@@ -313,7 +308,7 @@ class Coordinator:
                 if interest is None
                 else interest.heard(robot, life.incarnation, self.tick, bound(robot), everybody),
                 sense=sensed.get(robot),
-                roster=lives.roster_for(robot),
+                roster=lives.roster.news(robot),
                 goal=goal(robot) if life.is_new or life.heard < since(robot) else None,
                 halted=self.halted,
                 heard=life.heard if leased and life.heard >= 0 else None,

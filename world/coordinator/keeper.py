@@ -14,8 +14,6 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Final
 
-from mypy_extensions import mypyc_attr
-
 from protocol.crowd.interest import slack_of
 from protocol.geometry import Disk as Circle
 from protocol.geometry import Shape
@@ -31,7 +29,6 @@ _RENEWED: Final = 1.0 / 3.0  # of the slack, that a robot may use up before it i
 _PARTED: Final = 0.5  # of the slack, by which regions of two have to be apart until the two are parted
 
 
-@mypyc_attr(allow_interpreted_subclasses=True)
 class Keeper:
     """The ledger of one run, from its first tick on.
 

@@ -6,24 +6,100 @@ it is fenced, killed or followed by the next.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Set
-from typing import Final, TypeVar
+from collections.abc import Mapping, Set
+from enum import Enum, auto
+from typing import Final, Literal, TypeVar
 
 import msgspec
 from msgspec.structs import replace
-from mypy_extensions import mypyc_attr
 
 from protocol import messages
 from protocol.errors import JoinError
 from protocol.geometry import Disk, Shape
-from protocol.messages import LISTED, Command, Count, Grants, Id, PartPlace, Standing, Vector
-from protocol.scenario.model import ProcessFault, RobotSpec, Scenario
+from protocol.messages import LISTED, Command, Count, Grants, Id, Member, Standing, Vector
+from protocol.scenario.model import ProcessFault, Scenario
 from world.coordinator.keeper import Keeper
-from world.coordinator.life import Life, Status
 from world.coordinator.roster import Roster
-from world.coordinator.surroundings import Surroundings
 
 Entry = TypeVar("Entry")
+
+
+class Status(Enum):
+    """What the world takes the process of a robot to be."""
+
+    UP = auto()  # takes part
+    PAUSED = auto()  # stopped by the scenario: hears nothing
+    GONE = auto()  # not there, or ended by the scenario
+    LOST = auto()  # given up on or fenced; may still listen
+
+
+Fate = Literal["", "ended", "removed"]  # what the run has made of a process; "": nothing
+
+
+class Life(msgspec.Struct, array_like=True):
+    """The newest life of one robot id."""
+
+    incarnation: int
+    status: Status = Status.GONE
+    joined: bool = False  # its present process has joined this run
+    awaited: bool = True  # the scenario says that it must be up
+    heard: int = -1  # tick of its newest command; the tick before it joined until there is one
+    before: int = -1  # the tick before it joined
+    fenced: bool = False  # it never moves again
+    begun: bool = False  # it has begun in the ledger
+    fate: Fate = ""  # of the newest process: ended by the scenario, or its robot was removed
+
+    @property
+    def is_new(self) -> bool:
+        """Whether it has not commanded yet."""
+        return self.heard <= self.before
+
+    @property
+    def paused(self) -> bool:
+        """Whether the scenario holds its process still: it cannot join before it is resumed."""
+        return self.status is Status.PAUSED
+
+    @property
+    def killed(self) -> bool:
+        """Whether the scenario has ended its process, and does not want it back at present."""
+        return self.status is Status.GONE and not self.awaited
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether it has joined and is neither over nor given up on."""
+        return self.status in (Status.UP, Status.PAUSED) and self.joined and not self.fenced
+
+    def over(self, tick: int) -> Life:
+        """This life as another coordinator finds it that begins with `tick`: it is over. The process of one
+        that took part is to join again."""
+        up = self.status is Status.UP
+        status, awaited = Status.LOST if up else self.status, self.awaited or up
+        life = Life(self.incarnation, status, awaited=awaited, heard=tick - 1, before=tick - 1, fenced=True)
+        life.fate = self.fate
+        return life
+
+    def kill(self) -> None:
+        """The scenario ends its process."""
+        self._end(awaited=False)
+
+    def pause(self) -> None:
+        """The scenario holds its process still."""
+        if self.awaited or self.status in (Status.UP, Status.LOST):
+            self.status, self.awaited = Status.PAUSED, False
+
+    def resume(self) -> None:
+        """The scenario lets its process go on: this life, or the next if this one was fenced meanwhile."""
+        if self.paused:
+            self.status, self.awaited = (Status.UP, False) if self.goes_on else (Status.LOST, True)
+
+    def restart(self) -> None:
+        """The scenario ends its process, and wants another in its place."""
+        self._end(awaited=True)
+
+    def _end(self, awaited: bool) -> None:
+        self.status, self.awaited, self.joined, self.fate = Status.GONE, awaited, False, self.fate or "ended"
+
+
 _EVENTS: Final = {"kill": Life.kill, "pause": Life.pause, "resume": Life.resume, "restart": Life.restart}
 
 
@@ -40,7 +116,6 @@ class PastLives(msgspec.Struct, frozen=True):
     numbered: Count = 0  # obstacles so far
 
 
-@mypyc_attr(allow_interpreted_subclasses=True)
 class Lives:
     """The lives of all robots of a scenario.
 
@@ -61,10 +136,10 @@ class Lives:
         self.of = past.of
         self.fenced = past.fenced  # tick and disk of the first fencings, in order
         self.given_up = past.given_up  # tick, robot, incarnation, why
-        self._roster = Roster(past.roster)
+        self.roster = Roster(scenario, past.roster, past.numbered)
+        self.founded = False  # whether the first tick has begun, or may
         self.keeper = Keeper(scenario, past.version)
-        self._begun: dict[int, int] = {}  # incarnation that has begun in the ledger, by robot
-        self.obstacles = Surroundings(scenario, past.roster.obstacles, past.numbered)
+        self.obstacles = self.roster.obstacles
         self._name = scenario.name
         self._silence = max(1, scenario.ticks(scenario.time.fence))
         self._returning = max(self._silence, scenario.ticks(returning))
@@ -81,7 +156,7 @@ class Lives:
             self._skipped,
             self.fenced,
             self.given_up,
-            self._roster.message,
+            self.roster.message,
             self.keeper.version,
             self.obstacles.numbered,
         )
@@ -107,34 +182,24 @@ class Lives:
         """Ids that take part."""
         return tuple(robot for robot, life in self.of.items() if life.status is Status.UP)
 
-    @property
-    def standing(self) -> tuple[Standing, ...]:
-        """Disks that stand, with the lives that ended there."""
-        return tuple(
-            Standing(each.robot, each.incarnation, each.position)
-            for each in self._roster.standing
-            if each.position is not None
-        )
-
-    @property
-    def founded(self) -> bool:
-        """Whether the first tick has begun, or may: a life that joins from then on is a later one."""
-        return self._roster.founded
-
     def found(
         self, radii: Mapping[int, float], places: Mapping[int, Vector], bounds: Mapping[int, float]
     ) -> None:
         """The ledger begins, and in it the lives that have joined; disks of these radii are within `bounds`
-        of `places`, m."""
-        lives = {robot: life.incarnation for robot, life in self.of.items() if life.joined}
-        self._roster.found(lives, places, radii, bounds)
-        disks = {
-            robot: Disk(*places[robot], radius + bounds.get(robot, 0.0))
-            for robot, radius in sorted(radii.items())
-        }
+        of `places`, m. A robot that is not there by then stands."""
+        roster, disks = self.roster, {}
+        for robot, radius in sorted(radii.items()):
+            life, bound = self.of[robot], bounds.get(robot, 0.0)
+            disks[robot] = Disk(*places[robot], radius + bound)
+            if life.joined:
+                roster.put(Member(robot, life.incarnation, "live", radius))
+            else:
+                before = roster.members[robot].incarnation if robot in roster.members else 0
+                roster.put(Member(robot, before, "standing", radius, places[robot], bound))
+        self.founded = True
         self.keeper.found(disks, self.obstacles.standing)
-        for member in self._roster.appearing:
-            if member.position is not None:
+        for member in roster.members.values():
+            if member.status == "appearing" and member.position is not None:
                 self.keeper.announce(member.robot, Disk(*member.position, member.radius))
         for number, shape in self.obstacles.appearing.items():
             self.keeper.announce(-number, shape)
@@ -151,9 +216,7 @@ class Lives:
             unsettled: those that have not reported where they stand since they do.
         """
         for robot, life in self.of.items():
-            if not life.joined or life.fenced or self._begun.get(robot) == life.incarnation:
-                continue
-            if robot not in resting:
+            if not life.joined or life.fenced or life.begun or robot not in resting:
                 continue
             if self.keeper.lives(robot):
                 self.keeper.fence(robot, self._place(robot, resting, bounds))
@@ -161,21 +224,20 @@ class Lives:
                 continue
             self.keeper.settle(robot, self._place(robot, resting, bounds))
             self.keeper.rejoin(robot)
-            self._begun[robot] = life.incarnation
+            life.begun = True
 
     def _place(self, robot: int, resting: Mapping[int, Vector], bounds: Mapping[int, float]) -> Disk:
-        return Disk(*resting[robot], self._roster.radius(robot) + bounds.get(robot, 0.0))
+        return Disk(*resting[robot], self.roster.members[robot].radius + bounds.get(robot, 0.0))
 
     def grants_for(self, robot: int) -> Grants | None:
         """What the newest life of a robot has to be told of what it obeys."""
-        life = self.of[robot]
-        return self.keeper.news(robot) if self._begun.get(robot) == life.incarnation else None
+        return self.keeper.news(robot) if self.of[robot].begun else None
 
     def announce(self, shape: Shape) -> int:
         """An obstacle is to appear, once all live robots keep clear of it; its number."""
         number = self.obstacles.announce(shape)
         self.keeper.announce(-number, shape)
-        self._roster.follow_obstacles(self.obstacles.changes)
+        self.roster.follow()
         return number
 
     def take_away(self, number: int) -> bool:
@@ -183,38 +245,22 @@ class Lives:
         known = self.obstacles.take_away(number)
         if known:
             self.keeper.remove(-number)
-        self._roster.follow_obstacles(self.obstacles.changes)
+        self.roster.follow()
         return known
-
-    def follow_parts(self, parts: tuple[PartPlace, ...]) -> None:
-        """Where parts are."""
-        self._roster.follow_parts(parts)
-
-    def resize(self, robot: int, radius: float) -> None:
-        """The disk of a robot has another radius, m; which it keeps clear of everything."""
-        self._roster.resize(robot, radius)
-
-    def radius_of(self, robot: int) -> float:
-        """Of the disk of a robot, m."""
-        return self._roster.radius(robot)
 
     def settle(self) -> bool:
         """Let each announced obstacle appear that all robots keep clear of; whether any did."""
         settled = [number for number in self.obstacles.appearing if self.keeper.appear(-number)]
         for number in settled:
             self.obstacles.put_up(number)
-        self._roster.follow_obstacles(self.obstacles.changes)
+        self.roster.follow()
         return bool(settled)
-
-    def roster_for(self, robot: int) -> messages.Roster | None:
-        """What the newest life of `robot` has to be told of the roster; None once it has heard it."""
-        return self._roster.news(robot)
 
     def acknowledge(self, command: Command) -> None:
         """Take in what the newest life of a robot has heard, and what it obeys."""
-        robot, life = command.robot, self.of[command.robot]
-        self._roster.acknowledge(robot, life.incarnation, command.roster)
-        if self._begun.get(robot) == life.incarnation:
+        life = self.of[command.robot]
+        self.roster.acknowledge(command.robot, life.incarnation, command.roster)
+        if life.begun:
             self.keeper.acknowledge(command)
 
     @property
@@ -234,72 +280,45 @@ class Lives:
             raise JoinError(f"no robot {robot} in scenario {self._name!r}; there are {known}")
         if life.status is Status.UP:
             raise JoinError(f"robot {robot} is already running; stop it or use another id")
-        if (member := self._roster.status(robot)) in ("appearing", "gone"):
+        if (member := self.roster.status(robot)) in ("appearing", "gone"):
             raise JoinError(f"robot {robot} is {member}: its disk is not in the workspace")
         if life.paused:
             raise JoinError(f"robot {robot} is paused by the scenario; wait for it to be resumed")
         life.incarnation += 1
-        life.joined, life.awaited, life.fenced, life.fate = True, False, False, ""
+        life.joined, life.awaited, life.fenced, life.begun, life.fate = True, False, False, False, ""
         life.heard = life.before = heard
         if self.founded:
-            self._roster.admit(robot, life.incarnation)
+            admitted = {"incarnation": life.incarnation, "status": "live"}
+            self.roster.alter(robot, **admitted, position=None, bound=0.0)
         life.status = Status.UP
         return life.incarnation
 
-    def announce_robot(self, spec: RobotSpec) -> None:
-        """Another robot's disk is to appear at its start."""
-        self._roster.announce(spec.id, spec.radius, spec.start)
-        self.keeper.announce(spec.id, Disk(*spec.start, spec.radius))
-
-    def settle_robots(self, tick: int, awaited: Collection[int] = ()) -> list[int]:
-        """Robots whose disks appear at the start of `tick`, and stand until their processes join; those
-        of the `awaited` must before the run goes on."""
-        appearing = [each.robot for each in self._roster.appearing]
-        settled = [robot for robot in appearing if self.keeper.appear(robot)]
-        for robot in settled:
-            self._roster.put_up(robot)
-            known = self.of.get(robot)
-            incarnation = known.incarnation if known else 0
-            life = Life(incarnation, Status.LOST, awaited=robot in awaited, heard=tick, fenced=True)
-            life.fate = "removed" if known else ""
-            self.of[robot] = life
-        self.of = dict(sorted(self.of.items()))
-        return settled
+    def put_up(self, tick: int, robot: int, awaited: bool) -> None:
+        """The disk of a robot that was announced appears at the start of `tick`, and stands until its process
+        joins, which is `awaited` before the run goes on, or not."""
+        self.roster.alter(robot, status="standing")
+        known = self.of.get(robot)
+        incarnation = known.incarnation if known else 0
+        life = Life(incarnation, Status.LOST, awaited=awaited, heard=tick, fenced=True)
+        life.fate = "removed" if known else ""
+        self.of = dict(sorted({**self.of, robot: life}.items()))
 
     def remove(self, tick: int, robot: int, position: Vector) -> None:
         """A robot is over at the end of `tick`, and its disk is taken away."""
         life = self.of[robot]
-        if self.keeper.lives(robot):
-            self.keeper.fence(robot, Disk(*position, self._roster.radius(robot)))
+        if self.roster.status(robot) == "live":
+            self._stand(tick, robot, position, 0.0)
         self.keeper.remove(robot)
-        if self._roster.is_live(robot):
-            self._roster.fence(robot, position)
-            note(self.fenced, (tick + 1, Standing(robot, life.incarnation, position)))
-        self._roster.remove(robot)
+        self.roster.alter(robot, status="gone", position=None, bound=0.0)
         life.status, life.awaited, life.fenced, life.fate = Status.LOST, False, True, "removed"
 
-    def dismiss(self, robot: int) -> None:
-        """The process of a robot that was removed knows it."""
-        self.of[robot].joined = False
-
-    def withdraw(self, robot: int) -> None:
-        """A disk that was announced does not appear."""
-        self._roster.withdraw(robot)
-        self.keeper.remove(robot)
-
-    def status_of(self, robot: int) -> str:
-        """What the roster says of an id: live, appearing, standing, gone; "" if nothing."""
-        return self._roster.status(robot)
-
-    @property
-    def ids(self) -> int:
-        """How many ids ever were in this run."""
-        return self._roster.ids
-
-    @property
-    def roster(self) -> messages.Roster:
-        """The present version."""
-        return self._roster.message
+    def _stand(self, tick: int, robot: int, position: Vector, bound: float) -> None:
+        """The present life of a robot is over: its disk stands within `bound` of `position`, m."""
+        if self.keeper.lives(robot):
+            self.keeper.fence(robot, self._place(robot, {robot: position}, {robot: bound}))
+        if self.roster.status(robot) == "live":
+            self.roster.alter(robot, status="standing", position=position, bound=bound)
+        note(self.fenced, (tick + 1, Standing(robot, self.of[robot].incarnation, position)))
 
     def goes_on(self, robot: int, incarnation: int) -> bool:
         """Whether this life has joined and is neither over nor given up on."""
@@ -337,7 +356,7 @@ class Lives:
             if at > tick:
                 break
             self._over += 1
-            if self._roster.status(fault.robot) in ("live", "standing"):
+            if self.roster.status(fault.robot) in ("live", "standing"):
                 _EVENTS[fault.event](self.of[fault.robot])
             else:
                 self._skipped.append(n)
@@ -348,11 +367,7 @@ class Lives:
         life = self.of[robot]
         if not life.fenced and tick - life.heard >= self._silence:
             life.fenced = True
-            if self.keeper.lives(robot):
-                self.keeper.fence(robot, Disk(*position, self._roster.radius(robot) + bound))
-            if self._roster.is_live(robot):
-                self._roster.fence(robot, position, bound)
-            note(self.fenced, (tick + 1, Standing(robot, life.incarnation, position)))
+            self._stand(tick, robot, position, bound)
             if life.status is Status.UP:
                 life.status = Status.LOST
 

@@ -13,7 +13,8 @@ from typing import Literal
 
 import msgspec
 
-from protocol.messages import Id, Vector
+from protocol.geometry import Disk
+from protocol.messages import Id, Member, Vector
 from protocol.scenario.checks import misfits
 from protocol.scenario.model import RobotSpec, Scenario, gain_for_fleet
 from world.coordinator.lives import Lives
@@ -69,7 +70,11 @@ class Membership:
 
     def add(self, spec: RobotSpec, *, awaited: bool) -> None:
         """Announce a disk that is not `unfit`, whose process is waited for or not."""
-        self._lives.announce_robot(spec)
+        lives = self._lives
+        known = lives.roster.members.get(spec.id)
+        life = 0 if known is None else known.incarnation
+        lives.roster.put(Member(spec.id, life, "appearing", spec.radius, spec.start))
+        lives.keeper.announce(spec.id, Disk(*spec.start, spec.radius))
         self._announced[spec.id] = spec
         (self._awaited.add if awaited else self._awaited.discard)(spec.id)
 
@@ -77,7 +82,8 @@ class Membership:
         """Let a robot leave; returns why that cannot be, "" if it is done."""
         ids = self.scenario.ids
         if robot in self._announced:
-            self._lives.withdraw(robot)
+            self._lives.roster.alter(robot, status="gone", position=None)
+            self._lives.keeper.remove(robot)
             del self._announced[robot]
             return ""
         if robot not in ids:
@@ -104,10 +110,12 @@ class Membership:
         Returns:
             Whether any robot came or left; `scenario` is another one then.
         """
-        settled = self._lives.settle_robots(tick, self._awaited) if self._announced else []
+        settled = [robot for robot in self._announced if self._lives.keeper.appear(robot)]
         left, self._leaving = frozenset(self._leaving), set()
         if not settled and not left:
             return False
+        for robot in settled:
+            self._lives.put_up(tick, robot, robot in self._awaited)
         for robot in sorted(left):
             self._lives.remove(tick, robot, places[robot])
         stay = [spec for spec in self.scenario.robots if spec.id not in left]
@@ -129,12 +137,12 @@ class Membership:
         robot = spec.id
         for problem in misfits(spec, self.scenario.body):
             return f"robot {robot}: {problem}"
-        if (status := self._lives.status_of(robot)) not in ("", "gone"):
+        if (status := self._lives.roster.status(robot)) not in ("", "gone"):
             return f"robot {robot} is {status}: use another id, or remove it first"
         if len(self.scenario.robots) + len(self._announced) >= _MOST:
             return f"robot {robot}: at most {_MOST} robots are there at a time"
-        if not status and self._lives.ids >= _MOST_IDS:
+        if not status and len(self._lives.roster.members) >= _MOST_IDS:
             return f"robot {robot}: {_MOST_IDS} ids were in this run already; use one that has left"
         obstacle, obstacles = self._missions.obstacle, self._lives.obstacles.standing
-        at_start = obstacle(robot, spec.radius, spec.start, self._lives.standing, obstacles)
+        at_start = obstacle(robot, spec.radius, spec.start, self._lives.roster.standing, obstacles)
         return at_start or obstacle(robot, spec.radius, spec.goal, (), obstacles)

@@ -33,7 +33,7 @@ class Parts:
         first = len(scenario.obstacles)
         self._places = {part: PartPlace(part, first + part) for part in range(1, len(scenario.parts) + 1)}
         self._places.update({each.part: each for each in places})
-        lives.follow_parts(self.places)
+        lives.roster.follow(self.places)
 
     @property
     def places(self) -> tuple[PartPlace, ...]:
@@ -94,7 +94,7 @@ class Parts:
         for place in self.places:
             if place.carrier:
                 self._put(place, asked.get(place.carrier), place.carrier in asked, at)
-        self._lives.follow_parts(self.places)
+        self._lives.roster.follow(self.places)
         return [each.carrier for each in before] != [each.carrier for each in self.places]
 
     def settle(self) -> bool:
@@ -103,9 +103,9 @@ class Parts:
             each for each in self.places if each.carrier and each.obstacle in self._lives.obstacles.standing
         ]
         for place in down:
-            self._lives.resize(place.carrier, self._scenario.spec(place.carrier).radius)
+            self._lives.roster.alter(place.carrier, radius=self._scenario.spec(place.carrier).radius)
             self._places[place.part] = PartPlace(place.part, place.obstacle)
-        self._lives.follow_parts(self.places)
+        self._lives.roster.follow(self.places)
         return bool(down)
 
     def _take(self, robot: int, handles: Handling, at: Mapping[int, Vector]) -> None:
@@ -122,16 +122,16 @@ class Parts:
 
     def _take_over(self, robot: int, place: PartPlace, at: Mapping[int, Vector]) -> None:
         """From one that stands, as its life is over."""
-        if self._lives.status_of(place.carrier) != "standing":
+        if self._lives.roster.status(place.carrier) != "standing":
             return
         held = Disk(*at[place.carrier], self._scenario.loaded_radius(place.carrier, place.part))
         if self._reaches(at[robot], self._scenario.spec(robot).radius, held):
             self._withdraw(place)
-            self._lives.resize(place.carrier, self._scenario.spec(place.carrier).radius)
+            self._lives.roster.alter(place.carrier, radius=self._scenario.spec(place.carrier).radius)
             self._load(robot, place)
 
     def _load(self, robot: int, place: PartPlace) -> None:
-        self._lives.resize(robot, self._scenario.loaded_radius(robot, place.part))
+        self._lives.roster.alter(robot, radius=self._scenario.loaded_radius(robot, place.part))
         self._places[place.part] = PartPlace(place.part, carrier=robot)
 
     def _put(self, place: PartPlace, handles: Handling | None, heard: bool, at: Mapping[int, Vector]) -> None:
@@ -142,7 +142,7 @@ class Parts:
         down = None if wanted is None else Disk(*wanted, spec.radius)
         fits = down is not None and self._reaches(at[robot], radius, down)
         if place.obstacle:
-            if (heard and not fits) or self._lives.status_of(robot) != "live":
+            if (heard and not fits) or self._lives.roster.status(robot) != "live":
                 self._withdraw(place)
         elif down is not None and fits and self._is_free(down):
             self._places[place.part] = PartPlace(place.part, self._lives.announce(down), robot)
@@ -162,13 +162,13 @@ class Parts:
         obstacles = self._lives.obstacles
         others = (*obstacles.standing.values(), *obstacles.appearing.values())
         inside = self._scenario.workspace.shape.distance(down.x, down.y) + down.radius <= 0.0
-        stands = [(each.position, each.robot) for each in self._lives.standing]
+        members = self._lives.roster.members
+        stands = [(each.position, members[each.robot].radius) for each in self._lives.roster.standing]
         return (
             inside
             and all(shape.distance(down.x, down.y) >= down.radius for shape in others)
             and all(
-                math.dist(position, (down.x, down.y)) >= down.radius + self._lives.radius_of(robot)
-                for position, robot in stands
+                math.dist(position, (down.x, down.y)) >= down.radius + radius for position, radius in stands
             )
         )
 

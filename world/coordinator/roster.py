@@ -1,175 +1,179 @@
 """The roster: a directory of all robots that ever were in the run, of obstacles that came or went, of parts.
 
-It says what is there, for laws, carriers and monitors; its versions only grow. What robots obey the ledger
-says.
+It says what is there, for laws, carriers and monitors; its versions only grow. What robots obey, and what may
+follow what, the ledger says.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from types import MappingProxyType
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 from msgspec.structs import replace
-from mypy_extensions import mypyc_attr
 
 from protocol import messages
-from protocol.errors import RosterError
-from protocol.messages import Member, PartPlace, PlacedObstacle, Vector
+from protocol.geometry import Disk, Shape
+from protocol.messages import Member, PartPlace, PlacedObstacle, Presence, Standing, Vector
+from protocol.scenario import model
+from protocol.scenario.model import Scenario
+
+MOST = 256  # obstacles that came, at a time: a roster is one message
+MOST_CORNERS = 4096  # of all of them together
 
 
-@mypyc_attr(allow_interpreted_subclasses=True)
+class Surroundings:
+    """The obstacles of one run: those that the scenario lists, and others that come and go.
+
+    Attributes:
+        standing: shapes, by number.
+        appearing: shapes that are announced, by number; nothing is there yet.
+        numbered: how many there have been.
+
+    Args:
+        changes: up to now, as a roster said them.
+        numbered: how many there have been, with those of the scenario at least.
+    """
+
+    def __init__(self, scenario: Scenario, changes: Iterable[PlacedObstacle] = (), numbered: int = 0) -> None:
+        self._room = scenario.workspace.shape
+        self._listed = scenario.shapes
+        self.standing: dict[int, Shape] = dict(self._listed)
+        self.appearing: dict[int, Shape] = {}
+        self.numbered = max(numbered, len(self._listed))
+        for change in changes:
+            if change.status == "gone":
+                self.standing.pop(change.number, None)
+            else:
+                known = self.appearing if change.status == "appearing" else self.standing
+                known[change.number] = change.shape
+
+    @property
+    def changes(self) -> tuple[PlacedObstacle, ...]:
+        """What a roster says of obstacles: all but those of the scenario that still stand."""
+        came = {number: _obstacle(number, "appearing", shape) for number, shape in self.appearing.items()}
+        for number, shape in self.standing.items():
+            if number not in self._listed:
+                came[number] = _obstacle(number, "standing", shape)
+        for number in self._listed.keys() - self.standing.keys():
+            came[number] = PlacedObstacle(number, "gone")
+        return tuple(came[number] for number in sorted(came))
+
+    def refusal(self, order: model.Obstacle, scenario: Scenario, positions: Sequence[Vector]) -> str:
+        """Why an obstacle cannot come; "" if it can.
+
+        Args:
+            scenario: with the disks that robots are.
+            positions: of all disks in the order of robot ids, m.
+        """
+        if problem := order.defect():
+            return f"the obstacle {problem}"
+        shape = order.shape
+        came = [each for each in self.changes if each.status != "gone"]
+        if len(came) >= MOST:
+            return f"at most {MOST} obstacles that came while the run went on are there at a time"
+        if sum(len(each.points) for each in came) + len(order.points or ()) > MOST_CORNERS:
+            return f"obstacles that came while the run went on have at most {MOST_CORNERS} corners together"
+        if self._room.distance(shape.around.x, shape.around.y) >= shape.around.radius:
+            return "the obstacle lies outside of the workspace"
+        for robot, position in zip(scenario.ids, positions, strict=True):
+            depth = scenario.spec(robot).radius - shape.distance(*position)
+            if depth >= 0.0:
+                return f"the obstacle overlaps robot {robot} by {depth:.3g} m"
+        return ""
+
+    def announce(self, shape: Shape) -> int:
+        """Something is to appear; its number."""
+        self.numbered += 1
+        self.appearing[self.numbered] = shape
+        return self.numbered
+
+    def take_away(self, number: int) -> bool:
+        """Something is gone, or does not appear after all; whether it was there."""
+        known = number in self.standing or number in self.appearing
+        self.standing.pop(number, None)
+        self.appearing.pop(number, None)
+        return known
+
+    def put_up(self, number: int) -> None:
+        """What was announced stands."""
+        self.standing[number] = self.appearing.pop(number)
+
+
+def present(listed: Mapping[int, Shape], changes: Iterable[PlacedObstacle]) -> tuple[PlacedObstacle, ...]:
+    """All that stands or is to appear, if a scenario lists these shapes and a roster says these changes."""
+    obstacles = {number: _obstacle(number, "standing", shape) for number, shape in listed.items()}
+    obstacles |= {change.number: change for change in changes}
+    return tuple(obstacles[number] for number in sorted(obstacles) if obstacles[number].status != "gone")
+
+
+def _obstacle(number: int, status: Presence, shape: Shape) -> PlacedObstacle:
+    if isinstance(shape, Disk):
+        return PlacedObstacle(number, status, ((shape.x, shape.y),), shape.radius)
+    return PlacedObstacle(number, status, shape.points)
+
+
 class Roster:
     """The coordinator's roster.
 
     Args:
+        scenario: the run.
         past: the newest of an earlier coordinator of the same run.
+        numbered: how many obstacles there have been.
 
     Attributes:
-        version: of the present one; 0 before the run is founded for the first time.
-        founded: whether the first tick of this coordinator has begun, or may.
+        version: of the present one; 0 before anything is in it.
+        members: by robot.
+        obstacles: whose changes it says.
     """
 
-    def __init__(self, past: messages.Roster | None = None) -> None:
-        past = messages.Roster(0, ()) if past is None else past
-        self.version, self.founded = past.version, False
-        self._members = {each.robot: each for each in past.members}
+    def __init__(
+        self, scenario: Scenario, past: messages.Roster = messages.Roster(0, ()), numbered: int = 0
+    ) -> None:
+        self.version = past.version
+        self.members = {each.robot: each for each in past.members}
+        self.obstacles = Surroundings(scenario, past.obstacles, numbered)
+        self._changes, self._parts = past.obstacles, past.parts
         self._heard: dict[int, tuple[int, int]] = {}  # life and version that it has heard, by robot
         self._newest: messages.Roster | None = None
-        self._obstacles, self._parts = past.obstacles, past.parts
 
     @property
-    def standing(self) -> tuple[Member, ...]:
-        """The disks that never move again in their present life."""
-        return tuple(each for each in self._members.values() if each.status == "standing")
-
-    @property
-    def appearing(self) -> tuple[Member, ...]:
-        """The disks that are announced."""
-        return tuple(each for each in self._members.values() if each.status == "appearing")
-
-    @property
-    def ids(self) -> int:
-        """How many ids it names, those that are gone included."""
-        return len(self._members)
+    def standing(self) -> tuple[Standing, ...]:
+        """Disks that stand, with the lives that ended there."""
+        return tuple(
+            Standing(each.robot, each.incarnation, each.position)
+            for each in self.members.values()
+            if each.status == "standing" and each.position is not None
+        )
 
     def status(self, robot: int) -> str:
         """Of the disk of a robot; "" if no robot ever had that id."""
-        member = self._members.get(robot)
+        member = self.members.get(robot)
         return "" if member is None else member.status
 
-    def is_live(self, robot: int) -> bool:
-        """Whether the disk of a robot may move."""
-        return robot in self._members and self._members[robot].status == "live"
-
-    def found(
-        self,
-        lives: Mapping[int, int],
-        places: Mapping[int, Vector],
-        radii: Mapping[int, float],
-        bounds: Mapping[int, float] = MappingProxyType({}),
-    ) -> None:
-        """Begin the run, or go on with it as another coordinator: a robot that is not there by then stands.
-
-        Args:
-            lives: incarnation of every robot that is there.
-            places: where the disk of every robot of the fleet is, m.
-            radii: of every robot of the fleet, m.
-            bounds: by how much places may be off, m, where they may.
-        """
-        for robot in sorted(radii):
-            if life := lives.get(robot, 0):
-                self._members[robot] = Member(robot, life, "live", radii[robot])
-            else:
-                before = self._members[robot].incarnation if robot in self._members else 0
-                place, bound = places[robot], bounds.get(robot, 0.0)
-                self._members[robot] = Member(robot, before, "standing", radii[robot], place, bound)
-        self.founded = True
+    def put(self, member: Member) -> None:
+        """A robot of the directory is another from now on."""
+        self.members[member.robot] = member
         self.version += 1
 
-    def admit(self, robot: int, incarnation: int) -> None:
-        """A later life of a robot takes part from now on.
+    def alter(self, robot: int, **changes: Any) -> None:
+        """Fields of a robot's entry are others from now on."""
+        self.put(replace(self.members[robot], **changes))
 
-        Raises:
-            RosterError: its disk is not in the workspace, or the life is not a new one.
-        """
-        member = self._member(robot)
-        if member.status not in ("live", "standing"):
-            raise RosterError(f"robot {robot} cannot be admitted: its disk is {member.status}")
-        if incarnation <= member.incarnation:
-            raise RosterError(f"robot {robot}: life {incarnation} is not newer than {member.incarnation}")
-        self._put(replace(member, incarnation=incarnation, status="live", position=None, bound=0.0))
-
-    def fence(self, robot: int, position: Vector, bound: float = 0.0) -> None:
-        """The present life of a live robot is over, its disk stands within `bound` of `position`, m."""
-        member = self._member(robot)
-        if member.status != "live":
-            raise RosterError(f"robot {robot} cannot be fenced: its disk is {member.status}")
-        self._put(replace(member, status="standing", position=position, bound=bound))
-
-    def announce(self, robot: int, radius: float, position: Vector, bound: float = 0.0) -> None:
-        """A disk is to appear; nothing is there until `put_up` says so.
-
-        Raises:
-            RosterError: the robot is in the workspace already.
-        """
-        known = self._members.get(robot)
-        if known is not None and known.status != "gone":
-            raise RosterError(f"robot {robot} cannot appear: its disk is {known.status}")
-        life = 0 if known is None else known.incarnation
-        self._put(Member(robot, life, "appearing", radius, position, bound))
-
-    def withdraw(self, robot: int) -> None:
-        """What was announced does not appear."""
-        if self._member(robot).status != "appearing":
-            raise RosterError(f"robot {robot} was not announced")
-        self._put(replace(self._members[robot], status="gone", position=None, bound=0.0))
-
-    def remove(self, robot: int) -> None:
-        """A standing disk was taken out of the workspace.
-
-        Raises:
-            RosterError: it was not fenced.
-        """
-        member = self._member(robot)
-        if member.status != "standing":
-            raise RosterError(f"robot {robot} cannot be removed: its disk is {member.status}; fence it first")
-        self._put(replace(member, status="gone", position=None, bound=0.0))
+    def follow(self, parts: tuple[PartPlace, ...] | None = None) -> None:
+        """Obstacles came, are to come, or went, or parts are elsewhere: say so in a new version."""
+        told = self.obstacles.changes, self._parts if parts is None else parts
+        if told != (self._changes, self._parts):
+            self._changes, self._parts = told
+            self.version += 1
 
     def acknowledge(self, robot: int, incarnation: int, version: int) -> None:
         """A life has heard a version."""
         if (incarnation, version) > self._heard.get(robot, (0, 0)) and version <= self.version:
             self._heard[robot] = (incarnation, version)
 
-    def put_up(self, robot: int) -> None:
-        """A disk that was announced is in its place, and stands from here on."""
-        self._put(replace(self._member(robot), status="standing"))
-
-    def follow_obstacles(self, obstacles: tuple[PlacedObstacle, ...]) -> None:
-        """Things came, are to come, or went: say so in a new version, once the run is founded."""
-        if obstacles != self._obstacles:
-            self._obstacles = obstacles
-            self.version += 1
-
-    def follow_parts(self, parts: tuple[PartPlace, ...]) -> None:
-        """Parts are elsewhere: say so in a new version, once the run is founded."""
-        if parts != self._parts:
-            self._parts = parts
-            self.version += 1
-
-    def resize(self, robot: int, radius: float) -> None:
-        """The disk of a robot that is there has another radius, m."""
-        member = self._member(robot)
-        if member.status not in ("live", "standing"):
-            raise RosterError(f"robot {robot} cannot change its size: its disk is {member.status}")
-        self._put(replace(member, radius=radius))
-
-    def radius(self, robot: int) -> float:
-        """Of the disk of a robot, m."""
-        return self._member(robot).radius
-
     def news(self, robot: int) -> messages.Roster | None:
         """The roster, if the newest life of `robot` has not heard it."""
-        member = self._members.get(robot)
+        member = self.members.get(robot)
         if member is not None and self._heard.get(robot) == (member.incarnation, self.version):
             return None
         return self.message
@@ -178,19 +182,6 @@ class Roster:
     def message(self) -> messages.Roster:
         """The present version."""
         if self._newest is None or self._newest.version != self.version:
-            members = tuple(self._members[robot] for robot in sorted(self._members))
-            self._newest = messages.Roster(self.version, members, self._obstacles, self._parts)
+            members = tuple(self.members[robot] for robot in sorted(self.members))
+            self._newest = messages.Roster(self.version, members, self._changes, self._parts)
         return self._newest
-
-    def _member(self, robot: int) -> Member:
-        if robot not in self._members:
-            raise RosterError(f"no robot {robot} in the roster; there are {_names(self._members)}")
-        return self._members[robot]
-
-    def _put(self, member: Member) -> None:
-        self._members[member.robot] = member
-        self.version += 1
-
-
-def _names(robots: Iterable[int]) -> str:
-    return ", ".join(map(str, sorted(robots))) or "none"

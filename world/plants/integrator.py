@@ -14,8 +14,7 @@ from protocol.draws import Purpose
 from protocol.messages import Vector
 from protocol.scenario.body import PRESETS
 from protocol.scenario.model import RobotSpec, Scenario
-from world.plants.disturbance import Uniforms, UnitDisk, truncated_normal
-from world.plants.plant import Report
+from world.plants.plant import Report, Uniforms, UnitDisk, truncated_normal
 
 STANDING: Vector = (0.0, 0.0)
 

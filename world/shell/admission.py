@@ -10,17 +10,16 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import inf
 
 from protocol import joining
 from protocol.errors import JoinError
 from protocol.messages import Health
-from world.coordinator.life import Fate, Life
-from world.shell.checkpoint import Checkpoint
-from world.shell.processes import Processes
-from world.shell.run import Run
+from world.coordinator.lives import Fate, Life
+from world.shell.checkpoint import Checkpoint, Processes
+from world.world import World
 
 AWAY = 60.0  # s that robots wait for a world that keeps a checkpoint to be started again
 RESERVATION = 2.0  # s between admission and liveliness token
@@ -47,7 +46,7 @@ class Admissions:
 
     Args:
         run: its name.
-        ids: of the robots.
+        world: of the run.
         lockstep, epoch: parts of each admission.
         clock: tells the time, s.
         checkpoint: of the world, if it keeps one: then robots wait for another world.
@@ -61,14 +60,15 @@ class Admissions:
     def __init__(
         self,
         run: str,
-        ids: Iterable[int],
+        world: World,
         lockstep: bool,
         clock: Callable[[], float] = time.monotonic,
         epoch: int = 0,
         checkpoint: Checkpoint | None = None,
         processes: Processes | None = None,
     ) -> None:
-        self.slots = {robot: Slot() for robot in ids}
+        self._world = world
+        self.slots = {robot: Slot() for robot in world.coordinator.lives.of}
         self._tokens: set[tuple[int, str]] = set()  # robots and sessions of the processes that are there
         self._former: set[int] = set()  # robots told to wait for their disks
         self._early: dict[int, float] = {}  # s, by the clock: newest request of each of these
@@ -82,21 +82,21 @@ class Admissions:
 
     # -- requests
 
-    def refusal(self, join: joining.Join, run: Run) -> joining.Reply | None:
+    def refusal(self, join: joining.Join) -> joining.Reply | None:
         """Why this process cannot take part, or not yet; None if it can."""
         robot = join.robot
         self.dismiss(robot)
-        status = run.world.coordinator.lives.status_of(robot)
+        status = self._world.coordinator.lives.roster.status(robot)
         if status in ("standing", "live"):
             self.expect(robot)  # also if its disk has appeared as the run ended, and no tick opens any more
         slot = self.slots.get(robot)
-        if self._fate(join, run) == "removed":
+        if self._fate(join) == "removed":
             return joining.Finished("removed")
         if status == "appearing":
             return self._wait(robot, f"the disk of robot {robot} has not appeared yet")
         if slot is None or status == "gone":
-            return self._nobody(join, run)
-        lives = run.world.coordinator.lives.of
+            return self._nobody(join)
+        lives = self._world.coordinator.lives.of
         taken = self.is_present(robot) and not self.processes.fate(robot, slot.session, lives)
         if taken and slot.session != join.session:
             return joining.Refusal(
@@ -108,22 +108,22 @@ class Admissions:
         """Whether no process was admitted for this robot after this one."""
         return self.processes.newest.get(join.robot) == join.session
 
-    def may_come(self, join: joining.Join, run: Run) -> bool:
+    def may_come(self, join: joining.Join) -> bool:
         """Whether this process may have a life, now or later."""
-        return not self._fate(join, run) and self.slots[join.robot].blamed[join.session] < CHANCES
+        return not self._fate(join) and self.slots[join.robot].blamed[join.session] < CHANCES
 
-    def _fate(self, join: joining.Join, run: Run) -> Fate:
-        return self.processes.fate(join.robot, join.session, run.world.coordinator.lives.of)
+    def _fate(self, join: joining.Join) -> Fate:
+        return self.processes.fate(join.robot, join.session, self._world.coordinator.lives.of)
 
-    def _nobody(self, join: joining.Join, run: Run) -> joining.Reply:
+    def _nobody(self, join: joining.Join) -> joining.Reply:
         """What the process of a robot is told that is not in the run, not yet or no more."""
         robot = join.robot
-        if run.world.coordinator.schedule.adds(robot) and not self._fate(join, run):
+        if self._world.coordinator.schedule.adds(robot) and not self._fate(join):
             return self._wait(robot, f"robot {robot} has not been added yet")
-        gone = run.world.coordinator.lives.status_of(robot) == "gone"
-        if gone or robot in self._former or robot in run.starters:
+        gone = self._world.coordinator.lives.roster.status(robot) == "gone"
+        if gone or robot in self._former:
             return joining.Finished("removed")
-        name, scenario = self._name, run.scenario.name
+        name, scenario = self._name, self._world.scenario.name
         return joining.Refusal(f"robot {robot} is not in scenario {scenario!r} of run {name!r}")
 
     def _wait(self, robot: int, reason: str) -> joining.Reply:
@@ -131,20 +131,20 @@ class Admissions:
         self._former.add(robot)
         return joining.Wait(_RETRY, reason)
 
-    def enlist(self, join: joining.Join, run: Run) -> joining.Reply:
+    def enlist(self, join: joining.Join) -> joining.Reply:
         """Admit a process that is not refused to the present run as a new life of its robot, or again as
         the life that it was given if it has not lived it yet: the reply was lost."""
-        robot, world, slot = join.robot, run.world, self.slots[join.robot]
+        robot, world, slot = join.robot, self._world, self.slots[join.robot]
         if slot.blamed[join.session] >= CHANCES:
             return joining.Refusal(f"robot {robot}: this process was given up {CHANCES} times; start another")
-        if reason := self._obstacle(join, run):
+        if reason := self._obstacle(join):
             return joining.Wait(_RETRY, reason)
         lives, newest = world.coordinator.lives, self.processes.newest.get(robot)
         before, goes_on = lives.of[robot].fate, lives.goes_on(robot, slot.granted)
         if goes_on and join.session == newest:
             if _lived(join) < slot.granted:
                 slot.session = join.session  # it lost its seat while the scenario held it still
-                return self._admission(slot, run)
+                return self._admission(slot)
             world.coordinator.lost(robot)  # as the process itself says
         elif goes_on or slot.session not in ("", join.session):
             world.coordinator.lost(
@@ -156,13 +156,13 @@ class Admissions:
             return joining.Refusal(str(error))
         slot.session, slot.since = join.session, self._clock()
         self.processes.admit(robot, join.session, before)
-        return self._admission(slot, run)
+        return self._admission(slot)
 
-    def _obstacle(self, join: joining.Join, run: Run) -> str:
+    def _obstacle(self, join: joining.Join) -> str:
         """Why a process has to wait; "" if it need not."""
         robot, slot = join.robot, self.slots[join.robot]
-        life = run.world.coordinator.lives.of[robot]
-        if self._fate(join, run):
+        life = self._world.coordinator.lives.of[robot]
+        if self._fate(join):
             return f"the scenario has ended this process of robot {robot}"
         if life.paused:
             return f"robot {robot} is paused by the scenario"
@@ -170,15 +170,17 @@ class Admissions:
         reserved = other and self._clock() < slot.since + RESERVATION
         return f"another process is joining as robot {robot}" if reserved else ""
 
-    def overview(self, run: Run) -> joining.Overview:
+    def overview(self) -> joining.Overview:
         """For monitors."""
-        goals = tuple(status for status in run.world.goal_statuses() if status.number)
-        return joining.Overview(run.scenario, self._lockstep, goals)
+        goals = tuple(status for status in self._world.goal_statuses() if status.number)
+        return joining.Overview(self._world.scenario, self._lockstep, goals)
 
-    def _admission(self, slot: Slot, run: Run) -> joining.Admission:
+    def _admission(self, slot: Slot) -> joining.Admission:
         away = AWAY if self._checkpoint is not None and self._checkpoint.kept else 0.0
-        founded = run.world.coordinator.lives.founded
-        return joining.Admission(slot.granted, self._lockstep, run.scenario, away, founded, self._epoch)
+        founded = self._world.coordinator.lives.founded
+        return joining.Admission(
+            slot.granted, self._lockstep, self._world.scenario, away, founded, self._epoch
+        )
 
     # -- presence
 

@@ -23,7 +23,7 @@ import hashlib
 import os
 import struct
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Final, NoReturn
@@ -34,13 +34,47 @@ from protocol.codec import DAMAGED
 from protocol.errors import CheckpointError
 from protocol.messages import Count, Epoch, Id
 from protocol.scenario.model import Scenario
-from world.shell.processes import Processes
+from world.coordinator.lives import Fate, Life
 from world.world import Past
 
 _MAGIC: Final = b"disknav checkpoint 1\n"
 _STATE: Final = 1 << 20  # bytes of each of the two places for a state; what is not written takes no room
 _FRAME: Final = struct.Struct("<QII")  # number and size of a state; CRC-32 of these, 0, and the state
+_KEPT: Final = 16  # earlier processes of a robot that are told what became of them
 _BOOT: Final = Path("/proc/sys/kernel/random/boot_id")
+
+
+class Processes(msgspec.Struct):
+    """Processes that were admitted, by the names that they gave themselves, and which never come back.
+
+    One that the scenario has ended may live on for a while, and so may one whose robot was removed: it is no
+    other life of its robot, and no life of another robot with the same id, however often a token, a router or
+    a world goes in between. What became of a robot's newest process its newest life says.
+    """
+
+    newest: dict[Id, str] = {}  # of each robot that had one
+    over: dict[Id, dict[str, Fate]] = {}  # earlier ones, in the order in which they were
+
+    def admit(self, robot: int, session: str, before: Fate) -> None:
+        """A process is the newest of a robot; `before` is what had become of the one before it."""
+        earlier = self.newest.get(robot, "")
+        if earlier != session:
+            self._keep(robot, earlier, before)
+        self.newest[robot] = session
+
+    def fate(self, robot: int, session: str, lives: Mapping[int, Life]) -> Fate:
+        """What became of a process; "" if it may be the robot's next life."""
+        life = lives.get(robot)
+        if life is not None and session == self.newest.get(robot):
+            return life.fate
+        return self.over.get(robot, {}).get(session, "")
+
+    def _keep(self, robot: int, session: str, fate: Fate) -> None:
+        if session and fate:
+            fates = self.over.setdefault(robot, {})
+            fates[session] = fate
+            if len(fates) > _KEPT:
+                del fates[next(iter(fates))]
 
 
 class Progress(msgspec.Struct, frozen=True):

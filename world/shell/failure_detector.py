@@ -32,6 +32,7 @@ class FailureDetector:
     """What is done about robots that are missing, by the world of the run at hand.
 
     Args:
+        run: at hand.
         admissions: whose tokens are there.
         pacing: the wait that begins again when a robot comes back.
         tell: sends each robot its Tick.
@@ -47,6 +48,7 @@ class FailureDetector:
 
     def __init__(
         self,
+        run: Run,
         admissions: Admissions,
         pacing: Pacing,
         tell: Callable[[Mapping[int, Tick]], None],
@@ -58,60 +60,62 @@ class FailureDetector:
         say: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.expected = Counter[int]()
+        self._run = run
         self._admissions, self._pacing, self._tell, self._say = admissions, pacing, tell, say
         self._gathering, self._patience, self._grace = gathering, patience, grace
         self._restarts = restarts if pacing.lockstep else 0
 
     # -- tokens
 
-    def arrive(self, robot: int, session: str, run: Run) -> None:
+    def arrive(self, robot: int, session: str) -> None:
         """A token is there. If it is the last that was missing, what was said meanwhile is lost."""
         if not self._admissions.arrive(robot, session):
             return
-        if run.opened and self._pacing.lockstep and not self._admissions.missing():
+        if self._run.opened and self._pacing.lockstep and not self._admissions.missing():
             self._pacing.begin_again()
-            self._tell(run.world.open_tick())
+            self._tell(self._run.world.open_tick())
 
-    def miss(self, robot: int, session: str, run: Run) -> None:
+    def miss(self, robot: int, session: str) -> None:
         """A token is gone; with it the process, unless its life goes on and there is a grace."""
         if not self._admissions.go(robot, session):
             return
-        if self._grace and run.world.coordinator.lives.goes_on(robot, self._admissions.slots[robot].granted):
+        granted = self._admissions.slots[robot].granted
+        if self._grace and self._run.world.coordinator.lives.goes_on(robot, granted):
             self._admissions.miss(robot)
         else:
-            self._gone(robot, run)
+            self._gone(robot)
 
-    def supersede(self, join: Join, run: Run) -> None:
+    def supersede(self, join: Join) -> None:
         """A new process of a robot asks to join: give up the robot's missing process at once."""
         robot = join.robot
         others = join.session != self._admissions.slots[robot].session
-        if others and robot in self._admissions.missing() and self._admissions.may_come(join, run):
-            self._gone(robot, run)
+        if others and robot in self._admissions.missing() and self._admissions.may_come(join):
+            self._gone(robot)
 
-    def look(self, now: float, run: Run) -> None:
+    def look(self, now: float) -> None:
         """Give up each robot that is missing for longer than the grace. If others are missing that may come
         back, no timeout runs, except by the clock of real time: no other robot can go on, either."""
         for robot in self._admissions.missing(self._grace):
-            self._gone(robot, run)
-        by_the_clock = run.opened and not self._pacing.lockstep
+            self._gone(robot)
+        by_the_clock = self._run.opened and not self._pacing.lockstep
         if self._admissions.missing() and not by_the_clock:
             self._pacing.since = now
 
-    def _gone(self, robot: int, run: Run) -> None:
+    def _gone(self, robot: int) -> None:
         self._admissions.leave(robot)
-        self._give_up({robot: "has gone: it ended, or is cut off"}, run)
-        self._expect(robot, run)
+        self._give_up({robot: "has gone: it ended, or is cut off"})
+        self._expect(robot)
 
     # -- gathering and answers
 
-    def gather(self, run: Run) -> dict[int, Tick] | None:
+    def gather(self) -> dict[int, Tick] | None:
         """What robots are told when the next tick opens; None while it waits for a robot. Real time waits
         for none once it has begun; a later robot joins then."""
-        world = run.world
+        world = self._run.world
         if not world.coordinator.lives.founded and self._admissions.absent():
             return None
         ticks = world.open_tick()
-        if not self._absent(run):
+        if not self._absent():
             return ticks
         if self._pacing.lockstep or world.tick == 0:
             # a fenced life that the scenario wants back must learn that it has to join again
@@ -122,59 +126,59 @@ class FailureDetector:
             world.coordinator.give_up_waiting(robot)
         return world.open_tick()
 
-    def wait(self, now: float, run: Run) -> None:
+    def wait(self, now: float) -> None:
         """A tick has not ended, or not opened: tell it again, and in time give up the robots it waits for."""
-        if run.opened:
+        if self._run.opened:
             if now > self._pacing.since + self._patience and self._pacing.has_repeated:
-                self._lose_patience(run)
+                self._lose_patience()
             elif self._pacing.repeats():
-                self._tell(run.world.open_tick())
-        elif not self._absent(run):
+                self._tell(self._run.world.open_tick())
+        elif not self._absent():
             self._pacing.since = now  # held back by a viewer, not by a robot
         elif now > self._pacing.since + self._gathering:
-            self._give_up_gathering(run)
+            self._give_up_gathering()
 
-    def _absent(self, run: Run) -> frozenset[int]:
+    def _absent(self) -> frozenset[int]:
         """Robots that have to be there and are not: not joined, or joined without a token."""
-        world, absent = run.world, self._admissions.absent()
+        world, absent = self._run.world, self._admissions.absent()
         return world.coordinator.lives.awaited | (
             absent & frozenset(world.coordinator.active) if world.coordinator.lives.founded else absent
         )
 
-    def _lose_patience(self, run: Run) -> None:
+    def _lose_patience(self) -> None:
         """Give up the robots that block the open tick, and restart the timeout for the others."""
-        blamed = run.world.coordinator.blamed()
+        blamed = self._run.world.coordinator.blamed()
         for robot in blamed:
             self._admissions.blame(robot)
         self._pacing.begin_again()
-        self._give_up(blamed, run)
+        self._give_up(blamed)
 
-    def _give_up_gathering(self, run: Run) -> None:
+    def _give_up_gathering(self) -> None:
         """Give up the absent robots after the timeout; abort a run whose first tick has not begun."""
-        world, absent = run.world, sorted(self._absent(run))
+        world, absent = self._run.world, sorted(self._absent())
         if world.tick == 0:
             names = ", ".join(map(str, absent))
             world.finish("aborted", f"no sign of robot {names} within {self._gathering:g} s")
         reason = f"gave no sign within {self._gathering:g} s"
         for robot in absent:
             if world.coordinator.give_up_waiting(robot, reason) or world.coordinator.lost(robot, reason):
-                self._tell_person(robot, reason, run)
+                self._tell_person(robot, reason)
 
-    def _give_up(self, robots: Mapping[int, str], run: Run) -> None:
+    def _give_up(self, robots: Mapping[int, str]) -> None:
         """Exclude these robots, with reasons; send the open tick again to robots awaiting their States."""
-        world, running = run.world, run.phase is Phase.RUNNING
+        world, running = self._run.world, self._run.phase is Phase.RUNNING
         for robot, reason in robots.items():
             if world.coordinator.lost(robot, reason if running else "") and running:
-                self._tell_person(robot, reason, run)
-        if run.opened and self._pacing.lockstep:
+                self._tell_person(robot, reason)
+        if self._run.opened and self._pacing.lockstep:
             waiting = world.coordinator.waiting
             self._tell({r: m for r, m in world.open_tick().items() if r in waiting})
 
-    def _expect(self, robot: int, run: Run) -> None:
+    def _expect(self, robot: int) -> None:
         """Wait for the next life of a robot that is started again."""
-        running = run.phase is Phase.RUNNING
-        if running and self.expected[robot] < self._restarts and run.world.coordinator.expect(robot):
+        running = self._run.phase is Phase.RUNNING
+        if running and self.expected[robot] < self._restarts and self._run.world.coordinator.expect(robot):
             self.expected[robot] += 1
 
-    def _tell_person(self, robot: int, reason: str, run: Run) -> None:
-        self._say(f"tick {run.world.tick}: gives up robot {robot}, which {reason}")
+    def _tell_person(self, robot: int, reason: str) -> None:
+        self._say(f"tick {self._run.world.tick}: gives up robot {robot}, which {reason}")

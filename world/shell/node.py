@@ -38,8 +38,7 @@ from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDete
 from world.shell.operations import Operations
 from world.shell.pacing import Pacing
 from world.shell.publishers import Publishers
-from world.shell.run import Phase, Run, drawn_epoch
-from world.shell.shutdown import Shutdown
+from world.shell.run import Phase, Run, Shutdown, drawn_epoch
 from world.world import World
 
 
@@ -97,20 +96,23 @@ class WorldNode:
         lives, epoch = self._run.world.coordinator.lives, drawn_epoch()
         self._epoch, self._epochs, self._session = epoch, (*before.epochs, epoch), session_of(epoch)
         self._own = {session_of(each) for each in self._epochs}  # tokens of dead worlds may still go
-        self._admissions = Admissions(run, lives.of, lockstep, clock, epoch, checkpoint, before.processes)
-        ids = {*scenario.ids, *lives.of, *(each.robot for each in lives.roster.members)}
+        self._admissions = Admissions(
+            run, self._run.world, lockstep, clock, epoch, checkpoint, before.processes
+        )
+        ids = {*scenario.ids, *lives.of, *lives.roster.members}
         ids.update(spec.id for spec in scenario.newcomers)
         self._publishers = Publishers(bus, run, ids, epoch)
         self._operations = Operations(
             bus,
             run,
-            self._admissions,
+            self._run,
             self._publishers,
             self._pacing,
             say=say,
             note=note,
         )
         self._failures = FailureDetector(
+            self._run,
             self._admissions,
             self._pacing,
             self._tell_again,
@@ -120,8 +122,8 @@ class WorldNode:
             restarts=restarts,
             say=say,
         )
-        self._shutdown = Shutdown(self._admissions, self._pacing)
-        self._operations.begin(self._run)
+        self._shutdown = Shutdown(self._run, self._admissions, self._pacing)
+        self._operations.begin()
         self._pacing.wait()
         if before.epochs:
             self._remember(before)
@@ -202,15 +204,15 @@ class WorldNode:
             self._run.rejected["identity"] += 1
             return
         elif event.alive:
-            self._failures.arrive(robot, session, self._run)
+            self._failures.arrive(robot, session)
         else:
-            self._failures.miss(robot, session, self._run)
+            self._failures.miss(robot, session)
         self._advance()
 
     def _on_world(self, session: str, alive: bool) -> None:
         """Another world came or went. Of two that have not begun, as of two that are started at the same
         time, one leaves."""
-        self._operations.on_world(session, alive, self._run)
+        self._operations.on_world(session, alive)
         founded = self._run.world.coordinator.lives.founded
         if alive and not founded and session < self._session:
             self.refused = self.finished = True
@@ -220,7 +222,7 @@ class WorldNode:
         try:
             address = parse(request.key)
             if self._operations.answers(address):
-                return self._operations.reply(address, request.payload, self._run)
+                return self._operations.reply(address, request.payload)
             return joining.encode_reply(self._answer(address, request.payload))
         except KeyGrammarError as error:
             text = str(error)
@@ -231,33 +233,31 @@ class WorldNode:
 
     def _answer(self, asked: Address, payload: bytes) -> joining.Reply:
         if asked.stream == "scenario":
-            return self._admissions.overview(self._run)
+            return self._admissions.overview()
         if asked.robot is None or asked.stream != "join":
             raise KeyGrammarError(f"nothing can be asked for under {asked.stream!r}")
         join = joining.decode_request(asked.robot, payload)
-        refusal = self._admissions.refusal(join, self._run)
+        refusal = self._admissions.refusal(join)
         if isinstance(refusal, joining.Finished) and self._admissions.is_newest(join):
             self._run.world.coordinator.dismiss(join.robot)
         if refusal is not None:
-            return self._shutdown.instead(refusal, join.robot, self._run)
-        self._failures.supersede(join, self._run)
-        self._shutdown.take_report(join, self._run)
+            return self._shutdown.instead(refusal, join.robot)
+        self._failures.supersede(join)
+        self._shutdown.take_report(join)
         self._conclude_in_time()
-        run, admissions = self._run, self._admissions
-        return (
-            self._shutdown.reply(join, run) or admissions.refusal(join, run) or admissions.enlist(join, run)
-        )
+        admissions = self._admissions
+        return self._shutdown.reply(join) or admissions.refusal(join) or admissions.enlist(join)
 
     # -- the clock
 
     def wake(self, now: float) -> None:
         self._pacing.look_again(now)
-        self._failures.look(now, self._run)
+        self._failures.look(now)
         if self._run.phase is not Phase.RUNNING:
             self._announce_end()
         elif self._lockstep or not self._run.opened:
             self._inform(due=True)
-            self._failures.wait(now, self._run)
+            self._failures.wait(now)
             if self._run.world.verdict:
                 self._end()
         elif not (self.world.coordinator.waiting and self._pacing.prolongs(self.world.tick, now)):
@@ -273,7 +273,7 @@ class WorldNode:
                 return
             self._close()
         self._conclude_in_time()
-        if self._shutdown.is_over(self._run):
+        if self._shutdown.is_over():
             self.finished = True
 
     @property
@@ -287,7 +287,7 @@ class WorldNode:
         run = self._run
         for robot in run.world.coordinator.newcomers:
             self._admissions.expect(robot)
-        ticks = self._failures.gather(run)
+        ticks = self._failures.gather()
         self._save()
         if ticks is None:
             return False
@@ -338,25 +338,25 @@ class WorldNode:
 
     def _end(self) -> None:
         self._save()
-        self._shutdown.begin(self._run)
+        self._shutdown.begin()
         self._announce_end()
 
     def _announce_end(self) -> None:
         """Publish the end of the run (again): a Clock to monitors, a final Tick to robots that lack it."""
         self._inform(due=True)
-        self._publishers.ticks(self._shutdown.final_ticks(self._run))
+        self._publishers.ticks(self._shutdown.final_ticks())
 
     def _conclude_in_time(self) -> None:
-        if self._shutdown.is_reported(self._run):
+        if self._shutdown.is_reported():
             self._conclude()
 
     def _conclude(self) -> None:
         """Publish the result, and have the robots leave."""
         if self._run.phase is not Phase.SHUTDOWN:
             return
-        report = self._shutdown.report(self._run, self._publishers.published)
+        report = self._shutdown.report(self._publishers.published)
         self.report = report
         self._note(f"scenario {report['scenario']!r} ends: {report['verdict']} {report['reason']}".rstrip())
         self._tell(report)
         self._publishers.result(report)
-        self._shutdown.close(self._run)
+        self._shutdown.close()

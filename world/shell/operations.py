@@ -11,8 +11,7 @@ from protocol.errors import MessageError
 from protocol.keys import Address, robot_key
 from protocol.operations import Outcome, Reply, decode_operation, decode_steer, encode_reply
 from protocol.scenario.model import Operation
-from world.coordinator.surroundings import present
-from world.shell.admission import Admissions
+from world.coordinator.roster import present
 from world.shell.pacing import Pacing
 from world.shell.publishers import Publishers
 from world.shell.run import Phase, Run
@@ -25,8 +24,8 @@ class Operations:
 
     Args:
         bus: where another robot is heard.
-        run: its name.
-        admissions, publishers, pacing: of the world.
+        name: of the run.
+        run, publishers, pacing: of the world.
         say: takes what a person should know.
         note: takes what is worth a line in a log.
     """
@@ -34,16 +33,16 @@ class Operations:
     def __init__(
         self,
         bus: Bus,
-        run: str,
-        admissions: Admissions,
+        name: str,
+        run: Run,
         publishers: Publishers,
         pacing: Pacing,
         *,
         say: Callable[[str], None],
         note: Callable[[str], None],
     ) -> None:
-        self._bus, self._name = bus, run
-        self._admissions, self._publishers, self._pacing = admissions, publishers, pacing
+        self._bus, self._name, self._run = bus, name, run
+        self._publishers, self._pacing = publishers, pacing
         self._say, self._note = say, note
         self._rivals: set[str] = set()  # sessions of other worlds of this run
 
@@ -51,7 +50,7 @@ class Operations:
         """Whether a question is an operator's."""
         return address.robot is None and address.stream in ("operation", "steering")
 
-    def reply(self, address: Address, payload: bytes, run: Run) -> bytes:
+    def reply(self, address: Address, payload: bytes) -> bytes:
         """Do what is asked, and say what came of it.
 
         Raises:
@@ -63,32 +62,32 @@ class Operations:
             return encode_reply(self._pacing.steering, payload)
         try:
             operation = decode_operation(payload)
-            outcome = Outcome(True) if operation is None else self._operate(operation, run)
+            outcome = Outcome(True) if operation is None else self._operate(operation)
         except MessageError as error:
-            run.rejected[error.reason] += 1
+            self._run.rejected[error.reason] += 1
             outcome = Outcome(False, text=str(error))
-        world = run.world
+        world = self._run.world
         state = Reply(
             **msgspec.structs.asdict(outcome),
             tick=world.tick,
             halted=world.coordinator.halted,
             moving=world.moving,
-            roster=world.coordinator.lives.roster,
+            roster=world.coordinator.lives.roster.message,
             obstacles=present(world.scenario.shapes, world.coordinator.lives.obstacles.changes),
             goals=world.goal_statuses(),
         )
         return encode_reply(state, payload)
 
-    def _operate(self, operation: Operation, run: Run) -> Outcome:
-        world, asked = run.world, f"tick {run.world.tick}: {operation}"
+    def _operate(self, operation: Operation) -> Outcome:
+        world, asked = self._run.world, f"tick {self._run.world.tick}: {operation}"
         if operation.halt is not None:
             if operation.halt != world.coordinator.stopped:
                 self._say(asked)
             outcome = world.operate(operation)
-            self._publishers.watched(run.clock(), world.news())
+            self._publishers.watched(self._run.clock(), world.news())
             contested = world.coordinator.contested and not operation.halt
             return Outcome(False, text=OTHER_WORLD) if contested else outcome
-        if run.phase is not Phase.RUNNING:
+        if self._run.phase is not Phase.RUNNING:
             outcome = Outcome(False, text="the run is over")
         else:
             outcome = world.operate(operation)
@@ -104,17 +103,16 @@ class Operations:
             self._bus.subscribe(robot_key(self._name, robot, "command"))
         self._publishers.add(robot)
 
-    def on_world(self, session: str, alive: bool, run: Run) -> None:
+    def on_world(self, session: str, alive: bool) -> None:
         """Another world of this run is on the network, or has left it."""
         before = bool(self._rivals)
         (self._rivals.add if alive else self._rivals.discard)(session)
         if bool(self._rivals) != before:
-            self._say(
-                f"tick {run.world.tick}: {OTHER_WORLD if alive else 'the other world has left; goes on'}"
-            )
-        self.begin(run)
-        self._publishers.watched(run.clock(), run.world.news())
+            what = OTHER_WORLD if alive else "the other world has left; goes on"
+            self._say(f"tick {self._run.world.tick}: {what}")
+        self.begin()
+        self._publishers.watched(self._run.clock(), self._run.world.news())
 
-    def begin(self, run: Run) -> None:
+    def begin(self) -> None:
         """Have the robots of a run stand if there is another world."""
-        run.world.contest(bool(self._rivals))
+        self._run.world.contest(bool(self._rivals))

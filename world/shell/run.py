@@ -1,4 +1,9 @@
-"""The run of one world."""
+"""The run of one world, and its end: robots report, then hear that there is nothing more to do.
+
+A robot learns from a Tick that the run is over, and asks to join again with its report in hand. It is told
+to ask again until all have reported, then the verdict. Both waits are bounded, for a robot that does not come
+is no reason to keep the others.
+"""
 
 from __future__ import annotations
 
@@ -9,9 +14,12 @@ from collections.abc import Iterable
 from enum import Enum
 from typing import Any
 
+from protocol import joining
 from protocol.messages import Clock, Health, Tick
 from protocol.scenario.model import Scenario
 from world.report import result_of
+from world.shell.admission import Admissions
+from world.shell.pacing import Pacing
 from world.world import Past, World
 
 
@@ -51,7 +59,6 @@ class Run:
 
     Attributes:
         phase: how far the run is.
-        starters: robots with which it begins.
         opened: whether the present tick has begun.
         began: s, monotonic: when its first tick began, or when it was prepared.
         received, rejected: commands accepted, and payloads refused by reason.
@@ -60,7 +67,6 @@ class Run:
     def __init__(self, scenario: Scenario, past: Past = Past(), *, returning: float = 0.0) -> None:
         self.phase = Phase.RUNNING
         self.world = World(scenario, past, returning=returning)
-        self.starters = frozenset(scenario.ids)
         self.opened = False
         self.began = time.monotonic()
         self.received = 0
@@ -80,7 +86,7 @@ class Run:
             world.tick,
             seconds,
             world.coordinator.active,
-            world.coordinator.lives.standing,
+            world.coordinator.lives.roster.standing,
             world.verdict,
             truth.clearance,
             truth.phi,
@@ -110,3 +116,77 @@ class Run:
         report["messages"] = traffic(healths, published, self.received, self.rejected)
         report["wall_time"] = ended - self.began
         return report
+
+
+SHUTDOWN = 2.0  # s that robots have to report after the end, and to hear that it is over
+_ASK_AGAIN = 0.005  # s, for robots that have reported while others have not
+
+
+class Shutdown:
+    """Which robots have reported and which have been notified, and whether that is enough.
+
+    Args:
+        run: that ends.
+        admissions: where reports and notifications are kept, by robot.
+        pacing: for how long has been waited.
+    """
+
+    def __init__(self, run: Run, admissions: Admissions, pacing: Pacing) -> None:
+        self._run, self._admissions, self._pacing = run, admissions, pacing
+
+    def begin(self) -> None:
+        """There is a verdict: robots are to report."""
+        self._run.phase = Phase.SHUTDOWN
+        self._pacing.wait()
+
+    def close(self) -> None:
+        """The result is published: robots are to leave."""
+        self._run.phase = Phase.CLOSING
+        self._pacing.wait()
+
+    def take_report(self, join: joining.Join) -> None:
+        """A process that asks to join brings its report of the life that it has ended, if any."""
+        if self._run.phase is Phase.SHUTDOWN:
+            slot = self._admissions.slots[join.robot]
+            slot.health = join.health or slot.health
+
+    def reply(self, join: joining.Join) -> joining.Reply | None:
+        """What a process that asks to join is told while a run ends; None while it runs."""
+        if self._run.phase is Phase.SHUTDOWN:
+            return joining.Wait(_ASK_AGAIN, "the run is being wound up")
+        if self._run.phase is Phase.CLOSING:
+            self._admissions.slots[join.robot].notified = True
+            return joining.Finished(self._run.world.verdict)
+        return None
+
+    def instead(self, refusal: joining.Reply, robot: int) -> joining.Reply:
+        """What a process is told that cannot take part: at the end there is nothing to wait for."""
+        if self._run.phase is not Phase.CLOSING or not isinstance(refusal, joining.Wait):
+            return refusal
+        self._admissions.dismiss(robot)
+        return joining.Finished(self._run.world.verdict)
+
+    def final_ticks(self) -> dict[int, Tick]:
+        """Ticks that tell the end of the run to robots that have not shown that they know it."""
+        admissions, reporting = self._admissions, self._run.phase is Phase.SHUTDOWN
+        return self._run.final_ticks(admissions.owing_health() if reporting else admissions.unnotified())
+
+    def is_reported(self) -> bool:
+        """Whether the robots have reported, or had the time to."""
+        return self._run.phase is Phase.SHUTDOWN and (
+            not self._admissions.owing_health() or self._is_overdue()
+        )
+
+    def is_over(self) -> bool:
+        """Whether the processes know that there is nothing more to do, or had the time to hear it."""
+        admissions = self._admissions
+        left = not (admissions.unnotified() or admissions.is_asked_soon())
+        return self._run.phase is Phase.CLOSING and (left or self._is_overdue())
+
+    def report(self, published: int) -> dict[str, Any]:
+        """What came of the run up to its verdict, with what the robots reported."""
+        healths = (slot.health for slot in self._admissions.slots.values())
+        return self._run.report(healths, published, self._pacing.since)
+
+    def _is_overdue(self) -> bool:
+        return self._pacing.waited() > SHUTDOWN

@@ -16,7 +16,7 @@ from agents.lines.own_set import Polygon, around
 from protocol.line import ROUNDING, HalfPlane
 from protocol.messages import Sense
 from tests.interpreted import interpreted
-from world.plants.disturbance import truncated_normal
+from world.plants.plant import truncated_normal
 
 W, SPEED, PERIOD = 0.26, 0.1, 0.05
 REACH = SPEED * PERIOD

@@ -20,8 +20,7 @@ import msgspec
 from protocol.messages import Command
 from protocol.scenario.model import Scenario
 from tests.benchmarks.fleets import measure, scenario
-from world.shell.checkpoint import Checkpoint, Progress
-from world.shell.processes import Processes
+from world.shell.checkpoint import Checkpoint, Processes, Progress
 from world.world import World
 
 _TICKS = 64

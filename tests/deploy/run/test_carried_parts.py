@@ -48,7 +48,7 @@ def test_a_part_of_one_that_dies_is_taken_over() -> None:
     fleet.kill(dead)
     report = finished(fleet)
     assert report["min_clearance"] > 0.0
-    members = {each.robot: each for each in fleet.world.world.coordinator.lives.roster.members}
+    members = {each.robot: each for each in fleet.world.world.coordinator.lives.roster.message.members}
     assert (members[dead].status, members[dead].radius) == ("standing", SCENARIO.spec(dead).radius)
 
 

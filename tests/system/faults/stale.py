@@ -16,7 +16,7 @@ from protocol.joining import Join, Reply, decode_reply, encode_request
 from protocol.keys import robot_key
 from protocol.scenario.model import ProcessFault, RobotSpec, Scenario
 from tests.system.orders.guests import SWAP
-from world.coordinator.life import Life
+from world.coordinator.lives import Life
 from world.shell.checkpoint import Checkpoint
 
 ENDLESS = replace(SWAP, time=replace(SWAP.time, endless=True))
@@ -73,7 +73,7 @@ def life(fleet: LocalFleet, robot: int = 2) -> Life:
 
 
 def status(fleet: LocalFleet, robot: int = 2) -> str:
-    return fleet.world.world.coordinator.lives.status_of(robot)
+    return fleet.world.world.coordinator.lives.roster.status(robot)
 
 
 def answer(fleet: LocalFleet, session: str, robot: int = 2) -> Reply:

@@ -15,7 +15,7 @@ from tests.system.orders.guests import GUEST, GUESTED, SWAP, status, step, to_be
 from tests.system.orders.turnover import asked
 from tests.world.stopwatch import Stopwatch
 from world.shell.admission import Admissions
-from world.shell.run import Run
+from world.world import World
 
 
 def test_a_process_that_is_there_before_its_disk_waits_for_it() -> None:
@@ -93,16 +93,16 @@ def test_a_guest_that_appears_as_the_run_ends_is_told_that_it_is_over() -> None:
 
 def test_a_process_that_has_died_before_its_order_keeps_nobody_waiting() -> None:
     clock = Stopwatch()
-    admissions, run = Admissions("r", SWAP.ids, True, clock), Run(GUESTED)
-    reply = admissions.refusal(Join(7, "dies", None), run)
+    admissions = Admissions("r", World(GUESTED), True, clock)
+    reply = admissions.refusal(Join(7, "dies", None))
     assert isinstance(reply, Wait)
     assert not admissions.missing()
     assert 7 not in admissions.absent()
     assert admissions.is_asked_soon()
     clock.now = reply.after * 10
     assert not admissions.is_asked_soon()
-    admissions.refusal(Join(7, "lives", None), run)
+    admissions.refusal(Join(7, "lives", None))
     admissions.expect(7)
     assert admissions.is_asked_soon()
-    assert admissions.refusal(Join(7, "lives", None), run) is None  # its disk is there
+    assert admissions.refusal(Join(7, "lives", None)) is None  # its disk is there
     assert not admissions.is_asked_soon()

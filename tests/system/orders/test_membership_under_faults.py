@@ -76,9 +76,12 @@ def test_a_restarted_world_knows_who_came_and_went(tmp_path: Path) -> None:
     fleet.start_world()
     after = fleet.world.world
     assert after.truth == before.truth
-    assert [
-        (each.robot, each.incarnation, each.radius) for each in after.coordinator.lives.roster.members
-    ] == [(each.robot, each.incarnation, each.radius) for each in before.coordinator.lives.roster.members]
+    then, now = (
+        before.coordinator.lives.roster.message.members,
+        after.coordinator.lives.roster.message.members,
+    )
+    for one, other in zip(then, now, strict=True):
+        assert (one.robot, one.incarnation, one.radius) == (other.robot, other.incarnation, other.radius)
     report = fleet.execute()
     assert (report["verdict"], report["collisions"], report["robots"]) == ("arrived", 0, [2, 3, 4, 7])
 

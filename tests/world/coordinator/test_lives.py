@@ -33,9 +33,9 @@ def test_a_lost_robot_stands_and_is_fenced_after_its_silence():
     world.coordinator.lost(2)
     stood = place(world, 2)
     advance_to(world, 2 + FENCE)
-    assert (world.coordinator.active, world.coordinator.lives.standing) == ((1,), ())
+    assert (world.coordinator.active, world.coordinator.lives.roster.standing) == ((1,), ())
     advance_to(world, 3 + FENCE)
-    assert world.coordinator.lives.standing == (Standing(2, 1, stood),)
+    assert world.coordinator.lives.roster.standing == (Standing(2, 1, stood),)
     told = world.open_tick()
     assert told[1].roster == told[2].roster  # it may still listen
     assert told[1].roster.members[1] == Member(2, 1, "standing", 0.04, stood)
@@ -84,7 +84,7 @@ def test_a_live_robot_that_sends_nothing_is_fenced_too():
         assert world.open_tick()[1].active == (1, 2)
         world.accept(Command(1, 1, tick, (0.0, 0.0)))
         world.close_tick()
-    assert [down.robot for down in world.coordinator.lives.standing] == [2]
+    assert [down.robot for down in world.coordinator.lives.roster.standing] == [2]
     assert world.open_tick()[1].active == (1,)
     assert result_of(world)["missed_commands"] == FENCE
 
@@ -97,7 +97,7 @@ def test_one_command_in_time_keeps_a_robot_from_being_fenced():
         if tick % FENCE == FENCE - 1:
             assert world.accept(Command(2, 1, tick, (0.0, 0.0)))
         world.close_tick()
-    assert world.coordinator.lives.standing == ()
+    assert world.coordinator.lives.roster.standing == ()
 
 
 def test_a_fenced_robot_joins_again_as_a_new_life():
@@ -106,7 +106,7 @@ def test_a_fenced_robot_joins_again_as_a_new_life():
     world.coordinator.lost(2)
     advance_to(world, 2 + FENCE)
     assert world.coordinator.join(2) == 2
-    assert world.coordinator.lives.standing == ()
+    assert world.coordinator.lives.roster.standing == ()
     told = world.open_tick()
     assert (told[2].incarnation, told[1].active) == (2, (1, 2))
     assert not world.accept(Command(2, 1, world.tick, (0.1, 0.0)))
@@ -132,11 +132,11 @@ def test_a_new_life_is_given_its_own_time_before_it_is_fenced():
     advance_to(world, 10)
     world.coordinator.join(2)
     for tick in range(10, 10 + FENCE):
-        assert world.coordinator.lives.standing == ()
+        assert world.coordinator.lives.roster.standing == ()
         world.open_tick()
         world.accept(Command(1, 1, tick, (0.0, 0.0)))
         world.close_tick()
-    assert world.coordinator.lives.standing == (Standing(2, 2, (-0.1, -0.1)),)
+    assert world.coordinator.lives.roster.standing == (Standing(2, 2, (-0.1, -0.1)),)
 
 
 def test_kill_excludes_from_its_tick_on_and_the_dead_are_told_nothing():
@@ -148,7 +148,7 @@ def test_kill_excludes_from_its_tick_on_and_the_dead_are_told_nothing():
     advance_to(world, 15)
     assert place(world, 2) == stood
     assert world.open_tick().keys() == {1}
-    assert [down.robot for down in world.coordinator.lives.standing] == [2]
+    assert [down.robot for down in world.coordinator.lives.roster.standing] == [2]
     assert result_of(world)["faults"]["process"] == [{"robot": 2, "at": 5 * STEP, "event": "kill", "tick": 5}]
     assert world.coordinator.join(2) == 2  # an operator may start it again
 
@@ -163,7 +163,7 @@ def test_a_short_pause_ends_in_the_same_life():
     advance_to(world, 6)
     told = world.open_tick()
     assert world.coordinator.lives.awaited == frozenset()
-    assert (told[2].incarnation, told[2].active, world.coordinator.lives.standing) == (1, (1, 2), ())
+    assert (told[2].incarnation, told[2].active, world.coordinator.lives.roster.standing) == (1, (1, 2), ())
 
 
 def test_a_long_pause_ends_in_a_new_life():
@@ -173,7 +173,7 @@ def test_a_long_pause_ends_in_a_new_life():
     assert world.coordinator.lives.awaited == {2}
     assert told.keys() == {2}  # it learns that it was fenced; nobody else begins the tick
     assert told[2].roster.members[1].position == place(world, 2)
-    assert world.coordinator.lives.standing == (Standing(2, 1, place(world, 2)),)
+    assert world.coordinator.lives.roster.standing == (Standing(2, 1, place(world, 2)),)
     assert world.coordinator.join(2) == 2
     assert world.open_tick()[1].active == (1, 2)
 
@@ -212,7 +212,7 @@ def test_waiting_may_be_given_up_and_the_robot_may_still_come():
     world.open_tick()
     assert world.coordinator.active == (1,)
     advance_to(world, 10)
-    assert [down.robot for down in world.coordinator.lives.standing] == [2]
+    assert [down.robot for down in world.coordinator.lives.roster.standing] == [2]
     assert world.coordinator.join(2) == 2
     world.open_tick()
     assert world.coordinator.active == (1, 2)
@@ -223,7 +223,7 @@ def test_a_robot_that_never_starts_is_a_disk_that_stands():
     world.coordinator.give_up_waiting(2)
     assert world.open_tick().keys() == {1}
     advance_to(world, FENCE)
-    assert world.coordinator.lives.standing == (Standing(2, 0, (-0.1, -0.1)),)
+    assert world.coordinator.lives.roster.standing == (Standing(2, 0, (-0.1, -0.1)),)
 
 
 @pytest.mark.parametrize("event", ["kill", "pause", "restart"])

@@ -43,11 +43,11 @@ def tick(
 
 
 def radius(found: World, robot: int) -> float:
-    return next(each.radius for each in found.coordinator.lives.roster.members if each.robot == robot)
+    return found.coordinator.lives.roster.members[robot].radius
 
 
 def where(found: World) -> PartPlace:
-    (place,) = found.coordinator.lives.roster.parts
+    (place,) = found.coordinator.lives.roster.message.parts
     return place
 
 
@@ -67,9 +67,9 @@ def test_a_part_that_is_taken_up_is_gone_and_its_carrier_larger() -> None:
 )
 def test_what_cannot_be_handled_stays(robot: int, handling: Handling) -> None:
     found = world()
-    before = found.coordinator.lives.roster
+    before = found.coordinator.lives.roster.message
     tick(found, {robot: handling})
-    assert found.coordinator.lives.roster == before
+    assert found.coordinator.lives.roster.message == before
 
 
 def test_nobody_handles_parts_in_an_emergency_stop() -> None:
@@ -107,7 +107,7 @@ def test_who_dies_stands_with_what_it_carries_until_another_takes_it() -> None:
     _move(found, 2, (0.0, -0.095))
     for _ in range(5):
         tick(found, {2: TAKE}, silent=(1,))
-    assert found.coordinator.lives.status_of(1) == "standing"
+    assert found.coordinator.lives.roster.status(1) == "standing"
     assert (where(found).carrier, radius(found, 1), radius(found, 2)) == (2, SMALL, LARGE)
 
 
@@ -124,7 +124,7 @@ def test_who_leaves_with_this_tick_takes_nothing_up() -> None:
     assert found.operate(Operation(remove=1)).text == ""
     assert found.accept(Command(1, told[1].incarnation, found.tick, (0.0, 0.0), handles=TAKE))
     found.close_tick()
-    assert found.coordinator.lives.status_of(1) == "gone"
+    assert found.coordinator.lives.roster.status(1) == "gone"
     assert where(found) == PartPlace(1, 1)
 
 

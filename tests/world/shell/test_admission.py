@@ -22,9 +22,9 @@ from protocol.joining import (
 from protocol.messages import Health
 from tests.world.driving import two
 from tests.world.stopwatch import Stopwatch
-from world.coordinator.life import Life, Status
+from world.coordinator.lives import Life, Status
 from world.shell.admission import RESERVATION, Admissions
-from world.shell.processes import Processes
+from world.shell.checkpoint import Processes
 from world.shell.run import Run
 
 SWAP = load("swap-4")
@@ -35,13 +35,13 @@ class Desk:
 
     def __init__(self) -> None:
         self.clock = Stopwatch()
-        self.admissions = Admissions("r", (1, 2), True, self.clock)
         self.run = Run(two())
+        self.admissions = Admissions("r", self.run.world, True, self.clock)
 
     def ask(self, session: str, robot: int = 1, lived: int | None = None) -> Reply:
         health = None if lived is None else Health(robot, lived, 5, 0.0, 0, 0, {}, (), ())
         join = Join(robot, session, health)
-        return self.admissions.refusal(join, self.run) or self.admissions.enlist(join, self.run)
+        return self.admissions.refusal(join) or self.admissions.enlist(join)
 
     def arrive(self, session: str) -> None:
         """The token of a process of robot 1 is there."""

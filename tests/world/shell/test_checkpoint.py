@@ -15,8 +15,7 @@ from protocol.errors import CheckpointError
 from protocol.messages import Standing
 from tests.world.driving import advance, joined, two
 from world.shell import checkpoint as module
-from world.shell.checkpoint import Checkpoint, Progress
-from world.shell.processes import Processes
+from world.shell.checkpoint import Checkpoint, Processes, Progress
 from world.world import World
 
 SCENARIO = two()

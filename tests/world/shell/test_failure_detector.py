@@ -24,9 +24,10 @@ class Watch:
     def __init__(self, *, grace: float = 0.0, restarts: int = 0, lockstep: bool = True) -> None:
         self.clock, self.told, self.said = Stopwatch(), list[dict[int, Tick]](), list[str]()
         self.pacing = Pacing(lockstep, 0.0, self.clock)
-        self.admissions = Admissions("r", (1, 2), lockstep, self.clock)
         self.turn = Run(two())
+        self.admissions = Admissions("r", self.turn.world, lockstep, self.clock)
         self.failures = FailureDetector(
+            self.turn,
             self.admissions,
             self.pacing,
             self.tell,
@@ -43,12 +44,12 @@ class Watch:
     def come(self, robot: int, session: str = "") -> None:
         """A process of this robot is admitted, and shows its token."""
         session = session or f"session {robot}"
-        self.admissions.enlist(Join(robot, session), self.turn)
-        self.failures.arrive(robot, session, self.turn)
+        self.admissions.enlist(Join(robot, session))
+        self.failures.arrive(robot, session)
 
     def miss(self, robot: int) -> None:
         """The token of its process is gone."""
-        self.failures.miss(robot, self.admissions.slots[robot].session, self.turn)
+        self.failures.miss(robot, self.admissions.slots[robot].session)
 
     def open(self) -> None:
         """Both have come, and the tick begins."""
@@ -60,7 +61,7 @@ class Watch:
         self.told.clear()
 
     def gathered(self) -> set[int] | None:
-        measurements = self.failures.gather(self.turn)
+        measurements = self.failures.gather()
         return None if measurements is None else set(measurements)
 
     def command(self, robot: int) -> None:
@@ -76,17 +77,17 @@ class Watch:
     def go_by(self, seconds: float) -> None:
         """Time goes by, and somebody looks then, as the node does."""
         self.clock.now += seconds
-        self.failures.look(self.clock.now, self.turn)
-        self.failures.wait(self.clock.now, self.turn)
+        self.failures.look(self.clock.now)
+        self.failures.wait(self.clock.now)
 
 
 def test_no_tick_opens_before_all_have_joined_and_show_their_tokens() -> None:
     watch = Watch()
     assert watch.gathered() is None
     watch.come(1)
-    watch.admissions.enlist(Join(2, "b"), watch.turn)
+    watch.admissions.enlist(Join(2, "b"))
     assert watch.gathered() is None
-    watch.failures.arrive(2, "b", watch.turn)
+    watch.failures.arrive(2, "b")
     assert watch.gathered() == {1, 2}
 
 
@@ -118,9 +119,9 @@ def test_within_the_grace_a_token_comes_back_and_the_tick_is_told_again() -> Non
     watch.miss(2)
     watch.go_by(0.9 * GRACE)
     watch.told.clear()
-    watch.failures.arrive(1, "session 1", watch.turn)
+    watch.failures.arrive(1, "session 1")
     assert watch.told == []  # the other is missing yet
-    watch.failures.arrive(2, "session 2", watch.turn)
+    watch.failures.arrive(2, "session 2")
     assert [set(told) for told in watch.told] == [{1, 2}]
     watch.go_by(GRACE)
     assert watch.turn.world.coordinator.active == (1, 2)
@@ -151,10 +152,10 @@ def test_while_one_is_missing_nobody_loses_patience_with_the_others() -> None:
 def test_another_process_takes_the_seat_of_one_that_is_missing(session: str, active: tuple[int, ...]) -> None:
     watch = Watch(grace=GRACE)
     watch.open()
-    watch.failures.supersede(Join(2, "another"), watch.turn)
+    watch.failures.supersede(Join(2, "another"))
     assert watch.turn.world.coordinator.active == (1, 2)  # its token is there
     watch.miss(2)
-    watch.failures.supersede(Join(2, session), watch.turn)
+    watch.failures.supersede(Join(2, session))
     assert watch.turn.world.coordinator.active == active
 
 

@@ -21,7 +21,7 @@ from protocol.errors import JoinError, MessageError
 from protocol.messages import Command, Proposal, State, Tick
 from tests.skipped_waits import skipped_waits
 from tests.world.driving import joined, two
-from world.coordinator.patience import blamed
+from world.coordinator.commands import blamed
 from world.shell.admission import CHANCES
 from world.shell.node import WorldNode
 

@@ -15,10 +15,8 @@ from protocol.draws import Purpose, generator
 from protocol.scenario.body import Body
 from protocol.scenario.model import Scenario, Sensing
 from tests.world.driving import STEP, advance, joined, two
-from world.plants import disturbance
-from world.plants.disturbance import Uniforms, truncated_normal
-from world.plants.plant import Report
-from world.sensing import Odometer, Sensor
+from world.plants.plant import Report, Uniforms, truncated_normal
+from world.simulation import Odometer, Sensor
 
 TRUTH = (0.123, -0.0456)
 
@@ -69,7 +67,7 @@ def test_a_bound_far_below_the_deviation_still_takes_one_draw():
 
 
 def test_ideal_sensing_tells_the_truth_and_draws_nothing(monkeypatch):
-    monkeypatch.setattr(disturbance, "generator", lambda *_: pytest.fail("a random draw"))
+    monkeypatch.setattr("world.plants.plant.generator", lambda *_: pytest.fail("a random draw"))
     eye = sensor(noise_bound=0.01)
     assert [eye.measure(tick, (0.1 * tick, 0.0)) for tick in range(3)] == [
         ((0.1 * tick, 0.0), tick) for tick in range(3)
@@ -173,7 +171,7 @@ def test_a_robot_that_still_moves_is_not_announced_as_standing():
         advance(world, {1: (0.08, 0.0)})
     world.coordinator.lost(1)
     moving, quiet = [], 0
-    while not world.coordinator.lives.standing:
+    while not world.coordinator.lives.roster.standing:
         before = world.truth.positions[0]
         advance(world)
         quiet += 1
@@ -182,7 +180,7 @@ def test_a_robot_that_still_moves_is_not_announced_as_standing():
     silence = world.scenario.ticks(world.scenario.time.fence)
     assert quiet > silence  # a point would have been fenced by then
     assert moving[silence]
-    (fenced,) = world.coordinator.lives.standing
+    (fenced,) = world.coordinator.lives.roster.standing
     place = world.truth.positions[0]
     for _ in range(5):
         advance(world)
