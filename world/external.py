@@ -38,7 +38,7 @@ class External:
 
     def __init__(self, scenario: Scenario, past: PastDisks | None = None, tick: int = 0) -> None:
         if past is None:
-            past = PastDisks((), [], [], [], {}, largest_bound=0.0)
+            past = PastDisks(largest_bound=0.0)
         else:
             scenario = past.moved(scenario)
         self.plant = Reported(scenario, past)
@@ -70,10 +70,6 @@ class External:
         """Where every disk's centre is by the newest report, m; before any, at its start."""
         return dict(zip(self.plant.ids, self.plant.positions, strict=True))
 
-    def place(self, robot: int) -> Vector:
-        """Where one disk's centre is, m."""
-        return self.plant.positions[self.plant.ids.index(robot)]
-
     @property
     def lengths(self) -> dict[int, float]:
         """Path length of every robot, m."""
@@ -86,10 +82,7 @@ class External:
         A Command that comes later gives no lease, for no Tick says any more that it was heard.
         """
         bounds = {**self.founding_bounds, **{robot: self._off(robot) for robot in self._reports}}
-        plant, moving = self.plant, tuple(self._heard)
-        return PastDisks(
-            plant.ids, plant.positions, [], plant.lengths, {}, bounds, moving, self.largest_bound
-        )
+        return PastDisks(self.places, {}, self.lengths, bounds, tuple(self._heard), self.largest_bound)
 
     def sense(self, tick: int) -> dict[int, Sense]:
         """Nothing: bases speak for themselves."""

@@ -172,21 +172,20 @@ class Simulation:
         """Where every disk's centre is, m, by robot id."""
         return dict(zip(self.plant.ids, self.plant.positions, strict=True))
 
-    def place(self, robot: int) -> Vector:
-        """Where one disk's centre is, m."""
-        return self.plant.positions[self.plant.ids.index(robot)]
-
     @property
     def lengths(self) -> dict[int, float]:
         """Path length of every robot that is or was there, m; of all that had the same id together."""
-        return self.past.ways
+        lengths = dict(self._before)
+        for robot, length in zip(self.plant.ids, self.plant.lengths, strict=True):
+            lengths[robot] = lengths.get(robot, 0.0) + length
+        return lengths
 
     @property
     def past(self) -> PastDisks:
         """What another world needs to go on from here."""
-        plant = self.plant
-        headings = [plant.report(index).heading for index in range(len(plant.ids))] if self._turn else []
-        return PastDisks(plant.ids, plant.positions, headings, plant.lengths, self._before)
+        turn = enumerate(self.plant.ids) if self._turn else ()
+        headings = {robot: self.plant.report(index).heading for index, robot in turn}
+        return PastDisks(self.places, headings, self.lengths)
 
     def sense(self, tick: int) -> dict[int, Sense]:
         """What every robot is told of itself at the start of `tick`, those that do not listen included:

@@ -218,7 +218,7 @@ class World:
         refusal = coordinator.missions.refusal(order, coordinator.lives.roster.standing, obstacles)
         if refusal:
             return Outcome(False, text=refusal)
-        outcome = coordinator.missions.accept(order, self.tick, self.simulation.place(robot))
+        outcome = coordinator.missions.accept(order, self.tick, self.simulation.places[robot])
         self._redirect(robot)
         return outcome
 

@@ -101,7 +101,7 @@ class Check:
         if name < 0:
             (place,) = held.values()
             return place.shape
-        x, y = self.run.world.simulation.place(name)
+        x, y = self.run.world.simulation.places[name]
         return Disk(x, y, self.run.scenario.spec(name).radius)
 
 

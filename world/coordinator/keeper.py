@@ -44,7 +44,6 @@ class Keeper:
         self._geometry = RegionGeometry()
         self._first = version
         self._ledger: Ledger[Region, Line] = Ledger(version, {}, self._geometry)
-        self._asked: dict[int, tuple[Binding[Line], Disk[Region], Disk[Region]]] = {}
         self._changed: dict[int, int] = {}  # version in which what a disk has to be told changed last
         self._known: dict[int, int] = {}  # version that the present life of a robot has taken in
         self._moved: set[int] = set()  # disks whose regions have shrunk
@@ -144,19 +143,19 @@ class Keeper:
             self._ledger.acknowledge(disk, command.region)
             self._moved.add(robot)
         for first in command.firsts:
-            asked = self._asked.get(first.binding)
-            if asked is not None and asked[1] is disk and self._is_open(first.binding, asked):
-                del self._asked[first.binding]
-                self._ledger.answer(asked[0], Line(first.nx, first.ny, first.offset))
-                self._change(robot, asked[2].name)
+            for peer, binding in self._asked(disk):
+                if binding.number == first.binding:
+                    self._ledger.answer(binding, Line(first.nx, first.ny, first.offset))
+                    self._change(robot, peer)
 
-    def _is_open(self, number: int, asked: tuple[Binding[Line], Disk[Region], Disk[Region]]) -> bool:
-        """Whether a binding is still in force, and its first line not known."""
-        pair = self._ledger.pairs[asked[1].name].get(asked[2].name)
-        return pair is not None and any(
-            each is not None and each.number == number and each.told == NO
-            for each in (pair.living, pair.static)
-        )
+    def _asked(self, disk: Disk[Region]) -> list[tuple[int, Binding[Line]]]:
+        """Bindings in force for which a disk was asked for a first line that is not known yet, with peers."""
+        return [
+            (peer, binding)
+            for peer, pair in self._ledger.pairs[disk.name].items()
+            for binding in (pair.living, pair.static)
+            if binding is not None and binding.asked == disk.name and binding.told == NO
+        ]
 
     # -- once a tick
 
@@ -166,7 +165,6 @@ class Keeper:
         Args:
             places: where robots were known to be last, m, by id.
         """
-        self._asked = {number: asked for number, asked in self._asked.items() if self._is_open(number, asked)}
         finite = self._slack < math.inf
         if finite:
             self._part()
@@ -229,12 +227,7 @@ class Keeper:
         return False
 
     def _ask(self, disk: Disk[Region], other: Disk[Region]) -> None:
-        ledger = self._ledger
-        ledger.ask(disk, other)
-        pair = ledger.pairs[disk.name][other.name]
-        for binding in (pair.living, pair.static):
-            if binding is not None and binding.number == ledger.version:
-                self._asked[binding.number] = binding, disk, other
+        self._ledger.ask(disk, other)
         self._change(disk.name)
 
     def _part(self) -> None:

@@ -28,45 +28,31 @@ class Report(NamedTuple):
 
 
 class PastDisks(msgspec.Struct, frozen=True):
-    """Where a world leaves the disks, at the end of a tick.
+    """Where a world leaves the disks, at the end of a tick, by robot id.
 
     Attributes:
-        ids: of the robots that are there, ascending; the next three lists are in this order.
-        positions: of their centres, m.
+        places: of the centres of the robots that are there, m.
         headings: rad; empty where no body has one.
-        lengths: path length of each, in this world, m.
-        before: path lengths of robots in earlier worlds, and of those that left, m.
+        ways: path length of every robot that is or was there, m; of all that had the same id together.
         bounds: by how much places may be off until all bases stand, m, where they may.
         moving: robots outside that may not stand yet.
         largest_bound: of all reports so far, m; None where the truth is known.
     """
 
-    ids: tuple[Id, ...]
-    positions: list[Vector]
-    headings: list[float]
-    lengths: list[float]
-    before: dict[Id, float]
+    places: dict[Id, Vector] = {}
+    headings: dict[Id, float] = {}
+    ways: dict[Id, float] = {}
     bounds: dict[Id, float] = {}
     moving: tuple[Id, ...] = ()
     largest_bound: float | None = None
 
     def moved(self, scenario: Scenario) -> Scenario:
         """The scenario with these places as starts."""
-        places = dict(zip(self.ids, self.positions, strict=True))
-        headings = dict(zip(self.ids, self.headings, strict=False))
         robots = [
-            replace(spec, start=places[spec.id], heading=headings.get(spec.id, spec.heading))
+            replace(spec, start=self.places[spec.id], heading=self.headings.get(spec.id, spec.heading))
             for spec in scenario.robots
         ]
         return replace(scenario, robots=tuple(robots))
-
-    @property
-    def ways(self) -> dict[int, float]:
-        """Path length of every robot that is or was there, m; of all that had the same id together."""
-        ways = dict(self.before)
-        for robot, length in zip(self.ids, self.lengths, strict=True):
-            ways[robot] = ways.get(robot, 0.0) + length
-        return ways
 
 
 class Plant(Protocol):
