@@ -18,8 +18,10 @@ from agents.peers.radio import Radio
 from agents.peers.state import PeerState
 from protocol.draws import Purpose, generator
 from protocol.messages import Vector
-from protocol.scenario.model import Link as LinkFaults
-from protocol.scenario.model import Partition, Scenario, span_of
+from protocol.scenario.body import span_of
+from protocol.scenario.model import Scenario
+from protocol.scenario.network import Link as LinkFaults
+from protocol.scenario.network import Partition
 
 _KEPT = 8  # ticks of draws and places that are remembered; any other can be drawn again
 _DRAWS = 6  # for each State, and as many again where the network is wireless

@@ -9,7 +9,9 @@ from __future__ import annotations
 from typing import Final
 
 from protocol.draws import Purpose, generator
-from protocol.scenario.model import Burst, Roaming, Scenario, span_of
+from protocol.scenario.body import span_of
+from protocol.scenario.model import Scenario
+from protocol.scenario.network import Burst, Roaming
 
 _BLOCK: Final = 64  # ticks drawn at once: making a generator costs as much as some hundred numbers
 _BLOCKS: Final = 4  # that are remembered: States are late

@@ -18,17 +18,8 @@ from numpy.typing import NDArray
 from protocol.draws import Purpose, generator
 from protocol.errors import UsageError
 from protocol.scenario.file import validated
-from protocol.scenario.model import (
-    Control,
-    Link,
-    Part,
-    Point,
-    ProcessFault,
-    RobotSpec,
-    Scenario,
-    Time,
-    Workspace,
-)
+from protocol.scenario.model import Control, Part, Point, ProcessFault, RobotSpec, Scenario, Time, Workspace
+from protocol.scenario.network import Link
 
 RADIUS = 0.04  # m
 WORKSPACE = 0.30  # m

@@ -16,7 +16,8 @@ from deploy.library.instances import figure_3, random_starts
 from deploy.library.load import resolved
 from deploy.studies.study import Build, Cell, Result, Row, Study, arrived, error, figures, mean, untouched
 from protocol.draws import Purpose, generator
-from protocol.scenario.model import Link, RobotSpec, Scenario, Sensing, Time, Workspace
+from protocol.scenario.model import RobotSpec, Scenario, Sensing, Time, Workspace
+from protocol.scenario.network import Link
 
 LIMIT = 120.0  # s of simulated time
 

@@ -18,6 +18,13 @@ Length = Annotated[float, Meta(ge=1e-9, le=FARTHEST)]
 Positive = Annotated[float, Meta(ge=1e-9, le=1e6)]
 NonNegative = Annotated[float, Meta(ge=0, le=1e6)]
 Share = Annotated[float, Meta(ge=0, le=0.9)]
+Probability = Annotated[float, Meta(ge=0, le=1)]
+# The number has its range from `checks`: msgspec 0.22 fails on one that is bounded beside a tuple.
+Span = Annotated[
+    float | tuple[NonNegative, NonNegative],
+    Meta(description="a number of seconds or an array [low, high]"),
+]
+RobotId = Annotated[int, Meta(ge=1, le=999_999_999)]
 
 Kind = Literal["point", "omnidirectional", "differential-drive"]
 Preset = Literal[
@@ -144,6 +151,18 @@ class Base:
         return f"{self.namespace.strip('/')}/{topic.strip('/')}".lstrip("/")
 
 
+@dataclass(frozen=True, slots=True)
+class Actuation:
+    """Executed velocity = v + |v| w; `noise` is the deviation of w per axis, truncated at three of them."""
+
+    noise: Annotated[float, Meta(ge=0, le=0.3)] = 0.0
+
+    @property
+    def bound(self) -> float:
+        """Largest |w|."""
+        return 3.0 * self.noise
+
+
 def ros_name(text: str) -> str:
     """Return `text` if it may be a namespace, or with something between its slashes a topic.
 
@@ -156,3 +175,8 @@ def ros_name(text: str) -> str:
             "and {id} for the robot's id"
         )
     return text
+
+
+def span_of(span: float | tuple[float, float]) -> tuple[float, float]:
+    """Low and high end of a span, s."""
+    return span if isinstance(span, tuple) else (span, span)

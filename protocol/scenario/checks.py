@@ -21,8 +21,9 @@ from protocol.scenario.body import (
     Body,
     Preset,
     ros_name,
+    span_of,
 )
-from protocol.scenario.model import ACTIONS, Order, RobotSpec, Scenario, span_of
+from protocol.scenario.model import ACTIONS, Order, RobotSpec, Scenario
 from protocol.scenario.places import Sound, fits, inside, obstacle, placed
 from protocol.scenario.tables import Finding, Steps, written
 

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from protocol.scenario.model import Network, ProcessFault
+from protocol.scenario.model import ProcessFault
+from protocol.scenario.network import Network
 from tests.skipped_waits import skipped_waits
 
 

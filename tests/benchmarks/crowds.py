@@ -26,7 +26,8 @@ from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, fresh_run_name
 from protocol.messages import Clock
-from protocol.scenario.model import Journey, Network, Order, Scenario
+from protocol.scenario.model import Journey, Order, Scenario
+from protocol.scenario.network import Network
 
 _LEGS = 6  # goals of each robot, which it goes to in turn for ever
 _WARM = 2.0  # s of simulated time before processor time is counted

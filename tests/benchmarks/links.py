@@ -25,7 +25,8 @@ from deploy.processes import table
 from deploy.run.options import fresh_run_name
 from protocol.bus.connection import Connection
 from protocol.draws import Purpose, generator
-from protocol.scenario.model import Journey, Network, Order, Point, Scenario
+from protocol.scenario.model import Journey, Order, Point, Scenario
+from protocol.scenario.network import Network
 from tests.benchmarks.transport import one_host
 from tests.system.hosts.testbed.network import Hosts, unable
 

@@ -12,7 +12,7 @@ from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
 from deploy.studies.conditions import LIMIT, PACES, PLACES, Pace
 from deploy.studies.study import Build
-from protocol.scenario.model import WIRELESS, Link
+from protocol.scenario.network import WIRELESS, Link
 
 
 def time_of(build: Build, pace: Pace, link: Link, seed: int) -> float | None:

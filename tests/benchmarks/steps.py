@@ -14,7 +14,8 @@ from dataclasses import replace
 from deploy.library.instances import random_instance
 from deploy.library.load import resolved
 from deploy.studies.execution import MeteredFleet
-from protocol.scenario.model import Link, Scenario
+from protocol.scenario.model import Scenario
+from protocol.scenario.network import Link
 
 LAWS = {
     "reciprocal": "separating-lines",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from protocol.scenario.model import Network
+from protocol.scenario.network import Network
 from tests.benchmarks import __main__ as bench
 from tests.benchmarks import links
 from tests.benchmarks.fleets import Measured, measure

@@ -14,7 +14,8 @@ from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
 from protocol.draws import Purpose, generator
 from protocol.scenario.file import write_toml
-from protocol.scenario.model import Control, Link, Scenario
+from protocol.scenario.model import Control, Scenario
+from protocol.scenario.network import Link
 from tests.campaigns.campaign import Campaign, Dice, Outcome
 
 LIMIT = 120.0  # s of simulated time

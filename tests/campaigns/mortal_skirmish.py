@@ -14,7 +14,8 @@ import msgspec
 from agents.robot import Robot
 from protocol.errors import JoinError
 from protocol.messages import Command, Tick
-from protocol.scenario.model import Burst, Distance, Link, Operation, Roaming, Scenario
+from protocol.scenario.model import Operation, Scenario
+from protocol.scenario.network import Burst, Distance, Link, Roaming
 from tests.agents.lines.models.skirmishes.skirmish import Skirmish, first_violation
 from tests.campaigns.campaign import Campaign, Dice, Outcome
 from world.world import Past, World

@@ -31,17 +31,8 @@ from protocol.messages import (
     State,
 )
 from protocol.scenario.file import validated
-from protocol.scenario.model import (
-    Control,
-    Link,
-    Obstacle,
-    Partition,
-    ProcessFault,
-    RobotSpec,
-    Scenario,
-    Time,
-    Workspace,
-)
+from protocol.scenario.model import Control, Obstacle, ProcessFault, RobotSpec, Scenario, Time, Workspace
+from protocol.scenario.network import Link, Partition
 from protocol.streams import STREAMS
 from world.coordinator.lives import note
 from world.coordinator.roster import MOST as MOST_THINGS

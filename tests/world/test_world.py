@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from protocol.errors import JoinError
 from protocol.messages import Command
-from protocol.scenario.model import Actuation, Operation, Sensing
+from protocol.scenario.body import Actuation
+from protocol.scenario.model import Operation, Sensing
 from tests.world.driving import STEP, advance, joined, play, scenario, toward, two
 from world.report import result_of
 from world.world import World

@@ -14,8 +14,8 @@ from msgspec import Meta
 from deploy.security.roster import Home, Roster
 from protocol.endpoint import DEFAULT_PORT, Endpoint
 from protocol.errors import CertificateError, HostsError, Problem, UsageError
+from protocol.scenario.body import RobotId
 from protocol.scenario.file import read_toml
-from protocol.scenario.model import RobotId
 from protocol.scenario.tables import Document, Finding, Steps, file_order, read_table, written
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9-]*")

@@ -23,7 +23,8 @@ from deploy.library.load import resolved, try_out
 from deploy.studies.peers.contest import Contest, row, sound, summary
 from deploy.studies.study import Build, Cell
 from protocol.errors import UsageError
-from protocol.scenario.model import Control, Link, Scenario
+from protocol.scenario.model import Control, Scenario
+from protocol.scenario.network import Link
 
 Group = Literal["fresh", "late", "RVO2", "boxes"]
 

@@ -34,7 +34,7 @@ from deploy.telemetry.recording.reader import Recording
 from deploy.telemetry.recording.replay import Participant, participants
 from protocol.errors import UsageError
 from protocol.messages import State, Tick
-from protocol.scenario.model import Link as LinkFaults
+from protocol.scenario.network import Link as LinkFaults
 
 
 def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:

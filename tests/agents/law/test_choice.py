@@ -22,7 +22,8 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from disknav import Simulation
 from protocol.errors import LawError, UsageError
-from protocol.scenario.model import Control, Link, ProcessFault, Scenario
+from protocol.scenario.model import Control, ProcessFault, Scenario
+from protocol.scenario.network import Link
 
 PAGE = Path(__file__).parents[3] / "docs" / "guides" / "law.md"
 Write = Callable[[str], str]

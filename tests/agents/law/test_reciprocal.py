@@ -20,7 +20,8 @@ from deploy.library.load import load, resolved
 from deploy.run.local import LocalFleet
 from protocol.line import HalfPlane
 from protocol.messages import Vector
-from protocol.scenario.model import Control, Link, ProcessFault, RobotSpec, Scenario, Workspace
+from protocol.scenario.model import Control, ProcessFault, RobotSpec, Scenario, Workspace
+from protocol.scenario.network import Link
 from tests.agents.scaling import scaled
 
 CONTACT, HORIZON = 1.0, 3.0

@@ -18,7 +18,8 @@ from deploy.run.local import LocalFleet
 from protocol.bus.bus import Event, Sample
 from protocol.codec import decode, encode
 from protocol.messages import Tick
-from protocol.scenario.model import Actuation, Control, RobotSpec, Scenario, Sensing, Time
+from protocol.scenario.body import Actuation
+from protocol.scenario.model import Control, RobotSpec, Scenario, Sensing, Time
 
 angles = st.floats(0.0, 2.0 * math.pi)
 cuts = st.lists(st.tuples(angles, st.floats(-0.5, 1.0)), max_size=40)

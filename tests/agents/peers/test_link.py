@@ -11,8 +11,9 @@ from agents.peers.radio import Radio
 from agents.peers.state import PeerState
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from protocol.scenario.model import Burst, Distance, Partition, Roaming, RobotSpec, Scenario
-from protocol.scenario.model import Link as LinkFaults
+from protocol.scenario.model import RobotSpec, Scenario
+from protocol.scenario.network import Burst, Distance, Partition, Roaming
+from protocol.scenario.network import Link as LinkFaults
 
 ROBOTS = tuple(RobotSpec(i, 0.01, (0.05 * i, 0.0), (0.05 * i, 0.1)) for i in (1, 2, 3, 4))
 SCENARIO = Scenario(robots=ROBOTS, seed=5)

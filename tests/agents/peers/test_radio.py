@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.peers.radio import Radio
-from protocol.scenario.model import Burst, Link, Roaming, RobotSpec, Scenario
+from protocol.scenario.model import RobotSpec, Scenario
+from protocol.scenario.network import Burst, Link, Roaming
 
 ROBOTS = tuple(RobotSpec(i, 0.01, (0.05 * i, 0.0), (0.05 * i, 0.1)) for i in (1, 2))
 LINK = Link(burst=Burst(good=2.0, bad=0.5), roaming=Roaming(10.0, (0.5, 1.5)))

@@ -9,7 +9,7 @@ from deploy.library.load import load
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.joining import Admission
 from protocol.keys import robot_key
-from protocol.scenario.model import Network
+from protocol.scenario.network import Network
 
 PERIOD = 5  # ticks
 

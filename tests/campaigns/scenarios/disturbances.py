@@ -5,7 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from protocol.scenario.model import Actuation, Link, Network, Partition, Point, Sensing, Span
+from protocol.scenario.body import Actuation, Span
+from protocol.scenario.model import Point, Sensing
+from protocol.scenario.network import Link, Network, Partition
 from tests.campaigns.campaign import Dice
 
 

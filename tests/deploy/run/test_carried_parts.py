@@ -14,7 +14,8 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from protocol.errors import ScenarioError
 from protocol.scenario.file import validated
-from protocol.scenario.model import Network, Scenario, World
+from protocol.scenario.model import Scenario, World
+from protocol.scenario.network import Network
 from world.shell.checkpoint import Checkpoint
 
 SCENARIO = load("parts-4", ["time.limit=60"], 1)

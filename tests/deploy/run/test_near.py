@@ -16,17 +16,8 @@ from deploy.run.options import RunOptions
 from protocol.bus.bus import Event, Sample
 from protocol.codec import decode
 from protocol.messages import Tick
-from protocol.scenario.model import (
-    Control,
-    Link,
-    Network,
-    ProcessFault,
-    RobotSpec,
-    Scenario,
-    Sensing,
-    Time,
-    Workspace,
-)
+from protocol.scenario.model import Control, ProcessFault, RobotSpec, Scenario, Sensing, Time, Workspace
+from protocol.scenario.network import Link, Network
 from tests.drawn_order import ReorderedFleet
 from tests.skipped_waits import skipped_waits
 

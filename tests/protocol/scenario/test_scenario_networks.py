@@ -6,7 +6,7 @@ import pytest
 
 from protocol.errors import ScenarioError
 from protocol.scenario.file import parse_document
-from protocol.scenario.model import WIRELESS, Burst, Link
+from protocol.scenario.network import WIRELESS, Burst, Link
 
 ROBOTS = [{"id": 1, "radius": 0.04, "start": [-0.2, 0.0], "goal": [0.2, 0.0]}]
 

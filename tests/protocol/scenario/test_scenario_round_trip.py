@@ -11,23 +11,16 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from protocol.errors import ScenarioError
-from protocol.scenario.body import Base
+from protocol.scenario.body import Actuation, Base
 from protocol.scenario.file import document_of, parse_document, parse_toml, write_toml
 from protocol.scenario.model import (
     ADDITIONS,
-    Actuation,
-    Burst,
     Carrying,
     Control,
-    Distance,
-    Link,
-    Network,
     Obstacle,
     Order,
     Part,
-    Partition,
     ProcessFault,
-    Roaming,
     RobotSpec,
     Scenario,
     Sensing,
@@ -35,6 +28,7 @@ from protocol.scenario.model import (
     Workspace,
     World,
 )
+from protocol.scenario.network import Burst, Distance, Link, Network, Partition, Roaming
 
 positive = st.floats(1e-9, 1e6)
 nonnegative = st.floats(0, 1e6)

@@ -10,7 +10,8 @@ from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
-from protocol.scenario.model import Link, ProcessFault, Scenario
+from protocol.scenario.model import ProcessFault, Scenario
+from protocol.scenario.network import Link
 
 
 def late(*faults: tuple[int, float, str], delay: float = 1.0, seed: int = 1) -> Scenario:

@@ -14,7 +14,8 @@ from deploy.run.local import LocalFleet
 from protocol.bus.bus import Request
 from protocol.keys import world_key
 from protocol.operations import Reply, decode_reply
-from protocol.scenario.model import Link, Partition, RobotSpec, Scenario, Sensing
+from protocol.scenario.model import RobotSpec, Scenario, Sensing
+from protocol.scenario.network import Link, Partition
 
 _SWAP = load("swap-4")
 _ROOM = 0.36  # m from the centre, in which robots are sent about

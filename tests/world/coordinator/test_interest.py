@@ -13,7 +13,8 @@ from agents.peers.far import FarPicture, places_of
 from protocol.crowd.interest import LEAD, period
 from protocol.errors import MessageError
 from protocol.messages import Command, Sense, Summary, Vector
-from protocol.scenario.model import Network, Scenario
+from protocol.scenario.model import Scenario
+from protocol.scenario.network import Network
 from tests.world.driving import joined, scenario
 from world.coordinator.interest import Interest, runs
 

@@ -8,7 +8,8 @@ import pytest
 
 from protocol.geometry import Disk
 from protocol.messages import Command, FirstLine, Grants, Vector
-from protocol.scenario.model import Network, Scenario
+from protocol.scenario.model import Scenario
+from protocol.scenario.network import Network
 from tests.world.driving import scenario
 from world.coordinator.keeper import Keeper
 

@@ -1,6 +1,7 @@
 import pytest
 
-from protocol.scenario.model import Journey, Link, Order, Partition, ProcessFault, Time
+from protocol.scenario.model import Journey, Order, ProcessFault, Time
+from protocol.scenario.network import Link, Partition
 from tests.world.driving import STEP, advance, joined, play, scenario, toward, two
 from world.report import result_of
 from world.shell.failure_detector import returning

@@ -13,8 +13,9 @@ from agents.peers.state import addressed_to
 from agents.robot import Robot
 from protocol.messages import Vector
 from protocol.scenario.body import PRESETS, Body, Preset
-from protocol.scenario.model import Control, Link, RobotSpec, Scenario, Sensing, Time, Workspace
+from protocol.scenario.model import Control, RobotSpec, Scenario, Sensing, Time, Workspace
 from protocol.scenario.model import World as WorldTable
+from protocol.scenario.network import Link
 from world.plants.integrator import Integrator
 from world.report import result_of
 from world.world import World

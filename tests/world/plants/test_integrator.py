@@ -3,7 +3,7 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocol.scenario.model import Actuation as ActuationFaults
+from protocol.scenario.body import Actuation as ActuationFaults
 from protocol.scenario.model import Control
 from tests.world.driving import STEP, two
 from world.plants.integrator import Actuation, Integrator, limited

@@ -15,7 +15,8 @@ from deploy.telemetry.plot.figure import Heard, measurement_ages
 from deploy.telemetry.plot.workspace import COLOURS, colour, dash
 from deploy.telemetry.recording.reader import Recording, read
 from protocol.errors import UsageError
-from protocol.scenario.model import Link, Partition, Sensing
+from protocol.scenario.model import Sensing
+from protocol.scenario.network import Link, Partition
 from tests.deploy.telemetry.recording.recorded import record
 
 pytestmark = pytest.mark.slow

@@ -7,18 +7,9 @@ from random import Random
 from typing import Literal
 
 from protocol.messages import Vector
-from protocol.scenario.body import Body
-from protocol.scenario.model import (
-    Actuation,
-    Control,
-    Network,
-    Obstacle,
-    RobotSpec,
-    Scenario,
-    Sensing,
-    Time,
-    Workspace,
-)
+from protocol.scenario.body import Actuation, Body
+from protocol.scenario.model import Control, Obstacle, RobotSpec, Scenario, Sensing, Time, Workspace
+from protocol.scenario.network import Network
 
 STEP, SPEED = 0.05, 0.6  # s, m/s: a tick leads nearly as far as a small disk reaches
 
