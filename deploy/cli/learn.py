@@ -12,7 +12,7 @@ import typer
 from deploy.cli import options
 from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE, check_json, is_standard_output, write_json
 from deploy.run.options import Transport
-from deploy.studies.study import StudyName
+from deploy.studies import StudyName
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

@@ -11,7 +11,6 @@ import typer
 from deploy.cli import options
 from deploy.security.membership import Membership
 from deploy.security.roster import MONITOR
-from deploy.telemetry.monitor.snapshot import Source, Steerable
 from protocol.bus.connection import Connection
 from protocol.endpoint import Endpoint
 from protocol.process.installation import missing_library
@@ -20,6 +19,7 @@ from protocol.process.signals import STOP
 
 if TYPE_CHECKING:
     from deploy.telemetry.monitor.foxglove import FoxgloveServer
+    from deploy.telemetry.monitor.snapshot import Source, Steerable
 
 _TIMEOUT = 5.0  # s to reach the fleet
 _NICENESS = 10  # a fleet on the same machine first

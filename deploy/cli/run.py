@@ -11,7 +11,6 @@ import typer
 from deploy.cli import options
 from deploy.output import is_standard_output
 from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name, restarts
-from deploy.run.result import exit_status, kept_status, show
 from deploy.security.membership import Membership
 from protocol.keys import checked_run
 from protocol.process.log import LAUNCHER, begin
@@ -93,6 +92,7 @@ def run(
     from deploy.library.load import load
     from deploy.processes.hosts.table import read_hosts
     from deploy.run.execute import Extras, execute
+    from deploy.run.result import exit_status, kept_status, show
     from deploy.telemetry.recording.writer import rotation
 
     clock: Mode = mode or ("realtime" if keep else "lockstep")

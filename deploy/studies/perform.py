@@ -15,11 +15,12 @@ from rich.text import Text
 from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE, check_json, is_standard_output, write_json
 from deploy.run.options import Transport
 from deploy.software import provenance
+from deploy.studies import StudyName
 from deploy.studies.conditions import arrival, delay, robustness
 from deploy.studies.execution import Outcome, RunLog, execute
 from deploy.studies.experiments import scale, tightness, tuning
 from deploy.studies.peers.study import peers
-from deploy.studies.study import Row, Shard, Study, StudyName
+from deploy.studies.study import Row, Shard, Study
 from protocol.errors import UsageError
 
 _BUILD: dict[StudyName, Callable[..., Study]] = {

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from statistics import fmean, linear_regression, stdev
-from typing import Any, Literal, Self
+from typing import Any, Self
 
 from deploy.library.load import resolved
 from deploy.run.options import Transport
@@ -21,7 +21,6 @@ from protocol.scenario.model import Scenario
 Row = dict[str, Any]
 Result = dict[str, Any]
 Build = Callable[[int], Scenario]
-StudyName = Literal["tightness", "tuning", "robustness", "arrival", "delay", "peers", "scale"]
 
 
 @dataclass(frozen=True)
