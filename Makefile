@@ -43,7 +43,8 @@ lock: $(READY)  ## renew the versions that `make setup` and `make test` install
 	$(UV) pip compile --quiet --upgrade --universal --python-version 3.11 --extra all --extra test \
 	  --no-header --no-annotate --no-emit-index-url pyproject.toml -o requirements.lock
 
-compile: $(COMPILED)  ## make C of the modules that run for every message again, after a change to one of them
+compile: $(COMPILED)  ## make C again of the modules that run for every message, and compare it with their sources; two minutes
+	$(BIN)/python -m pytest tests/deploy/test_software.py
 
 $(DEMO): pyproject.toml
 	$(call install,demo)
@@ -78,16 +79,15 @@ collect: $(READY)  # once: else each process of pytest-xdist rewrites what all t
 fast: $(READY)  ## the part of the suite that takes about a minute
 	$(BIN)/python -m pytest -n auto -m 'not slow and not process and not browser and not alone and not campaign'
 
-test: $(READY) $(KERNEL)  ## lint, types, import contracts, the whole suite from the sources, then what is compiled beside them
+test: $(READY)  ## lint, types, import contracts, and the whole suite from the sources; some six minutes on two cores
 	@find protocol agents world deploy -name '*.so' -delete; rm -f *__mypyc*.so $(COMPILED)
-	@$(MAKE) --no-print-directory --jobs=2 check collect
-	$(BIN)/python -m pytest -n 4 --dist worksteal --durations=20 -m 'not alone and not campaign'  # many wait for real time
-	$(BIN)/python -m pytest --durations=5 -m alone $$(grep -rl --include='test_*.py' 'mark\.alone' tests)
-	@$(MAKE) --no-print-directory $(COMPILED)
-	$(BIN)/python -m pytest tests/deploy/test_software.py
+	@$(MAKE) --no-print-directory --jobs=2 $(KERNEL) check collect
+	$(BIN)/python -m pytest -n 3 --dist worksteal --durations=20 -m 'not alone and not campaign'  # many wait for real time
+	$(BIN)/python -m pytest --durations=5 -m 'alone and not campaign' $$(grep -rl --include='test_*.py' 'mark\.alone' tests)
 
 campaigns: $(READY)  ## what the suite leaves out: long runs, a thousand examples of each property, planted faults and mutants
-	$(BIN)/python -m pytest -n 2 -m campaign
+	$(BIN)/python -m pytest -n 2 -m 'campaign and not alone'
+	$(BIN)/python -m pytest -m 'campaign and alone' $$(grep -rl --include='test_*.py' 'mark\.alone' tests)
 	$(BIN)/python -m pytest -n 2 -m 'hypothesis and not campaign' --hypothesis-profile campaign
 
 golden: $(READY) $(COMPILED)  ## renew the kept trajectories of the library, and say by how much each has changed
