@@ -19,6 +19,6 @@ def test_a_goal_on_which_a_dead_robot_lies_is_barred() -> None:
 
 
 def test_a_run_holds_what_is_promised() -> None:
-    outcomes = [run(Dice(seed)) for seed in range(4)]
+    outcomes = [run(Dice(seed)) for seed in range(2)]
     assert not any(outcome.violation for outcome in outcomes)
     assert all(outcome.figures["clearance, m"] > 0.0 for outcome in outcomes)

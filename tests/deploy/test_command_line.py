@@ -129,6 +129,7 @@ CANNOT_APPLY = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("line", "name"), CANNOT_APPLY)
 def test_an_option_that_cannot_apply_is_refused(
     line: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -139,6 +140,7 @@ def test_an_option_that_cannot_apply_is_refused(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("line", "text"),
     [
@@ -151,11 +153,13 @@ def test_what_does_not_exist_is_refused(line: str, text: str) -> None:
         CliRunner().invoke(app, line.split(), catch_exceptions=False)
 
 
+@pytest.mark.slow
 def test_json_without_a_file_is_standard_output() -> None:
     done = CliRunner().invoke(app, ["check", "figure-2", "--json", "--seed", "3"], catch_exceptions=False)
     assert json.loads(done.stdout)["scenario"] == "figure-2"
 
 
+@pytest.mark.slow
 def test_json_into_a_file_leaves_the_table_on_the_terminal(tmp_path: Path) -> None:
     file = tmp_path / "check.json"
     done = CliRunner().invoke(app, ["check", "figure-2", "--json", str(file)], catch_exceptions=False)
@@ -163,6 +167,7 @@ def test_json_into_a_file_leaves_the_table_on_the_terminal(tmp_path: Path) -> No
     assert "figure-2" in done.stdout
 
 
+@pytest.mark.slow
 def test_the_shell_completes_names_of_the_library() -> None:
     done = subprocess.run(
         [

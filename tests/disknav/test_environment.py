@@ -41,6 +41,7 @@ def straight(env: FleetEnv, seen: dict[str, np.ndarray]) -> dict[str, np.ndarray
     return {agent: each[2:4] / max(step, np.hypot(*each[2:4]) / 0.1) for agent, each in seen.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_filtered", [True, False])
 def test_it_passes_the_tests_of_the_library(is_filtered: bool) -> None:
     def make() -> FleetEnv:

@@ -44,6 +44,7 @@ def straight(simulation: disknav.Simulation) -> None:
         simulation.orders.wish(spec.id, (rate * way[0], rate * way[1]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", [0.0, 0.2])
 def test_robots_that_drive_at_each_other_never_touch_behind_the_filter(delay: float) -> None:
     simulation = disknav.Simulation(disknav.build(CROSSING, {"link.delay": delay}))

@@ -41,6 +41,7 @@ def test_a_page(page: str, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 def test_the_notebook_draws_figure_1_in_ten_lines() -> None:
     import jupytext
 

@@ -56,7 +56,7 @@ def test_a_fleet_that_lives(tmp_path: Path) -> None:
     assert (tmp_path / "yard.mcap").stat().st_size > 10_000
 
 
-@pytest.mark.process
+@pytest.mark.campaign
 def test_two_routers(tmp_path: Path) -> None:
     run("08-several-hosts", "two_routers.py", *map(str, free_ports(2)), cwd=tmp_path)
 
@@ -88,7 +88,7 @@ def test_speeds_of_a_recording(recording: Path, tmp_path: Path) -> None:
     run("09-recording", "speeds.py", str(recording), cwd=tmp_path)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_policy_is_trained_and_shown(tmp_path: Path) -> None:
     run("10-learning", "train.py", "1", cwd=tmp_path)
     run("10-learning", "show.py", "1", cwd=tmp_path)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pytest
+
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
 from protocol.scenario.file import parse_toml
@@ -19,6 +21,7 @@ def test_the_scenario() -> None:
     assert report["verdict"] == "arrived"
 
 
+@pytest.mark.slow
 def test_the_python() -> None:
     (text,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
     names: dict[str, object] = {}

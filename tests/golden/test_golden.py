@@ -22,6 +22,7 @@ def test_every_case_is_kept() -> None:
     assert list(KEPT) == list(CASES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "case", [pytest.param(case, marks=pytest.mark.slow if case in LONG else ()) for case in CASES]
 )

@@ -188,7 +188,7 @@ def beside(shape: Shape, angle: float, more: float) -> Disk:
     return Disk(around.x + reach * nx, around.y + reach * ny, 1.0)
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(shapes, angles, slack)
 def test_what_is_said_to_be_apart_is(shape: Shape, angle: float, more: float) -> None:
     disk = beside(shape, angle, more)
@@ -196,7 +196,7 @@ def test_what_is_said_to_be_apart_is(shape: Shape, angle: float, more: float) ->
         assert is_apart(shape, disk)
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(shapes, angles, slack, st.booleans())
 def test_what_is_said_to_be_beside_a_line_is(shape: Shape, angle: float, more: float, low: bool) -> None:
     nx, ny = math.cos(angle), math.sin(angle)
@@ -206,7 +206,8 @@ def test_what_is_said_to_be_beside_a_line_is(shape: Shape, angle: float, more: f
         assert excess(shape, line, low) <= Fraction(SURE) + LOST
 
 
-@settings(max_examples=400, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=100, deadline=None)
 @given(coordinates, coordinates, radii, st.floats(0.0, 1.0), angles, slack, st.booleans())
 def test_a_body_that_is_said_to_fit_a_line_fits(
     x: float, y: float, radius: float, bound: float, angle: float, more: float, low: bool
@@ -219,7 +220,7 @@ def test_a_body_that_is_said_to_fit_a_line_fits(
         assert excess(Disk(x, y, radius), line, low) + Fraction(bound) <= 0
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(disks, angles, st.floats(0.0, 1.0), st.floats(-4.0 * ROUNDING, 4.0 * ROUNDING), radii)
 def test_a_body_that_is_said_to_be_inside_a_region_is(
     region: Disk, angle: float, bound: float, more: float, radius: float
@@ -232,7 +233,8 @@ def test_a_body_that_is_said_to_be_inside_a_region_is(
         assert square_distance(region, *exact(x, y)) <= room * room
 
 
-@settings(max_examples=400, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=100, deadline=None)
 @given(st.lists(disks, min_size=1, max_size=3), st.lists(shapes, min_size=1, max_size=3))
 def test_a_line_parts_all_that_two_hold(low: list[Shape], high: list[Shape]) -> None:
     line = parting(low, high)
@@ -242,7 +244,7 @@ def test_a_line_parts_all_that_two_hold(low: list[Shape], high: list[Shape]) -> 
         assert all(excess(each, line, False) < 0 for each in high)
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(shapes, angles, st.floats(1e-6, 3.0), st.booleans(), st.sampled_from((0.0, 1e9)))
 def test_a_tangent_has_what_stands_behind_it(
     shape: Shape, angle: float, away: float, low: bool, near: float
@@ -258,7 +260,7 @@ def test_a_tangent_has_what_stands_behind_it(
         assert excess(shape, line, not low) <= Fraction(SURE) + LOST
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(disks, angles, radii, slack)
 def test_a_place_that_is_said_to_be_within_a_region_is(
     region: Disk, angle: float, radius: float, more: float
@@ -271,7 +273,8 @@ def test_a_place_that_is_said_to_be_within_a_region_is(
         assert square_distance(region, *exact(place.x, place.y)) <= room * room
 
 
-@settings(max_examples=300, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=100, deadline=None)
 @given(disks, angles, slack, st.lists(disks, min_size=1, max_size=3), disks)
 def test_a_disk_that_is_not_around_holds_nothing_that_meets_a_region(
     region: Disk, angle: float, more: float, regions: list[Disk], place: Disk

@@ -97,6 +97,7 @@ def cut_off(place: int) -> SeparatingLines:
     return lines
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", [0, 500, MOST - 1])
 def test_a_state_fits_after_any_partition(place: int) -> None:
     ledger = cut_off(place)

@@ -115,6 +115,7 @@ RULES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rule", RULES)
 def test_without_this_rule_something_goes_wrong(rule, monkeypatch):
     leave_out, goes_wrong = RULES[rule]

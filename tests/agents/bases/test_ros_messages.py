@@ -105,6 +105,7 @@ CASES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_what_is_written_and_read_is_what_rosbags_writes_and_reads(name):
     """10 000 messages in all. Between numbers there may be anything, so rosbags reads what this writes."""

@@ -46,6 +46,7 @@ class Track:
         return command
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WHEELED)
 def test_a_body_leaves_an_edge_from_its_standoff_whichever_way_it_faces(name):
     for heading in FACING:
@@ -54,6 +55,7 @@ def test_a_body_leaves_an_edge_from_its_standoff_whichever_way_it_faces(name):
         assert track.x < -1.01 * track.body.standoff, heading
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WHEELED)
 def test_and_nearer_than_half_of_it_some_way_of_facing_holds_it(name):
     """The standoff is no larger than it has to be."""
@@ -64,6 +66,7 @@ def test_and_nearer_than_half_of_it_some_way_of_facing_holds_it(name):
     assert held > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WHEELED)
 def test_who_is_too_near_an_edge_to_drive_along_it_makes_itself_room(name):
     for heading in FACING[::6]:

@@ -9,7 +9,7 @@ from tests.agents.bodies.ride import KINDS, ROUNDING, Product, Ride, excess_of
 
 pytestmark = pytest.mark.slow
 
-RIDES = 8
+RIDES = 4  # the campaign `bodies` goes on
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -52,15 +52,15 @@ def test_without_additions_the_law_is_the_papers_to_the_last_bit(seed: int) -> N
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", ["gradient", "reciprocal"])
 @pytest.mark.parametrize("left_out", ADDITIONS)
-def test_any_addition_can_be_left_out(law: str, left_out: str) -> None:
-    scenario = load("boxes-4", [f"control.law={law}", "link.delay=0.1", "time.limit=30"])
+def test_any_addition_can_be_left_out(left_out: str) -> None:
+    scenario = load("boxes-4", ["link.delay=0.1", "time.limit=15"])
     scenario = replace(scenario, control=scenario.control.without(left_out))  # type: ignore[arg-type]
     report = LocalFleet(scenario).execute()
     assert (report["verdict"], report["collisions"]) in (("arrived", 0), ("deadlock", 0), ("timeout", 0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("count", "without"), [(3, ""), (6, "pace"), (7, ""), pytest.param(12, "", marks=pytest.mark.slow)]
 )

@@ -60,6 +60,7 @@ def a_view() -> View:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", [0.2])
 def test_the_example_of_the_page_brings_a_swap_home_behind_lines(tmp_path: Path, delay: float) -> None:
     scenario = under(example(tmp_path), "swap-8", link=Link(delay=delay))
@@ -68,6 +69,7 @@ def test_the_example_of_the_page_brings_a_swap_home_behind_lines(tmp_path: Path,
     assert one["trajectory_sha256"] == again["trajectory_sha256"]
 
 
+@pytest.mark.slow
 def test_lines_keep_what_wants_to_collide_apart_under_delay_loss_and_a_killed_process(write: Write) -> None:
     law = write("return (-9 * view.position[0], -9 * view.position[1])")
     faults = (ProcessFault(2, 1.0, "kill"),)

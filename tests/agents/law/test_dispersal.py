@@ -129,7 +129,7 @@ def crowd() -> Scenario:
     return resolved(validated(Scenario(tuple(specs), "crowd", "", 1, Workspace(2.2), time, control)))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_crowd_that_presses_itself_together_comes_apart() -> None:
     """Without this it does not within its time."""
     report = LocalFleet(crowd()).execute()

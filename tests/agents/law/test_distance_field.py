@@ -30,6 +30,7 @@ def scattered(seed: int, count: int) -> list[Shape]:
     ]
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32 - 1), st.sampled_from([ROOM, Disk(0.0, 0.0, 5.5)]))
 @settings(max_examples=20, deadline=None)
 def test_clearance_is_the_least_distance(seed: int, room: Shape) -> None:
@@ -44,6 +45,7 @@ def test_clearance_is_the_least_distance(seed: int, room: Shape) -> None:
         }
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32 - 1))
 @settings(max_examples=15, deadline=None)
 def test_ways_lead_to_the_goal_clear_of_everything_and_are_nearly_shortest(seed: int) -> None:

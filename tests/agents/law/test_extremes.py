@@ -105,6 +105,7 @@ def test_no_finite_number_of_a_peer_makes_a_law_fail(
         drive(scenario, law, lies, far, contact)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["gradient", "reciprocal"])
 def test_no_single_extreme_makes_a_law_fail(law: str) -> None:
     (scenario, _) = worlds()

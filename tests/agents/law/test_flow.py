@@ -85,6 +85,7 @@ def test_a_drift_is_repelled_like_the_law() -> None:
     assert -0.1 < x < -0.08
 
 
+@pytest.mark.slow
 def test_the_sampled_fleet_keeps_to_the_path_of_the_exact_flow() -> None:
     sampled, exact = [], []
     for seed in range(4):

@@ -32,6 +32,7 @@ def slice_of(problem: Problem, b: np.ndarray, i: int) -> Slice:
     return Slice(goal, float(problem.radii[i]), problem.workspace, problem.k, peers)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n", "k"), [(1, 60.0), (2, 5.0), (6, 60.0), (24, 960.0), (200, 10_000.0)])
 def test_slices_are_the_rows_of_the_reduced_gradient(n: int, k: float) -> None:
     problem, b = configuration(n, k, seed=n)

@@ -48,7 +48,8 @@ SLIVER = ConvexPolygon(
 )
 
 
-@settings(deadline=None, max_examples=60)
+@pytest.mark.slow
+@settings(deadline=None, max_examples=25)
 @given(st.lists(shapes, min_size=1, max_size=4), points, points)
 @example([SLIVER], (0.0, 0.0625), (0.0, -0.25))  # from its corner a shorter one is seen
 def test_ways_are_clear_and_no_longer_than_they_say(obstacles, start, goal):

@@ -32,6 +32,7 @@ def disk(draw: random.Random) -> Disk:
     return Disk(draw.uniform(-1, 1), draw.uniform(-1, 1), draw.uniform(0.02, 0.25))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(24))
 def test_a_chain_of_gaps_separates_what_flood_filling_separates(seed: int) -> None:
     draw = random.Random(seed)

@@ -43,7 +43,8 @@ def shortest_distance(rx: float, ry: float, vx: float, vy: float) -> float:
     return math.hypot(rx - time * vx, ry - time * vy)
 
 
-@settings(max_examples=200, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=60, deadline=None)
 @given(coordinate, coordinate, speeds, speeds, st.floats(0.0, 2.0), st.floats(0.0, 2.0), angle, angle)
 def test_two_that_keep_to_their_half_planes_do_not_touch_within_the_horizon(
     rx: float,
@@ -80,7 +81,8 @@ def worst(x: float, y: float, limits: list[HalfPlane]) -> float:
 GRID = [(0.05 * i, 0.05 * j) for i in range(-20, 21) for j in range(-20, 21) if i * i + j * j <= 400]
 
 
-@settings(max_examples=100, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=40, deadline=None)
 @example((0.0, 0.0), [(1.82, -0.01), (1.82, -0.01)])  # the same one twice
 @given(speeds, st.lists(st.tuples(hundredths(-314, 314), hundredths(-50, 100)), max_size=6))
 def test_no_velocity_is_better_than_the_programs(
@@ -113,6 +115,7 @@ def reciprocally(scenario: Scenario, **over: object) -> Scenario:
     return replace(scenario, control=control, **over)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_a_swap_is_short_and_quick() -> None:
     verdict, touched, nrl, time = run(reciprocally(swap(8, 0.01, 3)))
     assert (verdict, touched) == ("arrived", 0)
@@ -133,17 +136,20 @@ def test_a_few_that_cross_pass_without_a_turn() -> None:
     assert sum(lengths) / len(lengths) < 1.065
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["swap-6", "head-on"])
 def test_exactly_symmetric_starts_are_left(name: str) -> None:
     assert run(reciprocally(load(name)))[:2] == ("arrived", 0)
 
 
+@pytest.mark.slow
 def test_under_delay_and_loss_and_a_killed_process_nothing_touches() -> None:
     link = Link(delay=(0.0, 0.3), loss=0.2)
     report = run(reciprocally(swap(6, 0.01, 1), link=link, process=(ProcessFault(2, 1.0, "restart"),)))
     assert report[:2] == ("arrived", 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("factor", [1024.0])
 def test_no_length_is_built_in(factor: float) -> None:
     base = reciprocally(swap(6, 0.01, 2))

@@ -220,11 +220,13 @@ def excursion(seed: int, wall: Wall, ticks: int = 300) -> float:
     return worst
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(60))
 def test_nobody_leaves_whatever_is_wrong_with_what_it_knows(seed: int) -> None:
     assert excursion(seed, RoundBoundary) <= TINY
 
 
+@pytest.mark.slow
 def test_a_naive_wall_lets_robots_out() -> None:
     """What the seeds above are worth: many of them find the hole."""
     out = [seed for seed in range(60) if excursion(seed, NaiveWall) > 1e-6]

@@ -14,11 +14,21 @@ pytestmark = pytest.mark.slow
     ("seed", "kill"),
     [
         pytest.param(37, False, id="three claim at once what goes together in one order only"),
-        pytest.param(344, False, id="two without a part share the room that a third one comes into"),
+        pytest.param(
+            344,
+            False,
+            id="two without a part share the room that a third one comes into",
+            marks=pytest.mark.campaign,
+        ),
         pytest.param(
             14, True, id="a robot dies, and no order remains but by putting elsewhere what another has"
         ),
-        pytest.param(11, True, id="an idle robot stands where the part of a dead one is taken over"),
+        pytest.param(
+            11,
+            True,
+            id="an idle robot stands where the part of a dead one is taken over",
+            marks=pytest.mark.campaign,
+        ),
     ],
 )
 def test_all_parts_get_in_place(seed: int, kill: bool) -> None:

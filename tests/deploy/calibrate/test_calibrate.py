@@ -52,6 +52,7 @@ def found():
     return measured()
 
 
+@pytest.mark.slow
 def test_what_is_late_is_measured(found):
     assert 2 * LATENCY < found.lag < 2 * LATENCY + 0.1
     assert TIMEOUT < found.timeout < TIMEOUT + 2 * LATENCY + 0.15
@@ -64,6 +65,7 @@ def test_poses_at_rest_say_how_far_they_scatter(found):
     assert 0.01 < found.heading < 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scale", [0.93, 1.07])
 def test_odometry_that_is_off_is_found_out(scale, found):
     worse = measured(scale)
@@ -79,6 +81,7 @@ def test_what_is_to_be_stated_is_toml_and_has_a_margin(found):
     assert said["sensing"]["noise_bound"] >= 1.5 * found.noise_bound
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [

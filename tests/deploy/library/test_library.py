@@ -82,6 +82,7 @@ def test_an_unjittered_swap_is_symmetric(count: int) -> None:
         assert {robot.goal for robot in scenario.robots} == starts
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(st.integers(1, 40), st.integers(0, 2**63 - 1), st.floats(0.01, 0.35), st.floats(0.0, 0.5))
 def test_random_instances_always_exist(count: int, seed: int, density: float, unequal: float) -> None:

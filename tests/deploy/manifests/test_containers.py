@@ -98,6 +98,7 @@ def deployed(
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("orchestrator", THIRD)
 def test_whom_orders_add_is_started_with_the_others(
     disknav: Forks, tmp_path: Path, orchestrator: str

@@ -75,6 +75,7 @@ def test_the_origin_places_and_turns_the_map(tmp_path: Path) -> None:
     assert grid.cell(1.0 - 0.15, -2.0 + 0.45) == (1, 4)
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32 - 1), st.floats(0.0, 3.0), st.floats(0.2, 0.9), st.booleans())
 @settings(max_examples=8, deadline=None)
 def test_pieces_cover_what_is_solid_and_reach_no_farther_than_the_error(
@@ -227,6 +228,7 @@ def test_import_writes_a_scenario_that_names_the_map(tmp_path: Path) -> None:
     assert len(load(str(out)).robots) == 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MAPS)
 def test_goals_on_the_maps_of_the_library_can_be_reached(name: str) -> None:
     report = surrounded(load(f"{name}-6"))

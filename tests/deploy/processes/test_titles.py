@@ -25,7 +25,6 @@ from tests.deploy.processes.ports import free_ports
 
 pytestmark = [
     pytest.mark.process,
-    pytest.mark.alone,
     pytest.mark.timeout(90),
     pytest.mark.skipif(sys.platform != "linux", reason="reads /proc"),
 ]

@@ -44,6 +44,7 @@ def finished(fleet: LocalFleet) -> dict[str, Any]:
     return report
 
 
+@pytest.mark.slow
 def test_a_part_of_one_that_dies_is_taken_over() -> None:
     fleet, dead = carrying()
     fleet.kill(dead)
@@ -53,6 +54,7 @@ def test_a_part_of_one_that_dies_is_taken_over() -> None:
     assert (members[dead].status, members[dead].radius) == ("standing", SCENARIO.spec(dead).radius)
 
 
+@pytest.mark.slow
 def test_a_carrier_that_is_restarted_goes_on() -> None:
     fleet, robot = carrying()
     fleet.kill(robot)

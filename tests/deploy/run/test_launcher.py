@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import pytest
 from msgspec.structs import replace as replaced
 
 from deploy.library.load import load
@@ -55,6 +56,7 @@ def test_what_happened_in_the_last_tick_is_carried_out_though_only_the_verdict_w
     assert schedule.due(ended) == []
 
 
+@pytest.mark.slow
 def test_what_happens_within_a_tick_happens_in_the_order_of_its_times() -> None:
     faults = (ProcessFault(2, 0.52, "resume"), ProcessFault(2, 0.51, "pause"))
     schedule = launcher(replace(SWAP, process=faults))

@@ -34,12 +34,14 @@ def in_process(scenario: Scenario, joining: tuple[int, ...] | None = None) -> di
         return fleet.execute()
 
 
+@pytest.mark.slow
 def test_near_robots_arrive_on_ways_as_short_as_if_all_heard_all() -> None:
     near, everybody = (in_process(crowd(Network(interest))) for interest in ("near", "all"))
     assert near["verdict"] == everybody["verdict"] == "arrived"
     assert near["nrl"] < 1.05 * everybody["nrl"]
 
 
+@pytest.mark.slow
 def test_the_order_of_joining_changes_nothing() -> None:
     scenario = crowd(Network("near", 0.1), link=Link(delay=(0.0, 0.2), loss=0.1))
     scenario = replace(scenario, time=replace(scenario.time, limit=SHORT))
@@ -47,6 +49,7 @@ def test_the_order_of_joining_changes_nothing() -> None:
     assert len(hashes) == 1
 
 
+@pytest.mark.slow
 def test_who_of_two_begins_anew_first_changes_nothing() -> None:
     scenario = crowd(Network("near", 0.1))
     scenario = replace(scenario, time=replace(scenario.time, limit=2.0))
@@ -57,6 +60,7 @@ def test_who_of_two_begins_anew_first_changes_nothing() -> None:
     assert len(hashes) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fenced", [False, True])
 def test_who_begins_anew_among_far_peers_moves_again(fenced: bool) -> None:
     """By letters it gets a line with everybody, although it hears hardly anybody."""
@@ -142,6 +146,7 @@ def lend_ears(fleet: LocalFleet, passes: Callable[[RobotNode, Event, Hear], obje
         bus.node = Ear(bus.node, passes)
 
 
+@pytest.mark.slow
 def test_robots_that_lose_each_others_ticks_hear_each_other_where_nobody_waits() -> None:
     lost = []
 

@@ -79,6 +79,7 @@ def test_an_endpoint_need_not_say_the_protocol_of_its_network(tmp_path: Path) ->
         Membership(tmp_path).endpoint("tcp/10.0.0.1:7447")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [

@@ -168,6 +168,7 @@ def test_an_operator_gives_orders_and_says_nothing_in_anothers_name(keys: Path) 
         assert operator.receive(0.0) is None
 
 
+@pytest.mark.campaign
 def test_without_keys_the_same_lies_are_believed() -> None:
     """What the test above forbids is possible where there are no rules: it could fail."""
     with LiedTo(RunOptions(run=RUN, speed=8.0), {"anybody": None}) as fleet:

@@ -30,7 +30,9 @@ SMALL: dict[str, Callable[[], Study]] = {
 }
 
 
-@pytest.mark.parametrize("name", SMALL)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.campaign if name == "arrival" else ()) for name in SMALL]
+)
 def test_a_small_study_from_runs_to_table(name: str) -> None:
     study = SMALL[name]()
     result = execute(study, "local", RunLog(None), jobs=2)

@@ -42,6 +42,7 @@ def random_cluster(draw: np.random.Generator, radii: Array, eps: float) -> Array
     return b if (gaps > 0.0).all() else None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [2, 3, 4, 6])
 @pytest.mark.parametrize("unequal", [False, True])
 def test_no_random_cluster_exceeds_the_bounds(n: int, unequal: bool) -> None:

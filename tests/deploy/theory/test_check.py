@@ -60,6 +60,7 @@ def test_figure_2_names_the_violated_clusters_and_by_how_much() -> None:
     assert not found.guaranteed
 
 
+@pytest.mark.slow
 def test_an_admissible_scenario_prints_its_bound_and_says_whether_k_reaches_it() -> None:
     low = checked_ring()
     assert low.assumption_1.status == low.assumption_2.status == "holds"
@@ -80,6 +81,7 @@ def test_what_is_seen_in_practice_is_reported() -> None:
     assert sum(seen.equilibria.values()) >= 3  # one saddle at least for every pair
 
 
+@pytest.mark.slow
 def test_too_small_a_k_shows_another_minimum() -> None:
     scenario = read("figure-3e")
     found = report(replace(scenario, control=Control(k=3.0)))

@@ -16,6 +16,7 @@ from tests.deploy.theory.potential import log_ratio
 from tests.deploy.theory.problems import admissible, crowded, free
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unequal", [False, True])
 def test_flow_descends_without_contact_and_arrives(unequal: bool) -> None:
     problem = crowded(6, unequal, k=60.0)
@@ -58,6 +59,7 @@ def stuck(problem: Problem) -> Array | None:
     return None
 
 
+@pytest.mark.slow
 def test_small_k_has_other_minima_and_large_k_has_none_on_the_way() -> None:
     """The paper's remark on figure 5; at such a minimum circling climbs, so C.4 needs its "large enough"."""
     problem = crowded(6, False, k=3.0)

@@ -47,6 +47,7 @@ def undisturbed() -> str:
     return sha
 
 
+@pytest.mark.slow
 def test_who_is_to_be_restarted_is_not_its_own_successor_when_a_router_goes(
     tmp_path: Path, undisturbed: str
 ) -> None:

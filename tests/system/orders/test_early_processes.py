@@ -6,6 +6,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import pytest
+
 from agents.shell.node import RobotNode
 from deploy.run.local import LocalFleet
 from protocol.joining import Join, Wait
@@ -31,6 +33,7 @@ def test_a_process_that_is_there_before_its_disk_waits_for_it() -> None:
     assert (report["verdict"], report["robots"]) == ("arrived", [1, 2, 3, 4, 7])
 
 
+@pytest.mark.slow
 def test_a_process_that_is_there_before_its_order_waits_and_no_trajectory_shows_it() -> None:
     fleet = LocalFleet(GUESTED)
     process = fleet.start(7)

@@ -12,6 +12,7 @@ from protocol.scenario.body import Body
 from tests.world.plants.fleet import BODIES, PERIODS, drive, hostile
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("period", PERIODS)
 @pytest.mark.parametrize("body", ["omnidirectional", "e-puck"])
 def test_in_formulas_with_errors_at_their_worst(body: str, period: float) -> None:

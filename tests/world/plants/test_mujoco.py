@@ -21,7 +21,7 @@ HARD = Setting(robots=6, delay=0.3, loss=0.3, dropped=0.1, speed=0.2, k=200.0, p
 SLOW = replace(HARD, period=0.5)  # a body goes farther within a tick
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_robots_that_take_their_bodies_for_points_touch_and_the_engine_agrees() -> None:
     report = drive(SLOW, naive=True)
     assert report["verdict"] == "collision"
@@ -31,7 +31,7 @@ def test_robots_that_take_their_bodies_for_points_touch_and_the_engine_agrees() 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("setting", [HARD, SLOW])
+@pytest.mark.parametrize("setting", [pytest.param(HARD, marks=pytest.mark.campaign), SLOW])
 def test_robots_that_know_their_bodies_do_not(setting: Setting) -> None:
     report = drive(setting)
     assert report["verdict"] == "arrived" or setting == SLOW
@@ -47,6 +47,7 @@ def test_the_same_run_twice_is_the_same() -> None:
     assert one["verdict"] == "arrived"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("period", [0.01, 0.1])
 @pytest.mark.parametrize("name", WHEELED)
 def test_bodies_keep_to_what_they_state(name: str, period: float) -> None:

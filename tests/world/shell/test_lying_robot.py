@@ -118,6 +118,7 @@ def test_whatever_a_command_may_say_stops_nobody_else(field: dict[str, Any]) -> 
     assert set(report["arrived"]) >= {1, 3, 4}, (report["verdict"], report["reason"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("field", ["version", "region"])
 def test_a_command_that_obeys_what_was_never_granted_is_refused(field: str) -> None:
     def turn(message: Any) -> Any:

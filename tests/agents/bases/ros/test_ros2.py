@@ -200,7 +200,17 @@ def yard(folder: Path, count: int = 6, settings: Iterable[str] = ()) -> Iterator
         yield result
 
 
-@pytest.mark.long(55)
+def stand_without_coordinator(fleet: Yard) -> None:
+    """It is stopped for a while: everybody stands, each by itself."""
+    body = fleet.scenario.body_of(1)
+    stops = body.hold + body.lag + body.speed / body.acceleration  # s until a base left alone stands
+    fleet.processes.signal("world", signal.SIGSTOP)
+    quiet = fleet.speeds(time.monotonic() + fleet.scenario.time.step + stops, 0.9)
+    fleet.processes.signal("world", signal.SIGCONT)
+    assert max(quiet.values()) < 0.01, quiet
+
+
+@pytest.mark.campaign
 def test_six_robots_swap_and_survive_what_may_happen_to_bases_and_coordinator(tmp_path):
     with yard(tmp_path) as fleet:
         processes, scenario = fleet.processes, fleet.scenario
@@ -222,11 +232,7 @@ def test_six_robots_swap_and_survive_what_may_happen_to_bases_and_coordinator(tm
             lambda: "are sound" in processes.output("robot-2").rpartition("no odometry")[2], 20.0, "2 is lost"
         )
 
-        # the coordinator is cut off: everybody stands, each by itself
-        processes.signal("world", signal.SIGSTOP)
-        quiet = fleet.speeds(time.monotonic() + scenario.time.step + stops, 0.9)
-        processes.signal("world", signal.SIGCONT)
-        assert max(quiet.values()) < 0.01, quiet
+        stand_without_coordinator(fleet)
         until(lambda: fleet.arrived(goals), 90.0, "they do not arrive")
 
         # on the way back one base dies: its robot stands for good, nobody touches it
@@ -252,14 +258,28 @@ def test_six_robots_swap_and_survive_what_may_happen_to_bases_and_coordinator(tm
         print(f"smallest gap {1e3 * fleet.gap():.1f} mm")
 
 
-@pytest.mark.parametrize("filter_", ["separating-lines", "none"])
-def test_planners_that_heed_no_robot_touch_only_without_the_filter(tmp_path, filter_):
-    with yard(tmp_path, 3, [*CROSSING, "control.law=external", f"control.filter={filter_}"]) as fleet:
-        goals = {spec.id: spec.goal for spec in fleet.scenario.robots}
-        until(lambda: all((tmp_path / f"truth-{r}").exists() for r in goals), 60.0, "no bases")
-        until(lambda: all(map(fleet.truth, goals)), 60.0, "a base is silent")
-        if filter_ == "none":
-            until(lambda: fleet.gap() < 0.0, 120.0, "they do not touch")
-        else:
-            until(lambda: fleet.arrived(goals), 120.0, "they do not arrive")
-            assert fleet.gap() > 0.0
+@contextmanager
+def planned(folder: Path, filter_: str) -> Iterator[Yard]:
+    """Three robots whose planners heed no robot, once all bases speak."""
+    with yard(folder, 3, [*CROSSING, "control.law=external", f"control.filter={filter_}"]) as fleet:
+        robots = fleet.scenario.ids
+        until(lambda: all((folder / f"truth-{robot}").exists() for robot in robots), 60.0, "no bases")
+        until(lambda: all(map(fleet.truth, robots)), 60.0, "a base is silent")
+        yield fleet
+
+
+def test_planners_that_heed_no_robot_arrive_behind_the_filter_and_stand_without_a_coordinator(tmp_path):
+    with planned(tmp_path, "separating-lines") as fleet:
+        starts = {spec.id: spec.start for spec in fleet.scenario.robots}
+        until(lambda: max(map(fleet.way, starts, starts.values())) > 0.1, 60.0, "nobody moves")
+        stand_without_coordinator(fleet)
+        until(
+            lambda: fleet.arrived({r.id: r.goal for r in fleet.scenario.robots}), 120.0, "they do not arrive"
+        )
+        assert fleet.gap() > 0.0
+
+
+@pytest.mark.campaign
+def test_without_the_filter_they_touch(tmp_path):
+    with planned(tmp_path, "none") as fleet:
+        until(lambda: fleet.gap() < 0.0, 120.0, "they do not touch")

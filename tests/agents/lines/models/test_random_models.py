@@ -16,10 +16,10 @@ from tests.agents.lines.models.skirmishes import aftermath, skirmish
 @pytest.mark.parametrize(
     ("model", "edits", "seeds"),
     [
-        pytest.param(skirmish, (), range(40), id="no touch"),
-        pytest.param(aftermath, (), range(12), id="all become ready"),
-        pytest.param(skirmish, LARGE_ROOM, range(1, 150, 5), id="no touch, small regions"),
-        pytest.param(aftermath, LARGE_ROOM, range(4, 64, 5), id="all become ready, small regions"),
+        pytest.param(skirmish, (), range(20), id="no touch"),
+        pytest.param(aftermath, (), range(6), id="all become ready"),
+        pytest.param(skirmish, LARGE_ROOM, range(1, 76, 5), id="no touch, small regions"),
+        pytest.param(aftermath, LARGE_ROOM, range(4, 34, 5), id="all become ready, small regions"),
     ],
 )
 @pytest.mark.slow

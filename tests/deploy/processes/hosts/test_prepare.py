@@ -169,11 +169,9 @@ def disknav(*arguments: str, timeout: float) -> subprocess.CompletedProcess[str]
     return subprocess.run(call, capture_output=True, text=True, timeout=timeout, check=False)
 
 
-@pytest.mark.process
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.timeout(300)
 @needs_sshd
-@pytest.mark.long(20)
 def test_what_is_installed_there_is_fit_and_runs_its_robots(tmp_path: Path) -> None:
     folder, table = tmp_path / "there" / "disknav", tmp_path / "hosts.toml"
     with ssh_server(tmp_path, environment(tmp_path / "lent")) as server:

@@ -100,6 +100,7 @@ class Courtesy:
 )
 
 
+@pytest.mark.slow
 def test_a_law_of_the_users_runs_beside_the_others(tmp_path: Path) -> None:
     file = tmp_path / "courtesy.py"
     file.write_text(COURTESY, encoding="utf-8")

@@ -55,6 +55,7 @@ def view(
     return View(tick=tick, position=position, goal=goal, displacement=displacement, neighbours=neighbours)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_two_that_hear_each_other_at_once_pass_in_equal_runs(law: str) -> None:
     report, again = (run(crossing(f"{law}(noise=0.1)")) for _ in range(2))

@@ -37,6 +37,7 @@ def test_a_watcher_sees_what_the_world_judged() -> None:
     assert watcher.overview()["history"][-1][2] == pytest.approx(report["log_potential"]["last"])
 
 
+@pytest.mark.slow
 def test_a_watcher_does_not_change_a_run() -> None:
     alone, watched = LocalFleet(ring(), "r"), LocalFleet(ring(), "r")
     watch_local(watched.network, "r")
@@ -115,6 +116,7 @@ def test_a_run_that_does_not_answer_an_order_is_a_refusal() -> None:
     assert "no answer" in stop.result(0.0).text
 
 
+@pytest.mark.slow
 def test_an_emergency_stop_reaches_the_run_and_its_release_too() -> None:
     fleet = LocalFleet(ring(), "r")
     watcher = watch_local(fleet.network, "r", speed=1.0)

@@ -14,6 +14,7 @@ RECORDED = [stream for stream in STREAMS.values() if stream.recorded]
 messages = st.one_of(*(ANY[stream.name] for stream in RECORDED))
 
 
+@pytest.mark.slow
 @given(messages)
 def test_messages_survive_json_to_the_last_bit(message):
     text = msgspec.json.encode(to_object(type(message))(message))

@@ -265,6 +265,7 @@ def test_the_launchers_result_takes_the_place_of_the_worlds(tmp_path):
         assert len(list(reader.iter_metadata())) == reader.get_summary().statistics.metadata_count == 4
 
 
+@pytest.mark.slow
 def test_reading_takes_no_more_memory_for_a_longer_recording(tmp_path):
     peaks = []
     keys = {spec.id: robot_key("r", spec.id, "command") for spec in ROBOTS}

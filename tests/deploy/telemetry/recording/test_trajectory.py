@@ -76,6 +76,7 @@ def test_a_lost_truth_is_worked_out_unless_somebody_came_or_went(recording: Reco
         verify(without(recording, 21))
 
 
+@pytest.mark.slow
 def test_a_robot_that_takes_up_a_part_leaves_the_trajectory_the_results(tmp_path: Path) -> None:
     recording = read(recorded(load("parts-3"), tmp_path / "parts.mcap"))
     found = verify(recording)

@@ -144,6 +144,7 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
     subprocess.run(["umount", "-l", str(folder)], check=True)
 
 
+@pytest.mark.slow
 def test_a_full_disk_ends_the_recording_which_is_read_to_there(
     small_disk: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -46,6 +46,7 @@ def test_a_critical_point_solves_a_linear_system_in_its_multipliers() -> None:
         assert np.abs(error).max() < 1e-6 * found.problem.workspace
 
 
+@pytest.mark.slow
 def test_the_form_is_that_of_the_hessian() -> None:
     """2 (half form) - 4 (y . v)^2 / gamma = v^T (dD/db) v, which is gamma kappa Hess(log phi^)."""
     for number, found in enumerate(points()):

@@ -83,6 +83,7 @@ def test_bounds_that_are_no_number_or_overflowed_exclude_nothing() -> None:
     assert row[0, 0] < math.inf == row[0, 1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "entries", [(1.0, 1.0, 1.0, 1.0), (1e-120, 0.0, 0.0, 1.0), (math.nan, 0.0, 0.0, 1.0)]
 )

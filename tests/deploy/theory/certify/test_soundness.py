@@ -45,7 +45,7 @@ def test_no_known_minimum_is_ever_settled() -> None:
     assert len(minima) >= 10
     for number, found in enumerate(minima):
         scene = scene_of(found.problem)
-        for box in boxes(found, 60, number):
+        for box in boxes(found, 20, number):
             assert settle(scene, box, derived(scene)) == OPEN, found.point
             assert holds(box, found.row)
 
@@ -53,7 +53,7 @@ def test_no_known_minimum_is_ever_settled() -> None:
 def test_most_small_boxes_around_saddles_are_settled() -> None:
     """Otherwise the test above would hold of a search that never settles anything."""
     settled = total = 0
-    for seed in range(30):
+    for seed in range(0, 30, 3):
         for found in known(seed):
             if found.point.kind == "saddle":
                 scene = scene_of(found.problem)

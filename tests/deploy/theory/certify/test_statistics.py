@@ -10,6 +10,7 @@ from deploy.theory.exact_flow import failing_fraction, upper_bound
 from tests.deploy.theory.certify.known import blockade
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("starts", "bound"), [(300, 0.01), (3000, 0.001)])
 def test_no_failure_bounds_the_fraction(starts: int, bound: float) -> None:
     assert 0.99 * bound < upper_bound(0, starts) < bound

@@ -110,6 +110,7 @@ messages = st.one_of(
 presences = st.tuples(st.one_of(st.none(), ids), st.booleans())
 
 
+@pytest.mark.slow
 @given(st.lists(st.one_of(messages, presences), max_size=40))
 def test_whatever_is_heard_can_be_told_as_json(events: list[Message | tuple[int | None, bool]]) -> None:
     it = view(alive=False)
