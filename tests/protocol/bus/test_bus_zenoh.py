@@ -125,13 +125,6 @@ def test_a_bus_does_not_hear_itself(connect: Connect) -> None:
     assert speaker.receive(0.05) is None
 
 
-def test_watching_tells_of_those_already_there(connect: Connect) -> None:
-    early, late = connect(), connect()
-    early.announce(ALIVE)
-    late.watch("disknav/t/robot/*/alive")
-    assert late.receive(PATIENCE) == Presence(ALIVE, True)
-
-
 @pytest.mark.process
 def test_presence_goes_with_a_killed_process(connect: Connect, endpoint: str) -> None:
     watcher = connect()
@@ -155,11 +148,6 @@ def test_asking_waits_for_whoever_will_serve(connect: Connect) -> None:
     answer(server, b"now")
     asking.join()
     assert replies == [b"now"]
-
-
-def test_a_peer_cannot_do_without_its_first_endpoint() -> None:
-    connection = Connection("peer", connect=("tcp/a:1", "tcp/b:2"))
-    assert configuration(connection)["connect"]["endpoints"] == ["tcp/a:1#exit_on_failure=true", "tcp/b:2"]
 
 
 @pytest.mark.parametrize("mode", ["client", "router", "peer"])

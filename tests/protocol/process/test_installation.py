@@ -11,11 +11,6 @@ import pytest
 from protocol.process import installation
 
 
-def test_this_repository_is_a_checkout() -> None:
-    assert installation.is_checkout()
-    assert (installation.ROOT / "protocol" / "process" / "installation.py").is_file()
-
-
 def test_a_checkout_is_set_up_again(tmp_path: Path) -> None:
     for name in ("pyproject.toml", "Makefile"):
         (tmp_path / name).touch()
@@ -44,8 +39,3 @@ def test_only_libraries_of_extras_are_explained() -> None:
     assert "scipy" in str(error)
     assert "[theory]" in str(error)
     assert installation.explained(ModuleNotFoundError("no", name="agents.typo")) is None
-
-
-def test_the_error_names_what_lacks_which_library() -> None:
-    error = installation.missing_library("a picture", "matplotlib", "plot")
-    assert str(error).startswith("a picture needs the library matplotlib, which is not installed: ")

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import pytest
 
-from protocol.errors import ScenarioError
 from protocol.scenario.body import PRESETS, Base, Body
 from protocol.scenario.file import document_of, parse_document, parse_toml, write_toml
 from tests.protocol.scenario.scenario_texts import ROBOTS, problems
@@ -42,19 +41,13 @@ def test_every_preset_has_wheels_inside_its_hull_and_brakes() -> None:
             assert body.acceleration < 10.0
 
 
-def test_what_is_wrong_is_named() -> None:
-    assert "turtlebot3-burger" in problems('body = "roomba"\n' + ROBOTS)["body"]
+def test_a_body_must_lie_inside_the_disk() -> None:
     assert problems('body = { kind = "differential-drive", track = 0.1 }\n' + ROBOTS) == {
         "body.offset": "must be above 0 for a body on two wheels"
     }
     assert problems('body = "e-puck"\n' + ROBOTS) == {
         f"robots[{n}].radius": "must be at least 0.055, for the body lies inside the disk" for n in (0, 1)
     }
-    assert problems('body = { kind = "omnidirectional", brakes = 1.0 }\n' + ROBOTS)["body.brakes"].startswith(
-        "unknown key"
-    )
-    assert problems(ONE)["robots[0].radius"] == "is missing"
-    assert list(problems('[world]\nplant = "mujoco"\n' + ROBOTS)) == ["robots[0].body", "robots[1].body"]
 
 
 def test_mujoco_moves_bodies_only_as_their_errors_were_measured() -> None:
@@ -126,39 +119,3 @@ def test_the_filter_takes_a_body_with_everything_that_comes_late():
     body, base = pair().body_of(1), Base()
     assert body.hold == pytest.approx(base.timeout + base.patience + base.latency)
     assert body.lag == pytest.approx(PRESETS["turtlebot3-burger"].lag + base.age + 2 * base.latency)
-
-
-@pytest.mark.parametrize(
-    ("texts", "wrong"),
-    [
-        ({"one": 'body = "point"'}, r"robots\[0\]\.body: a base outside cannot stop at once"),
-        (
-            {"base": '[base]\nnamespace = "/bot"'},
-            r"robots\[1\]\.base: has the same key bot/cmd_vel as robots\[0\]",
-        ),
-        (
-            {"one": 'base = {odometry = "odom/**"}'},
-            r"robots\[0\]\.base\.odometry: 'odom/\*\*' is no ROS name",
-        ),
-        ({"one": "base = {delay = 0.04}"}, r"robots\[0\]\.base\.delay: must be at most `latency`, 0\.03"),
-        ({"one": 'base = {pose = "a//b"}'}, r"robots\[0\]\.base\.pose: 'a//b' is no ROS name"),
-        ({"one": 'base = {pose = "/"}'}, r"robots\[0\]\.base\.pose: must not be empty"),
-        ({"two": 'base = {pose = "odom"}'}, r"robots\[1\]\.base: `odometry` and `pose` are both bot2/odom"),
-        ({"two": 'base = {velocity = "a", odometry = "/a/"}'}, "`velocity` and `odometry` are both bot2/a"),
-        ({"two": 'base = {base_frame = "a\\nb"}'}, r"robots\[1\]\.base\.base_frame: must have no control"),
-        (
-            {"one": 'base = {namespace = "bot2"}'},
-            r"robots\[1\]\.base: has the same key bot2/cmd_vel as robots\[0\]",
-        ),
-        ({"base": "[base]\ntimeout = 0"}, r"base\.timeout: must be at least"),
-        ({"base": "[base]\ntopic = 1"}, r"base\.topic: unknown key"),
-        ({"world": "lease = 0.1"}, r"world\.lease: must be at least 3 ticks"),
-        (
-            {"two": '[[process]]\nrobot = 1\nat = 1.0\nevent = "kill"'},
-            "process: process faults cannot be scripted",
-        ),
-    ],
-)
-def test_what_is_wrong_with_a_base_is_named(texts, wrong):
-    with pytest.raises(ScenarioError, match=wrong):
-        pair(**texts)

@@ -8,9 +8,10 @@ import pytest
 
 from protocol.errors import ScenarioError
 from protocol.geometry import ConvexPolygon, Disk
-from protocol.scenario.file import json_schema, parse_toml, read_scenario, write_toml
+from protocol.scenario.file import json_schema, parse_document, parse_toml, read_scenario, write_toml
 from protocol.scenario.model import Journey, Obstacle, RobotSpec, Sensing
-from tests.protocol.scenario.scenario_texts import ROBOTS, problems
+from protocol.scenario.network import WIRELESS, Burst
+from tests.protocol.scenario.scenario_texts import ROBOTS, document, problems
 
 
 @pytest.mark.parametrize(
@@ -101,3 +102,14 @@ def test_a_polygon_and_obstacles_are_read_and_written_back():
 def test_a_workspace_is_round_unless_points_are_given():
     assert parse_toml(ROBOT).workspace.shape == Disk(0.0, 0.0, 0.3)
     assert {"radius", "points"} <= json_schema()["$defs"]["Workspace"]["properties"].keys()
+
+
+@pytest.mark.parametrize("preset", WIRELESS)
+def test_what_is_given_outranks_a_preset(preset: str) -> None:
+    plain = parse_document(document() | {"link": {"preset": preset}}).link
+    for key, value in WIRELESS[preset].items():
+        assert getattr(plain, key) == value
+    given = {"preset": preset, "delay": 0.3, "burst": {"loss": 0.5}, "loss": 0.1}
+    link = parse_document(document() | {"link": given}).link
+    assert (link.delay, link.burst, link.loss) == (0.3, Burst(loss=0.5), 0.1)
+    assert link.roaming == plain.roaming

@@ -204,20 +204,6 @@ def test_restart_waits_for_a_new_life():
     assert len(result_of(world)["faults"]["process"]) == 1
 
 
-def test_waiting_may_be_given_up_and_the_robot_may_still_come():
-    world = faulty((2, 3, "restart"))
-    advance_to(world, 3)
-    world.open_tick()
-    world.coordinator.give_up_waiting(2)
-    world.open_tick()
-    assert world.coordinator.active == (1,)
-    advance_to(world, 10)
-    assert [down.robot for down in world.coordinator.lives.roster.standing] == [2]
-    assert world.coordinator.join(2) == 2
-    world.open_tick()
-    assert world.coordinator.active == (1, 2)
-
-
 def test_a_robot_that_never_starts_is_a_disk_that_stands():
     world = joined(two(time=PATIENT), [1])
     world.coordinator.give_up_waiting(2)

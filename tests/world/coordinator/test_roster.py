@@ -1,12 +1,24 @@
-"""The roster: what each robot is told of it, version by version, and what speaks against an obstacle."""
+"""The roster: what each robot is told of it; obstacles that come and go, acknowledged before they appear."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import msgspec
+import pytest
+
+from agents.robot import Robot
 from protocol import messages
+from protocol.codec import decode
+from protocol.errors import MessageError
 from protocol.geometry import Disk
-from protocol.messages import Member
-from tests.world.driving import two
+from protocol.messages import Member, PlacedObstacle, Tick
+from protocol.scenario.model import Obstacle as Listed
+from protocol.scenario.model import Operation, Workspace
+from tests.world.driving import advance, joined, obeying, scenario, two
 from world.coordinator.roster import Roster
+from world.report import result_of
+from world.world import World
 
 HERE = (5.0, 0.0)
 
@@ -46,3 +58,115 @@ def test_a_roster_is_told_until_the_present_life_has_acknowledged_it():
     assert roster.news(1) is None
     roster.alter(1, incarnation=2)
     assert roster.news(1) == roster.message
+
+
+BOX = ((0.1, 0.1), (0.2, 0.1), (0.2, 0.2), (0.1, 0.2))
+WALL = Listed(points=((0.0, 0.1), (0.01, 0.1), (0.01, 0.2), (0.0, 0.2)))
+
+
+def world() -> World:
+    """Two robots far apart, a box, and a first tick that is over."""
+    setting = replace(
+        scenario(((-0.4, 0.0), (0.4, 0.0)), ((0.0, -0.4), (0.0, 0.4))),
+        workspace=Workspace(0.6),
+        obstacles=(Listed(points=BOX),),
+    )
+    found = joined(setting)
+    advance(found)
+    return found
+
+
+def statuses(found: World) -> dict[int, str]:
+    return {each.number: each.status for each in found.coordinator.lives.obstacles.changes}
+
+
+def test_a_obstacle_appears_once_everybody_keeps_clear_of_it() -> None:
+    found = world()
+    reply = found.operate(Operation(place=WALL))
+    assert (reply.accepted, reply.number) == (True, 2)
+    told = found.open_tick()
+    assert statuses(found) == {2: "appearing"}
+    assert [each.shape for each in told[1].roster.obstacles] == [WALL.shape]
+    found.close_tick()
+    told = found.open_tick()
+    for robot, clear in ((1, True), (2, False)):
+        assert found.accept(obeying(told[robot], clear=clear))
+    found.close_tick()
+    assert statuses(found) == {2: "appearing"}
+    advance(found)
+    assert statuses(found) == {2: "standing"}
+
+
+def test_what_the_scenario_lists_can_go_and_leaves_the_judge() -> None:
+    found = world()
+    assert found.operate(Operation(take=1)).accepted
+    assert statuses(found) == {1: "gone"}
+    for _ in range(4):
+        advance(found, {1: (0.1, 0.03)})
+    assert not found.operate(Operation(take=1)).accepted
+    assert "no obstacle 1" in found.operate(Operation(take=1)).text
+    assert result_of(found)["collisions"] == 0
+
+
+def test_a_obstacle_that_came_is_judged_and_then_forgotten() -> None:
+    found = world()
+    number = found.operate(Operation(place=Listed(center=(-0.3, 0.0), radius=0.02))).number
+    for _ in range(3):
+        advance(found)
+    for _ in range(10):
+        advance(found, {1: (0.1, 0.0)})
+    assert [contact["pair"] for contact in result_of(found)["contacts"]] == [[-number, 1]]
+    found.operate(Operation(take=number))
+    assert found.coordinator.lives.obstacles.changes == ()
+
+
+@pytest.mark.parametrize(
+    ("order", "words"),
+    [
+        (Listed(points=((0.0, 0.0), (0.1, 0.0), (0.1, 0.1), (0.05, 0.01))), "is not convex at point 3"),
+        (Listed(points=((0.0, 0.0), (0.1, 0.1), (0.1, 0.0), (0.0, 0.1))), "crosses itself"),
+        (Listed(center=(0.0, 0.0)), "must be a disk, with `center` and `radius`, or"),
+        (Listed(center=(0.0, 0.0), radius=1.0, points=BOX), "must be a disk"),
+        (Listed(center=(2.0, 0.0), radius=0.1), "outside of the workspace"),
+        (Listed(center=(-0.4, 0.05), radius=0.02), "overlaps robot 1 by 0.01 m"),
+    ],
+)
+def test_a_refusal_says_why_and_changes_nothing(order: Listed, words: str) -> None:
+    found = world()
+    before = found.coordinator.past
+    reply = found.operate(Operation(place=order))
+    assert not reply.accepted
+    assert words in reply.text
+    assert found.coordinator.past == before
+
+
+def test_a_obstacle_on_a_goal_is_accepted_with_a_warning() -> None:
+    reply = world().operate(Operation(place=Listed(center=(0.4, 0.05), radius=0.02)))
+    assert (reply.accepted, reply.text) == (True, "covers the goal of robot 1")
+
+
+def test_a_robot_in_the_way_gets_off_before_anything_is_put_up() -> None:
+    setting = replace(scenario(((0.0, 0.0), (0.0, 0.0)), ((0.3, 0.3), (0.3, 0.3))), workspace=Workspace(0.6))
+    found = World(setting)
+    robot = Robot(setting, 1, found.coordinator.join(1))
+    found.coordinator.give_up_waiting(2)
+    shape = Listed(center=(0.02, 0.0), radius=0.02).shape
+    for tick in range(30):
+        robot.begin(found.open_tick()[1])
+        found.accept(robot.command())
+        if tick == 0:
+            found.coordinator.lives.announce(shape)
+        found.close_tick()
+        x, y = found.truth.positions[0]
+        assert statuses(found)[1] == "appearing" or shape.distance(x, y) > 0.04
+    assert statuses(found)[1] == "standing"
+
+
+def test_what_is_no_shape_is_dropped_on_arrival() -> None:
+    tick = msgspec.to_builtins(
+        Tick(1, 1, 0, (), roster=messages.Roster(1, (), (PlacedObstacle(1, "standing", BOX),)))
+    )
+    for points in ([], [[0.0, 0.0], [1.0, 0.0]], [BOX[0], BOX[2], BOX[1], BOX[3]]):
+        tick[7][2][0][2] = points
+        with pytest.raises(MessageError):
+            decode("disknav/run/robot/1/tick", msgspec.msgpack.encode(tick))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from deploy.library.instances import random_instance
@@ -12,7 +14,7 @@ from protocol.geometry import Disk, Shape
 from tests.protocol.shapes import disks, points, polygons, shapes
 from tests.world.driving import scenario
 from world.judge import clearance
-from world.judge.clearance import Disks, NearestGaps, Plane, Reals, gaps, sublevel
+from world.judge.clearance import Disks, NearestGaps, Plane, Reals, close_pairs, gaps, sublevel
 
 SAMPLES = 400
 ROBOTS = 60
@@ -88,18 +90,6 @@ def test_an_overlap_lasts_while_the_gap_is_negative(shape, start, end, radius):
         )
 
 
-@given(points, points, radii, radii)
-def test_two_disks_overlap_while_they_are_within_their_radii(start, end, one, other):
-    fleet = Disks({1: one, 2: other}, Disk(0.0, 0.0, 9.0), {})
-    before, after = np.array([complex(*start), 0.0]), np.array([complex(*end), 0.0])
-    intervals = fleet.overlaps(0, before, after, 0.0)
-    for t in np.linspace(0.0, 1.0, 101):
-        distance = abs(before[0] + t * (after[0] - before[0]))
-        if abs(distance - one - other) > 1e-9:
-            within = any(first - 1e-9 <= t <= last + 1e-9 for first, last in intervals)
-            assert within == (distance < one + other)
-
-
 def test_a_sublevel_has_both_its_ends():
     assert np.allclose(sublevel(lambda t: (t - 0.5) ** 2, 0.01), (0.4, 0.6), atol=1e-12)
     assert sublevel(lambda t: t, -0.1) is None
@@ -153,3 +143,22 @@ def test_all_are_measured_where_a_robot_leaps_and_where_none_is_near(crowd) -> N
     assert_same(measure(places[None], after[None]), fleet, places[None], after[None])
     far = 100.0 * places
     assert_same(NearestGaps(fleet)(far[None], far[None]), fleet, far[None], far[None])
+
+
+coordinate = st.floats(-2.0, 2.0) | st.sampled_from([0.0, 0.5, 1.0])
+disk = st.tuples(st.builds(complex, coordinate, coordinate), st.floats(0.01, 0.5))
+
+
+@given(st.lists(disk, max_size=12), st.floats(0.0, 1.0))
+@example([(0j, 0.25), (1.5 + 0j, 0.25)], 1.0)
+@example([(1j * n, 0.1) for n in range(5)], 0.8)
+def test_every_close_pair_and_no_other_is_found(disks: list[tuple[complex, float]], reach: float) -> None:
+    places = np.array([place for place, _ in disks], dtype=np.complex128)
+    radii = np.array([radius for _, radius in disks], dtype=np.float64)
+    first, second = close_pairs(places, radii, reach)
+    wanted = [
+        (i, j)
+        for i, j in combinations(range(len(disks)), 2)
+        if np.abs(places[i] - places[j]) - (radii[i] + radii[j]) <= reach
+    ]
+    assert list(zip(first.tolist(), second.tolist(), strict=True)) == wanted

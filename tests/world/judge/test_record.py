@@ -1,18 +1,23 @@
-"""What a record measures, in parts of ticks, among obstacles, and when fleet, goals or obstacles change."""
+"""What a record measures, also when fleet, goals or obstacles change; contacts, and a trajectory's digest."""
 
 from __future__ import annotations
 
 import math
+import struct
+from hashlib import sha256
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from protocol.geometry import Disk
 from protocol.scenario.model import Control, Obstacle, RobotSpec, Scenario, Workspace
-from tests.world.driving import scenario, two
+from tests.world.driving import advance, joined, scenario, two
 from world.judge.clearance import Disks
 from world.judge.measures import Goals, levels_of
-from world.judge.record import Record
+from world.judge.record import TOUCH, Record, TrajectoryDigest
+from world.report import result_of
 
 BOX = ((-0.05, 0.1), (0.05, 0.1), (0.05, 0.2), (-0.05, 0.2))
 ROOM = ((-1.0, -0.5), (1.0, -0.5), (1.0, 0.5), (-1.0, 0.5))
@@ -88,3 +93,82 @@ def test_what_changes_counts_from_the_newest_configuration_on():
     assert record.totals.deviation == {1: pytest.approx(0.04), 2: 0.0}
     assert record.segment.goals.points.tolist() == [0.1 + 0.2j, 0.1 + 0j]
     assert [truth.tick for truth in record.news()] == [0, 1, 2, 3]
+
+
+FAST = Control(k=60.0, speed=10.0)
+
+
+def passing(y):
+    """Robot 1 passes robot 2, which stands at the origin, at distance y, in four ticks."""
+    return scenario(((-0.18, y), (0.2, y)), ((0.0, 0.0), (0.0, 0.1)), control=FAST)
+
+
+def test_one_passage_over_several_ticks_is_one_contact_with_exact_times():
+    world = joined(passing(0.05))
+    for _ in range(4):
+        advance(world, {1: (2.0, 0.0)})
+    (contact,) = result_of(world)["contacts"]
+    half = math.sqrt((0.08 - TOUCH) ** 2 - 0.05**2)
+    assert contact["pair"] == [1, 2]
+    assert contact["from"] == pytest.approx((0.18 - half) / 2.0, abs=1e-9)
+    assert contact["until"] == pytest.approx((0.18 + half) / 2.0, abs=1e-9)
+    assert contact["deepest"] == pytest.approx(0.05 - 0.08)
+    assert result_of(world)["min_clearance"] == contact["deepest"]
+
+
+def test_coming_back_is_a_second_contact():
+    world = joined(passing(0.05))
+    for velocity in (2.0, 2.0, 2.0, 2.0, -2.0, -2.0, -2.0, -2.0):
+        advance(world, {1: (velocity, 0.0)})
+    assert result_of(world)["collisions"] == 2
+
+
+@pytest.mark.parametrize(("distance", "contacts"), [(0.08, 0), (0.08 - 0.5e-9, 0), (0.08 - 2e-9, 1)])
+def test_an_exact_touch_is_no_contact(distance, contacts):
+    world = joined(passing(distance))
+    for _ in range(4):
+        advance(world, {1: (2.0, 0.0)})
+    assert result_of(world)["collisions"] == contacts
+
+
+def test_leaving_the_workspace_and_coming_back():
+    """Out in one tick and in again in the next is one contact."""
+    world = joined(scenario(((0.2, 0.0), (0.0, 0.0)), control=FAST))
+    advance(world, {1: (2.0, 0.0)})
+    advance(world, {1: (-2.0, 0.0)})
+    (contact,) = result_of(world)["contacts"]
+    assert contact["pair"] == [0, 1]
+    assert contact["from"] == pytest.approx(0.03, abs=1e-8)
+    assert contact["until"] == pytest.approx(0.07, abs=1e-8)
+    assert contact["deepest"] == pytest.approx(0.26 - 0.3)
+
+
+def test_crossing_the_workspace_from_outside_to_outside_ends_one_contact_and_begins_another():
+    world = joined(scenario(((0.2, 0.0), (0.0, 0.0)), control=Control(k=60.0, speed=20.0)))
+    advance(world, {1: (2.0, 0.0)})
+    advance(world, {1: (-12.0, 0.0)})
+    first, second = result_of(world)["contacts"]
+    assert first["until"] == pytest.approx(0.05 + 0.04 / 12.0, abs=1e-8)
+    assert second["from"] == pytest.approx(0.05 + 0.56 / 12.0, abs=1e-8)
+    assert second["until"] == pytest.approx(0.1)
+
+
+IDS = (3, 5)
+
+
+def rows(tick: int) -> list[tuple[float, float]]:
+    return [(0.1 * tick, 0.2), (-0.1, 0.3 * tick)]
+
+
+@given(begin=st.integers(0, 9), last=st.integers(10, 30), batch=st.integers(1, 12))
+def test_it_is_of_four_doubles_a_tick_and_robot(begin: int, last: int, batch: int) -> None:
+    digest = TrajectoryDigest(IDS)
+    for first in range(begin, last + 1, batch):
+        ticks = range(first, min(first + batch, last + 1))
+        digest.add(ticks, [rows(tick) for tick in ticks])
+    expected = b"".join(
+        struct.pack("<4d", tick, robot, *place)
+        for tick in range(begin, last + 1)
+        for robot, place in zip(IDS, rows(tick), strict=True)
+    )
+    assert digest.hexdigest() == sha256(expected).hexdigest()

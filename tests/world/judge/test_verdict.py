@@ -4,7 +4,6 @@ from protocol.scenario.model import Journey, Order, ProcessFault, Time
 from protocol.scenario.network import Link, Partition
 from tests.world.driving import STEP, advance, joined, play, scenario, toward, two
 from world.report import result_of
-from world.shell.failure_detector import returning
 from world.world import World
 
 DEADLOCK = 10  # ticks, as in `driving.scenario`
@@ -99,15 +98,6 @@ def test_the_shell_may_end_a_run_once(verdict):
     assert (world.verdict, world.reason) == (verdict, "because")
 
 
-def test_a_collision_outranks_an_interruption():
-    setting = scenario(((-0.04, 0.0), (0.1, 0.0)), ((0.041, 0.0), (-0.1, 0.0)))
-    world = joined(setting)
-    advance(world, toward(world, setting))
-    world.finish("interrupted", "Ctrl-C")
-    assert world.verdict == "collision"
-    assert "interrupted: Ctrl-C" in world.reason
-
-
 def test_aborted_when_the_others_are_down_for_good():
     """Robot 2 is killed at 0.5 s, fenced 0.2 s later, and given up 0.2 s after that."""
     setting = two(process=(ProcessFault(2, 0.5, "kill"),), time=Time(limit=30.0, fence=0.2, deadlock=20.0))
@@ -137,12 +127,6 @@ def test_not_aborted_while_processes_may_yet_be_started_again():
     silent = setting.ticks(0.1)  # since this tick
     assert world.tick == silent + setting.ticks(setting.time.fence) + setting.ticks(2.0)
     assert world.reason == "robots 1, 2 are down for good"
-
-
-def test_lock_step_waits_and_real_time_goes_on_for_as_long():
-    assert returning(20.0, 3, lockstep=True) == 0.0
-    assert returning(20.0, 3, lockstep=False) == 20.0
-    assert returning(20.0, 0, lockstep=False) == 0.0
 
 
 def test_not_aborted_while_a_restart_is_scheduled():

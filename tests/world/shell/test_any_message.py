@@ -78,28 +78,6 @@ def test_any_bytes(stream: str, payload: bytes) -> None:
     deliver(stream, payload)
 
 
-@given(ANY["tick"], st.data())
-def test_a_tick_with_any_numbers_is_refused_unless_all_are_numbers(
-    message: Tick, data: st.DataObject
-) -> None:
-    """One that is taken in is the coordinator's, which does not lie."""
-    array = msgspec.msgpack.decode(encode(message))
-    said = with_numbers(addressed("tick", array), data)
-    numbers = _floats(said)
-    if not all(abs(each) <= 1e15 for each in numbers):
-        robot = fleet().robots[1].node
-        assert isinstance(robot, RobotNode)
-        before = robot._rejected["shape"]
-        robot.handle(Sample("disknav/local/robot/1/tick", msgspec.msgpack.encode(said)))
-        assert robot._rejected["shape"] == before + 1
-
-
-def _floats(value: Any) -> list[float]:
-    if isinstance(value, list):
-        return [number for each in value for number in _floats(each)]
-    return [value] if isinstance(value, float) else []
-
-
 def test_a_member_that_stands_nowhere_is_refused() -> None:
     robot, world = fleet().robots[1].node, fleet().world
     assert isinstance(robot, RobotNode)

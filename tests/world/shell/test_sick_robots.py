@@ -177,11 +177,6 @@ def among(active: Collection[int]) -> dict[int, int]:
     return dict.fromkeys(sorted(active), len(active))
 
 
-def test_one_that_lacks_everybody_is_sick_itself() -> None:
-    """It alone waits, so all that wait name everybody: that must not count."""
-    assert blamed(among((1, 2, 3, 4)), {1}, {1: (2, 3, 4)}).keys() == {1}
-
-
 def test_only_those_count_who_hear_it() -> None:
     """Of four, two are near robot 2, and both lack its State."""
     lacking: dict[int, tuple[int, ...]] = {1: (2,), 3: (2,)}
