@@ -130,7 +130,7 @@ class Neighbours:
             return False
         if not state.follow(self._states.get(state.robot), tick):
             return False
-        self._states[state.robot] = state
+        self._keep(state.robot, state)
         if self.standing:
             self.standing.pop(state.robot, None)
         return True
@@ -143,12 +143,20 @@ class Neighbours:
             self.radii = {**self.radii, robot: member.radius}  # the others share the one given
         if member.status in ("standing", "appearing"):
             self.standing[robot] = member
-            self._states.setdefault(robot, None)
+            if robot not in self._states:
+                self._keep(robot, None)
         elif member.status == "live" and not self._everybody:
             self.standing.pop(robot, None)
         elif member.status == "gone":
             self.standing.pop(robot, None)
             self._states.pop(robot, None)
+
+    def _keep(self, robot: int, state: PeerState | None) -> None:
+        """In the order of ids, whatever comes first: sums over peers depend on it in the last bit."""
+        if robot in self._states:
+            self._states[robot] = state
+        else:
+            self._states = dict(sorted({**self._states, robot: state}.items()))
 
     def attend(self, heard: Iterable[int]) -> None:
         """Know the States of these, and of no other robot."""

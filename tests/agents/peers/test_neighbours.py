@@ -129,3 +129,10 @@ def test_only_robots_that_are_attended_or_stand_are_kept() -> None:
         assert known.on_state(state(robot, 1, 5), 9)
     known.attend([4])
     assert [(disk.x, disk.radius) for disk in known.disks()] == [(7.0, 0.2), (5.0, 0.1)]
+
+
+def test_in_which_order_peers_are_heard_first_changes_nothing() -> None:
+    known = Neighbours({2: 0.1, 3: 0.1, 4: 0.1})
+    for robot in (4, 2, 3):
+        assert known.on_state(state(robot, 1, 5), 5)
+    assert [each.robot for each in known.moving()] == [2, 3, 4]
