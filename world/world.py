@@ -154,10 +154,11 @@ class World:
         coordinator = self.coordinator
         if not self.scenario.parts or coordinator.halted:
             return False
+        leaving = coordinator.membership.fleet.leaving
         live = {
             robot: asked
             for robot, asked in coordinator.commands.handles.items()
-            if coordinator.lives.roster.status(robot) == "live" and not coordinator.membership.leaves(robot)
+            if coordinator.lives.roster.status(robot) == "live" and robot not in leaving
         }
         return coordinator.parts.handle(live, self.simulation.places)
 

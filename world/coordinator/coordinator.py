@@ -24,7 +24,7 @@ from protocol.scenario.model import Scenario
 from world.coordinator.commands import Commands, blamed
 from world.coordinator.interest import Interest
 from world.coordinator.lives import Lives, PastLives, note
-from world.coordinator.membership import Membership, PastMembership
+from world.coordinator.membership import Fleet, Membership
 from world.coordinator.missions import Mission, Missions, Operated, Schedule
 from world.coordinator.parts import Parts
 
@@ -37,7 +37,7 @@ class PastCoordinator(msgspec.Struct, frozen=True):
     stopped: bool = False
     lives: PastLives | None = None
     missions: list[tuple[Mission, GoalStatus]] = []
-    membership: PastMembership = PastMembership()
+    fleet: Fleet | None = None
     orders: list[str] = []  # of the scenario, that were carried out: see `Schedule`
     missed: Count = 0  # commands
     refused: dict[str, Count] = {}  # commands, by reason
@@ -68,9 +68,9 @@ class Coordinator:
         self.told: dict[int, Tick] | None = None
         self.lives = Lives(scenario, returning, past.lives, past.tick)
         self.missions = Missions(scenario, past.missions)
-        self.membership = Membership(scenario, self.lives, self.missions, past.membership)
+        self.membership = Membership(scenario, self.lives, self.missions, past.fleet)
         self.parts = Parts(scenario, self.lives, self.lives.roster.message.parts)
-        if past.membership.robots is not None:
+        if self.membership.fleet.robots is not None:
             self.missions.recast(self.scenario)
             self.parts.recast(self.scenario)
         self.schedule = Schedule(scenario, past.orders)
@@ -87,7 +87,7 @@ class Coordinator:
             self.stopped,
             self.lives.past,
             self.missions.past,
-            self.membership.past,
+            self.membership.fleet,
             self.schedule.past,
             self.commands.missed,
             self.commands.refused,
@@ -119,7 +119,7 @@ class Coordinator:
     def newcomers(self) -> tuple[int, ...]:
         """Robots that were added, whose disks are there, and whose processes have not joined yet, and may."""
         of = self.lives.of
-        return tuple(r for r in sorted(self.membership.newcomers) if not (of[r].killed or of[r].paused))
+        return tuple(r for r in sorted(self.membership.fleet.newcomers) if not (of[r].killed or of[r].paused))
 
     @property
     def ended(self) -> tuple[int, ...]:
@@ -138,7 +138,7 @@ class Coordinator:
             JoinError: unknown id, or an id that is running or held down by the scenario.
         """
         incarnation = self.lives.join(robot, heard=self.tick - 1 if self.told is None else self.tick)
-        self.membership.joined(robot)
+        self.membership.fleet.newcomers.discard(robot)
         return incarnation
 
     def lost(self, robot: int, reason: str = "") -> bool:

@@ -24,49 +24,37 @@ _MOST = 1000  # robots at a time: their lines must fit into a State
 _MOST_IDS = 1200  # that ever were in a run: a roster names them all
 
 
-class PastMembership(msgspec.Struct, frozen=True):
-    """The fleet at a tick, and what is to change of it."""
+class Fleet(msgspec.Struct):
+    """The fleet at a tick, and what is to change of it: what another coordinator goes on from."""
 
     robots: tuple[RobotSpec, ...] | None = None  # that are there; None: those of the scenario
-    announced: tuple[RobotSpec, ...] = ()  # whose disks have not appeared yet
-    awaited: frozenset[Id] = frozenset()  # of them, those that must join as soon as they have
-    newcomers: frozenset[Id] = frozenset()
-    leaving: frozenset[Id] = frozenset()
+    announced: dict[Id, RobotSpec] = {}  # whose disks have not appeared yet
+    awaited: set[Id] = set()  # of them, those that must join as soon as they have
+    newcomers: set[Id] = set()  # whose disks have appeared, and whose processes have not joined yet
+    leaving: set[Id] = set()  # that are over with the tick that is open
 
 
 class Membership:
     """What is to change between two ticks.
 
     Args:
-        past: at which an earlier coordinator had arrived.
+        fleet: at which an earlier coordinator had arrived.
 
     Attributes:
         scenario: with the robots that are there.
-        newcomers: robots whose disks have appeared, and whose processes have not joined yet.
     """
 
     def __init__(
-        self, scenario: Scenario, lives: Lives, missions: Missions, past: PastMembership = PastMembership()
+        self, scenario: Scenario, lives: Lives, missions: Missions, fleet: Fleet | None = None
     ) -> None:
-        self._first = scenario
-        self.scenario = scenario if past.robots is None else self._with(past.robots)
-        self.newcomers = past.newcomers
+        self._first, self.fleet = scenario, Fleet() if fleet is None else fleet
+        self.scenario = scenario if self.fleet.robots is None else self._with(self.fleet.robots)
         self._lives, self._missions = lives, missions
-        self._announced = {spec.id: spec for spec in past.announced}
-        self._awaited, self._leaving = set(past.awaited), set(past.leaving)
-
-    @property
-    def past(self) -> PastMembership:
-        """What another coordinator needs to go on from here."""
-        robots = None if self.scenario is self._first else self.scenario.robots
-        announced = tuple(self._announced.values())
-        awaited, leaving = frozenset(self._awaited), frozenset(self._leaving)
-        return PastMembership(robots, announced, awaited, self.newcomers, leaving)
 
     @property
     def pending(self) -> bool:
         """Whether disks are still to appear."""
-        return bool(self._announced)
+        return bool(self.fleet.announced)
 
     def add(self, spec: RobotSpec, *, awaited: bool) -> None:
         """Announce a disk that is not `unfit`, whose process is waited for or not."""
@@ -75,31 +63,23 @@ class Membership:
         life = 0 if known is None else known.incarnation
         lives.roster.put(Member(spec.id, life, "appearing", spec.radius, spec.start))
         lives.keeper.announce(spec.id, Disk(*spec.start, spec.radius))
-        self._announced[spec.id] = spec
-        (self._awaited.add if awaited else self._awaited.discard)(spec.id)
+        self.fleet.announced[spec.id] = spec
+        (self.fleet.awaited.add if awaited else self.fleet.awaited.discard)(spec.id)
 
     def remove(self, robot: int) -> str:
         """Let a robot leave; returns why that cannot be, "" if it is done."""
         ids = self.scenario.ids
-        if robot in self._announced:
+        if robot in self.fleet.announced:
             self._lives.roster.alter(robot, status="gone", position=None)
             self._lives.keeper.remove(robot)
-            del self._announced[robot]
+            del self.fleet.announced[robot]
             return ""
         if robot not in ids:
             return f"no robot {robot} in the fleet; there are {', '.join(map(str, ids))}"
-        if set(ids) <= self._leaving | {robot}:
+        if set(ids) <= self.fleet.leaving | {robot}:
             return f"robot {robot} is the last one: stop the run instead"
-        self._leaving.add(robot)
+        self.fleet.leaving.add(robot)
         return ""
-
-    def leaves(self, robot: int) -> bool:
-        """Whether a robot is over with the tick that is open."""
-        return robot in self._leaving
-
-    def joined(self, robot: int) -> None:
-        """The process of a robot is there."""
-        self.newcomers -= {robot}
 
     def turn_over(self, tick: int, places: Mapping[int, Vector]) -> bool:
         """Before `tick` begins: let disks appear that may, and take those away that leave.
@@ -110,18 +90,20 @@ class Membership:
         Returns:
             Whether any robot came or left; `scenario` is another one then.
         """
-        settled = [robot for robot in self._announced if self._lives.keeper.appear(robot)]
-        left, self._leaving = frozenset(self._leaving), set()
+        fleet = self.fleet
+        settled = [robot for robot in fleet.announced if self._lives.keeper.appear(robot)]
+        left, fleet.leaving = fleet.leaving, set()
         if not settled and not left:
             return False
         for robot in settled:
-            self._lives.put_up(tick, robot, robot in self._awaited)
+            self._lives.put_up(tick, robot, robot in fleet.awaited)
         for robot in sorted(left):
             self._lives.remove(tick, robot, places[robot])
         stay = [spec for spec in self.scenario.robots if spec.id not in left]
-        new = [self._announced.pop(robot) for robot in settled]
-        self.newcomers = self.newcomers.union(settled) - left
-        self.scenario = self._with((*stay, *new))
+        new = [fleet.announced.pop(robot) for robot in settled]
+        fleet.newcomers = fleet.newcomers.union(settled) - left
+        fleet.robots = (*stay, *new)
+        self.scenario = self._with(fleet.robots)
         return True
 
     def _with(self, robots: tuple[RobotSpec, ...]) -> Scenario:
@@ -139,7 +121,7 @@ class Membership:
             return f"robot {robot}: {problem}"
         if (status := self._lives.roster.status(robot)) not in ("", "gone"):
             return f"robot {robot} is {status}: use another id, or remove it first"
-        if len(self.scenario.robots) + len(self._announced) >= _MOST:
+        if len(self.scenario.robots) + len(self.fleet.announced) >= _MOST:
             return f"robot {robot}: at most {_MOST} robots are there at a time"
         if not status and len(self._lives.roster.members) >= _MOST_IDS:
             return f"robot {robot}: {_MOST_IDS} ids were in this run already; use one that has left"

@@ -61,7 +61,7 @@ def test_no_trajectory_shows_who_asks_between_two_ticks_while_nobody_takes_part(
             fleet = LocalFleet(scenario)
             core = fleet.world.world.coordinator
             process = fleet.start(7) if early else None
-            fleet.network.run(lambda core=core: bool(core.membership.newcomers))  # type: ignore[misc]
+            fleet.network.run(lambda core=core: bool(core.membership.fleet.newcomers))  # type: ignore[misc]
             assert not core.active
             if process is not None:
                 process.wake(math.inf)  # asks to join
