@@ -19,7 +19,7 @@ from agents.parts.carrier import PartCarrier
 from agents.peers.neighbours import KnownRoster, has_ended
 from agents.peers.state import plausible
 from agents.safety_filter import SafetyFilter
-from protocol.crowd.interest import period
+from protocol.crowd import period
 from protocol.kernel.records import NO
 from protocol.messages import (
     LARGEST,

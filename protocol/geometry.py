@@ -176,6 +176,20 @@ class ConvexPolygon:
 Shape = Disk | ConvexPolygon
 
 
+def shape_of(points: Sequence[Point], radius: float) -> Shape:
+    """A shape as messages have it: the disk around one point, or the polygon of several corners, m."""
+    if len(points) == 1:
+        return Disk(points[0][0], points[0][1], radius)
+    return ConvexPolygon(points)
+
+
+def points_of(shape: Shape) -> tuple[tuple[Point, ...], float]:
+    """The reverse."""
+    if isinstance(shape, Disk):
+        return ((shape.x, shape.y),), shape.radius
+    return shape.points, 0.0
+
+
 def signed_area(points: Sequence[Point]) -> float:
     """Area within a closed line, m^2; negative when it runs clockwise."""
     ox, oy = points[0]

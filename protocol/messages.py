@@ -14,7 +14,7 @@ from typing import Annotated, Final, Literal
 import msgspec
 from msgspec import Meta
 
-from protocol.geometry import ConvexPolygon, Disk, Shape, defect
+from protocol.geometry import Shape, defect, shape_of
 
 VERSION = 6
 HIGHEST_ID: Final = 999_999_999
@@ -91,9 +91,7 @@ class Binding(msgspec.Struct, frozen=True, array_like=True, gc=False):
     @property
     def place(self) -> Shape | None:
         """Where the other end stands."""
-        if len(self.points) == 1:
-            return Disk(self.points[0][0], self.points[0][1], self.radius)
-        return ConvexPolygon(self.points) if self.points else None
+        return shape_of(self.points, self.radius) if self.points else None
 
 
 class Grants(msgspec.Struct, frozen=True, array_like=True, gc=False):
@@ -151,9 +149,7 @@ class PlacedObstacle(msgspec.Struct, frozen=True, array_like=True, gc=False):
     @property
     def shape(self) -> Shape:
         """Of what is not gone."""
-        if len(self.points) == 1:
-            return Disk(self.points[0][0], self.points[0][1], self.radius)
-        return ConvexPolygon(self.points)
+        return shape_of(self.points, self.radius)
 
 
 class PartPlace(msgspec.Struct, frozen=True, array_like=True, gc=False):

@@ -11,7 +11,7 @@ from mypy_extensions import mypyc_attr
 from numpy.typing import NDArray
 
 from protocol.codec import decode
-from protocol.crowd.interest import LEAD, period, turn
+from protocol.crowd import LEAD, period, turn
 from protocol.errors import MessageError
 from protocol.messages import LARGEST, AnyMessage, Summary, Vector
 from protocol.scenario.model import Scenario

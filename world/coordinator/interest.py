@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from protocol.crowd.interest import LEAD, period
+from protocol.crowd import LEAD, period
 from protocol.messages import Command, Sense, Summary, Vector
 from protocol.scenario.model import Scenario
 

@@ -14,9 +14,9 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Final
 
-from protocol.crowd.interest import slack_of
+from protocol.crowd import slack_of
 from protocol.geometry import Disk as Circle
-from protocol.geometry import Shape
+from protocol.geometry import Shape, points_of
 from protocol.kernel.ledger import Ledger
 from protocol.kernel.records import ANNOUNCED, NO, PRESENT, Binding, Disk, Held, Told
 from protocol.line import Line
@@ -100,22 +100,9 @@ class Keeper:
         """Let a disk appear that was announced, if everything that is there keeps clear of its place, or is
         apart from it; whether it did."""
         disk = self._ledger.disks[name]
-        clear = self._is_clear(disk)
+        clear = self._is_ready(disk, disk.held.regions[0][1])
         if clear:
             self._ledger.appear([disk])
-        return clear
-
-    def _is_clear(self, disk: Disk[Region]) -> bool:
-        """Whether a disk that was announced may appear; disks that move are asked to keep clear of it."""
-        ledger, clear = self._ledger, True
-        for name in self._geometry.around(disk, disk.held.regions[0][1]):
-            other = ledger.disks[name]
-            if other.phase != PRESENT or ledger.tied(other, disk):
-                continue
-            if self._geometry.apart(other.held, disk.held):
-                continue
-            if other.life == NO or not self._bind(other, disk):
-                clear = False
         return clear
 
     def remove(self, name: int) -> None:
@@ -170,7 +157,7 @@ class Keeper:
             self._part()
         for robot, disk in self._ledger.disks.items():
             if disk.phase == ANNOUNCED:
-                self._is_clear(disk)
+                self._is_ready(disk, disk.held.regions[0][1])
             if disk.life == NO or not (disk.still or finite):
                 continue
             around = disk.held.regions[0][1].shape.around
@@ -192,20 +179,26 @@ class Keeper:
 
     def _try(self, disk: Disk[Region], wanted: Region) -> None:
         """Grant a region once everything that is there is tied to the disk, or apart from it."""
+        if self._is_ready(disk, wanted):
+            peers = tuple(self._ledger.pairs[disk.name]) if disk.still else ()
+            self._ledger.grant(disk, wanted)
+            self._change(disk.name, *peers)
+
+    def _is_ready(self, disk: Disk[Region], wanted: Region) -> bool:
+        """Whether everything that is there is tied to a disk, or apart from a region that it is to have and,
+        as long as it stands, from its place. What is neither is bound to it, or asked to keep clear."""
         ledger, geometry, ready = self._ledger, self._geometry, True
         for name in geometry.around(disk, wanted):
             other = ledger.disks[name]
-            if other is disk or other.phase != PRESENT or ledger.tied(disk, other):
+            one, two = (other, disk) if disk.life == NO else (disk, other)
+            if other is disk or other.phase != PRESENT or ledger.tied(one, two):
                 continue
             left_apart = not disk.still or geometry.apart(other.held, disk.held)
             if left_apart and geometry.clear(other.held, wanted):
                 continue
-            if not self._bind(disk, other):
+            if one.life == NO or not self._bind(one, two):
                 ready = False
-        if ready:
-            peers = tuple(ledger.pairs[disk.name]) if disk.still else ()
-            ledger.grant(disk, wanted)
-            self._change(disk.name, *peers)
+        return ready
 
     def _bind(self, disk: Disk[Region], other: Disk[Region]) -> bool:
         """Introduce two disks, or ask for a first line; whether they are tied now."""
@@ -284,15 +277,9 @@ def _shapes(held: Held[Region]) -> list[Shape]:
 def _message(told: Told[Region, Line]) -> Grants:
     listings = []
     for each in told.bindings:
-        points, radius = ((), 0.0) if each.place is None else _place(each.place.shape)
+        points, radius = ((), 0.0) if each.place is None else points_of(each.place.shape)
         first = None if each.first is None else (each.first.nx, each.first.ny, each.first.offset)
         listings.append(Listing(each.number, each.peer, first, points, radius, each.static))
     region = told.region.shape.around
     disk = None if told.region.is_everywhere else (region.x, region.y, region.radius)
     return Grants(told.life, told.version, told.number, disk, tuple(listings))
-
-
-def _place(shape: Shape) -> tuple[tuple[Vector, ...], float]:
-    if isinstance(shape, Circle):
-        return ((shape.x, shape.y),), shape.radius
-    return shape.points, 0.0

@@ -12,7 +12,7 @@ from typing import Any
 from msgspec.structs import replace
 
 from protocol import messages
-from protocol.geometry import Disk, Shape
+from protocol.geometry import Shape, points_of
 from protocol.messages import Member, PartPlace, PlacedObstacle, Presence, Standing, Vector
 from protocol.scenario import model
 from protocol.scenario.model import Scenario
@@ -107,9 +107,7 @@ def present(listed: Mapping[int, Shape], changes: Iterable[PlacedObstacle]) -> t
 
 
 def _obstacle(number: int, status: Presence, shape: Shape) -> PlacedObstacle:
-    if isinstance(shape, Disk):
-        return PlacedObstacle(number, status, ((shape.x, shape.y),), shape.radius)
-    return PlacedObstacle(number, status, shape.points)
+    return PlacedObstacle(number, status, *points_of(shape))
 
 
 class Roster:

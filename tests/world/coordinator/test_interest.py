@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.peers.far import FarPicture, places_of
-from protocol.crowd.interest import LEAD, period
+from protocol.crowd import LEAD, period
 from protocol.errors import MessageError
 from protocol.messages import Command, Sense, Summary, Vector
 from protocol.scenario.model import Scenario

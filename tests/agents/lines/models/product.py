@@ -10,7 +10,7 @@ from tests.interpreted import Edit, interpreted
 
 _KERNEL = [
     "protocol.line",
-    "protocol.crowd.interest",
+    "protocol.crowd",
     *(f"protocol.kernel.{name}" for name in ("records", "pair", "robot", "ledger")),
     "protocol.region",
 ]
@@ -35,8 +35,8 @@ _WORLD = [
 
 # As if the models' little room were large: robots stay in regions that do not fill it.
 LARGE_ROOM = (
-    Edit("protocol.crowd.interest", "_LEAST: Final = 6", "_LEAST: Final = 1"),
-    Edit("protocol.crowd.interest", "_BOUNDS: Final = 3.0", "_BOUNDS: Final = 0.5"),
+    Edit("protocol.crowd", "_LEAST: Final = 6", "_LEAST: Final = 1"),
+    Edit("protocol.crowd", "_BOUNDS: Final = 3.0", "_BOUNDS: Final = 0.5"),
 )
 
 
