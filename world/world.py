@@ -136,7 +136,8 @@ class World:
         if coordinator.halted:
             simulation.brake(self.tick)
         else:
-            simulation.move(coordinator.commands.velocities, self.tick)
+            taken = coordinator.commands.taken
+            simulation.move({robot: each.velocity for robot, each in taken.items()}, self.tick)
         coordinator.close(simulation.resting(), simulation.bounds)
         plant = simulation.plant
         referee.record.add(plant.positions, plant.between, plant.touched())
@@ -156,8 +157,8 @@ class World:
             return False
         leaving = coordinator.membership.fleet.leaving
         live = {
-            robot: asked
-            for robot, asked in coordinator.commands.handles.items()
+            robot: command.handles
+            for robot, command in coordinator.commands.taken.items()
             if coordinator.lives.roster.status(robot) == "live" and robot not in leaving
         }
         return coordinator.parts.handle(live, self.simulation.places)

@@ -33,6 +33,7 @@ from protocol.scenario.tables import (
     written,
 )
 
+_ALWAYS = ("name", "seed", "workspace", "time", "control")  # written even where they say what holds anyway
 _STEP = re.compile(r"\.?([A-Za-z_][A-Za-z0-9_-]*)|\[(0|[1-9][0-9]{0,5})\]")
 
 
@@ -155,22 +156,6 @@ def _table_at(steps: Steps) -> type | None:
         if isinstance(step, str) and table is not None:
             table = keys_of(table).get(step)
     return table
-
-
-__all__ = [
-    "apply_settings",
-    "document_of",
-    "json_schema",
-    "parse_document",
-    "parse_toml",
-    "read_document",
-    "read_scenario",
-    "read_toml",
-    "validated",
-    "write_toml",
-]
-
-_ALWAYS = ("name", "seed", "workspace", "time", "control")  # written even where they say what holds anyway
 
 
 def read_scenario(path: Path | str) -> Scenario:

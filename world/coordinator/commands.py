@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping
 
-from protocol.messages import Command, Handling, Vector
+from protocol.messages import Command
 from world.coordinator.lives import Lives
 
 
@@ -29,8 +29,7 @@ class Commands:
         external: whether robots obey their own commands.
 
     Attributes:
-        velocities: taken in this tick, m/s, by robot.
-        handles: what they ask to do with parts, by robot.
+        taken: in this tick, by robot.
         waiting: robots that still owe one.
         lacking: robots whose States are missing to one that cannot command, by robot.
         missed: commands that never came, over all active robots and ticks.
@@ -40,8 +39,7 @@ class Commands:
     """
 
     def __init__(self, lives: Lives, external: bool = False) -> None:
-        self.velocities: dict[int, Vector] = {}
-        self.handles: dict[int, Handling | None] = {}
+        self.taken: dict[int, Command] = {}
         self.lacking: dict[int, tuple[int, ...]] = {}
         self.waiting: set[int] = set()
         self.missed = 0
@@ -53,7 +51,7 @@ class Commands:
     def open(self, tick: int, active: Iterable[int]) -> None:
         """Begin a tick in which `active` robots owe a command."""
         self._tick, self._open = tick, True
-        self.velocities, self.handles, self.lacking, self.waiting = {}, {}, {}, set(active)
+        self.taken, self.lacking, self.waiting = {}, {}, set(active)
 
     def close(self) -> None:
         """End the tick: what is outstanding was missed."""
@@ -66,8 +64,7 @@ class Commands:
         if self._open:
             self.missed += 1
             self.waiting.discard(robot)
-            self.velocities.pop(robot, None)
-            self.handles.pop(robot, None)
+            self.taken.pop(robot, None)
 
     def accept(self, command: Command) -> bool:
         """Take a command, or count why not; a robot that cannot command yet says which States it lacks."""
@@ -79,8 +76,7 @@ class Commands:
             self.lacking[command.robot] = command.awaits
             return False
         self.waiting.discard(command.robot)
-        self.velocities[command.robot] = command.velocity
-        self.handles[command.robot] = command.handles
+        self.taken[command.robot] = command
         self._lives.of[command.robot].heard = self._tick
         self._lives.acknowledge(command)
         return True
@@ -104,7 +100,7 @@ class Commands:
         if command.tick != self._tick or not self._open:
             return "late" if command.tick < self._tick else "early"
         if command.robot not in self.waiting:
-            return "duplicate" if command.robot in self.velocities else "inactive"
+            return "duplicate" if command.robot in self.taken else "inactive"
         return "ledger" if self._lives.keeper.refuses(command) else ""
 
 

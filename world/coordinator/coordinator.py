@@ -266,7 +266,7 @@ class Coordinator:
             bounds: by how much that may be off, m, where it may.
         """
         for robot, position in resting.items():
-            if robot not in self.commands.velocities:
+            if robot not in self.commands.taken:
                 self.lives.fence(self.tick, robot, position, bounds.get(robot, 0.0))
         self.told = None
         self.tick += 1

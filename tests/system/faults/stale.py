@@ -94,7 +94,7 @@ def deafened(fleet: LocalFleet, then: Callable[[], object]) -> tuple[LocalBus, R
         bus.node = None
         then()
 
-    ears.when = lambda: world.is_open and 2 in world.coordinator.commands.velocities
+    ears.when = lambda: world.is_open and 2 in world.coordinator.commands.taken
     ears.then = deafen
     deadline = time.monotonic() + 5.0
     fleet.network.run(lambda: bus.node is None or time.monotonic() > deadline)
