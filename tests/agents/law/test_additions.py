@@ -73,6 +73,7 @@ def test_symmetric_swaps_arrive_on_short_ways(count: int, without: str) -> None:
     assert report["nrl"] < 1.7
 
 
+@pytest.mark.slow
 def test_an_ordinary_run_never_escapes() -> None:
     found = [
         LocalFleet(with_additions("figure-3d", *each)).execute() for each in (("pace", "escape"), ("pace",))

@@ -128,7 +128,8 @@ def along_the_wall(seed: int, sensing: Sensing, noise: float = 0.0) -> Scenario:
 BIASED = Sensing(delay=(0.0, 0.5), noise=0.01, noise_bound=0.02, bias=(-0.014, -0.014), dropout=0.5)
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize(
     ("sensing", "noise"), [(BIASED, 0.0), (BIASED, 0.1), (replace(BIASED, bias=(0.0, 0.0), delay=0.0), 0.0)]
 )

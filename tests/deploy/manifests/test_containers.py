@@ -68,6 +68,7 @@ def test_compose_gives_everybody_their_own_key_and_no_privileges(tmp_path: Path,
     assert folder.stat().st_mode & 0o077 == 0
 
 
+@pytest.mark.slow
 def test_kubernetes_follows_its_schemas(tmp_path: Path, plan: Plan) -> None:
     import kubernetes_validate
 

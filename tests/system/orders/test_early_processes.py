@@ -47,6 +47,7 @@ def test_a_process_that_is_there_before_its_order_waits_and_no_trajectory_shows_
     assert process.verdict == "arrived"
 
 
+@pytest.mark.slow
 def test_no_trajectory_shows_who_asks_between_two_ticks_while_nobody_takes_part() -> None:
     """What the scenario does as a tick opens comes before anybody is admitted: here it pauses a guest at
     once. The others were fenced, and come back while it is paused."""

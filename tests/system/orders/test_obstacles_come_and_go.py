@@ -45,6 +45,7 @@ def step(fleet: LocalFleet, ticks: int) -> None:
         assert fleet.step()
 
 
+@pytest.mark.slow
 def test_a_obstacle_that_is_placed_is_kept_clear_of_until_it_is_taken() -> None:
     fleet = LocalFleet(LISTED)
     step(fleet, 5)
