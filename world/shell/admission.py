@@ -70,8 +70,8 @@ class Admissions:
         self._world = world
         self.slots = {robot: Slot() for robot in world.coordinator.lives.of}
         self._tokens: set[tuple[int, str]] = set()  # robots and sessions of the processes that are there
-        self._former: set[int] = set()  # robots told to wait for their disks
-        self._early: dict[int, float] = {}  # s, by the clock: newest request of each of these
+        # By robot that was told to wait for its disk: its newest request, s, by the clock; -inf afterwards.
+        self._early: dict[int, float] = {}
         self._name, self._lockstep, self._clock, self._epoch = run, lockstep, clock, epoch
         self._checkpoint = checkpoint
         self.processes = Processes() if processes is None else processes
@@ -121,14 +121,13 @@ class Admissions:
         if self._world.coordinator.schedule.adds(robot) and not self._fate(join):
             return self._wait(robot, f"robot {robot} has not been added yet")
         gone = self._world.coordinator.lives.roster.status(robot) == "gone"
-        if gone or robot in self._former:
+        if gone or robot in self._early:
             return joining.Finished("removed")
         name, scenario = self._name, self._world.scenario.name
         return joining.Refusal(f"robot {robot} is not in scenario {scenario!r} of run {name!r}")
 
     def _wait(self, robot: int, reason: str) -> joining.Reply:
         self._early[robot] = self._clock()
-        self._former.add(robot)
         return joining.Wait(_RETRY, reason)
 
     def enlist(self, join: joining.Join) -> joining.Reply:
@@ -254,7 +253,8 @@ class Admissions:
 
     def dismiss(self, robot: int) -> None:
         """A process waits for its disk no more."""
-        self._early.pop(robot, None)
+        if robot in self._early:
+            self._early[robot] = -inf
 
 
 def _lived(join: joining.Join) -> int:

@@ -72,13 +72,9 @@ class Publishers:
     def watched(self, clock: Clock, truths: Iterable[Truth]) -> None:
         """Publish the time, and all positions since the last one."""
         self._told = time.monotonic()
-        self.truths(truths)
-        self._clock(encode(clock))
-
-    def truths(self, truths: Iterable[Truth]) -> None:
-        """Publish all positions since the last one."""
         for truth in truths:
             self._truth(encode(truth))
+        self._clock(encode(clock))
 
     def result(self, report: Mapping[str, Any]) -> None:
         """Tell what came of the run."""
