@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -94,36 +93,27 @@ def certify(
         options.out("The certificate, or where to go on; SCENARIO.certificate.json unless given."),
     ] = None,
     setting: options.Settings = None,
-    starts: Annotated[
-        int | None,
-        typer.Option(
-            min=1, help="No proof: run this many random starts at the scenario's k and count failures."
-        ),
-    ] = None,
-    seed: Annotated[int | None, typer.Option(min=0, help="Seed of the random starts; default 0.")] = None,
     json_file: options.Json = None,
     quiet: options.Quiet = False,
 ) -> None:
     """Find and prove a K: for every k >= K the goal is the only minimum of phi, all other critical points
     saddles or maxima.
 
-    Goes from large k downwards and can be stopped at any time; the same command goes on from the file.
+    Goes from large k downwards and can be stopped at any time; the same command goes on below what is proven.
     [b]--verify FILE[/b] replays the branching in arbitrary precision, and shares no arithmetic with the
     search; with SCENARIO it also asks whether the certificate is of these goals.
 
-    [b]--starts N[/b] follows the exact flow from random starts instead, and bounds the failing fraction: for
-    five robots and more, whose proofs take long.
+    Examples: disknav certify figure-2 --k 10; disknav certify --verify figure-2.certificate.json
 
-    Examples: disknav certify figure-2 --k 10; disknav certify --verify figure-2.certificate.json;
-    disknav certify figure-3e --starts 300
-
-    Exit status: 0 proven (K, or anything without --k) or every start arrived, 1 not within the time or a
-    start failed, 2 invalid, 130 interrupted.
+    Exit status: 0 proven (K, or anything without --k), 1 not within the time, 2 invalid, 130 interrupted.
     """
     from deploy.library.load import read
     from protocol.errors import UsageError
 
-    _check_options(verify is not None, starts is not None, locals())
+    if verify is not None:
+        options.refuse({"--out": out}, "--verify searches for nothing")
+        if scenario is None:
+            options.refuse({"--set": setting}, "there is no SCENARIO to set it in")
     check_json(json_file)
     silent = quiet or is_standard_output(json_file)
     read_scenario = None if scenario is None else read(scenario, setting or [])
@@ -137,8 +127,6 @@ def certify(
         raise typer.Exit(_status(checked.enough(k)))
     if scenario is None or read_scenario is None:
         raise UsageError("certify needs a SCENARIO, or --verify FILE")
-    if starts is not None:
-        raise typer.Exit(_statistics(scenario, setting or [], (starts, seed or 0), json_file, silent))
     from deploy.theory.certify.prove import Request, to_json
     from deploy.theory.certify.prove import certify as perform
 
@@ -146,39 +134,6 @@ def certify(
     outcome = perform(read_scenario, Request(scenario, k, limit, out, silent))
     _say(_found(outcome), to_json(outcome), json_file, silent)
     raise typer.Exit(_status(outcome.proven))
-
-
-def _check_options(verifies: bool, samples: bool, given: Mapping[str, object]) -> None:
-    """Refuse what only one of the three ways to use this command knows."""
-    search = {"--out": given["out"]}
-    sample = {"--starts": given["starts"], "--seed": given["seed"]}
-    if verifies:
-        options.refuse({**search, **sample}, "--verify neither searches nor samples")
-        if given["scenario"] is None:
-            options.refuse({"--set": given["setting"]}, "there is no SCENARIO to set it in")
-    elif samples:
-        bounds = {"--k": given["k"], "--minutes": given["minutes"]}
-        options.refuse({**search, **bounds}, "--starts samples at the scenario's k: --set control.k=K")
-    else:
-        options.refuse(sample, "without --starts nothing is random")
-
-
-def _statistics(
-    name: str, settings: list[str], sample: tuple[int, int], json_file: Path | None, silent: bool
-) -> int:
-    from dataclasses import asdict, replace
-
-    from deploy.library.load import load
-    from deploy.output import bar
-    from deploy.theory.certify.certificate import Goals
-    from deploy.theory.exact_flow import failing_fraction
-
-    valid = load(name, settings)
-    with bar("random starts", silent=silent) as tell:
-        problem = replace(Goals.of(valid).problem, k=valid.k)
-        found = failing_fraction(problem, *sample, tell)
-    _say(str(found), asdict(found), json_file, silent)
-    return EXIT_OTHERWISE if found.failed else EXIT_ARRIVED
 
 
 def _status(proven: bool) -> int:
@@ -200,8 +155,8 @@ def _found(outcome: Outcome) -> str:
             f"{found.scenario}: proven for every k >= {found.proven:g}: the goal is the only minimum, every "
             f"other critical point has a direction of descent ({found.boxes:,} boxes, {found.time:.1f} s)"
         )
-    if found.frontier is not None:
-        text += f"\n{found.k:g} is {found.frontier.done:.1%} done; the same command goes on from there"
+    if found.trial is not None:
+        text += f"\n{found.trial.k:g} was {found.trial.done:.1%} done; more --minutes may prove it"
     return f"{text}\n{outcome.path}"
 
 

@@ -2,13 +2,12 @@
 
 The common factor of grad phi only changes the timing. The repulsive layer is stiff: SciPy's implicit BDF
 method is used. Equilibria are found by nonlinear least squares on D = 0 and classified by the Hessian. Those
-found are real (the residual is checked); that none was missed is not claimed. How often the flow fails from
-random starts is a statement about their distribution at one k, with an exact confidence bound, and no proof.
+found are real (the residual is checked); that none was missed is not claimed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Literal
@@ -18,8 +17,6 @@ from scipy.integrate import BDF
 from scipy.optimize import brentq, least_squares
 
 from deploy.theory.function import Array, Problem, reduced_gradient, reduced_jacobian
-from protocol.draws import Purpose, generator
-from protocol.errors import UsageError
 from protocol.process.signals import STOP
 
 DARTS = 500
@@ -213,50 +210,3 @@ def equilibria(problem: Problem, starts: Iterable[Array]) -> tuple[CriticalPoint
         if b is not None and all(np.abs(b - known.b).max() > 1e-4 * unit for known in found):
             found.append(classify(problem, b))
     return tuple(found)
-
-
-CONFIDENCE = 0.95
-
-
-@dataclass(frozen=True)
-class FailingFraction:
-    """failed of `starts` did not arrive; at_most: Clopper and Pearson's one-sided upper bound."""
-
-    k: float
-    starts: int
-    failed: int
-    at_most: float
-
-    def __str__(self) -> str:
-        return (
-            f"k = {self.k:g}: {self.failed} of {self.starts} random starts did not arrive. With "
-            f"{CONFIDENCE:.0%} confidence at most {self.at_most:.3g} of such starts fail (Clopper-Pearson): "
-            "statistics, no proof"
-        )
-
-
-def failing_fraction(
-    problem: Problem, starts: int, seed: int, tell: Callable[[float], None]
-) -> FailingFraction:
-    """Follow the exact flow from random free configurations, drawn from `seed`; the same ones for every k.
-
-    Raises:
-        UsageError: no free configuration was found.
-    """
-    failed = 0
-    for number in range(starts):
-        STOP.check()
-        draw = generator(seed, Purpose.STUDY, tick=number)
-        start = random_configuration(draw, problem.radii, problem.workspace)
-        if start is None:
-            raise UsageError("no free configuration was found to start from: the workspace is too crowded")
-        failed += not integrate(problem, start).arrived
-        tell((number + 1) / starts)
-    return FailingFraction(problem.k, starts, failed, upper_bound(failed, starts))
-
-
-def upper_bound(failed: int, starts: int) -> float:
-    """Clopper and Pearson's upper bound of the failing fraction, one-sided, at CONFIDENCE."""
-    from scipy.stats import binomtest
-
-    return float(binomtest(failed, starts, alternative="less").proportion_ci(CONFIDENCE, "exact").high)

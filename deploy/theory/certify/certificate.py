@@ -4,12 +4,7 @@ A JSON document. `slabs` go from large k downwards: the first covers every k fro
 one those from its own up to the one before. `branching` is base64 of zlib of one byte a node in preorder:
 255 the box cannot hold a minimum, 254 one direction descends all over it, else the row that was halved.
 `digest` guards the file against damage, not against forgery: what it claims is for
-`deploy.theory.certify.verifier` to check.
-
-Branching that is not finished is nodes in preorder with open boxes where work is left. A depth-first search
-that stops leaves what it did, followed by the boxes on its stack; put in place of the box that it began with,
-they keep the whole in preorder. So any open box can be worked on for as long as it suits, and the result does
-not depend on the portions.
+`deploy.theory.certify.replay` to check.
 """
 
 from __future__ import annotations
@@ -19,14 +14,12 @@ import hashlib
 import math
 import os
 import zlib
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
 from deploy.theory.function import Problem
 from protocol.errors import DocumentError, UsageError
@@ -36,67 +29,7 @@ from protocol.scenario.model import Scenario
 EMPTY, FALLS = 255, 254  # leaves of the branching; every other byte is the row of the box that was halved
 
 
-class Open(NamedTuple):
-    """A box that is still to be looked at, rows by bounds; it is 2^-level of the whole."""
-
-    box: NDArray[np.float64]
-    level: int
-
-
-class Grown(NamedTuple):
-    """What came of a box, in preorder: the nodes that were done, then what is still open."""
-
-    branching: bytes
-    rest: list[Open]
-
-
-@dataclass
-class Frontier:
-    """kappa: the range of 1/k; parts: finished nodes and open boxes, in preorder."""
-
-    kappa: tuple[float, float]
-    parts: list[bytes | Open] = field(default_factory=list)
-    nodes: int = 0
-
-    @property
-    def open(self) -> list[Open]:
-        """Boxes that are still to be looked at, in preorder."""
-        return [part for part in self.parts if isinstance(part, Open)]
-
-    @property
-    def done(self) -> float:
-        """Share of the whole that is done, from 0 to 1, each halving counting a half."""
-        return 1.0 - sum(0.5**part.level for part in self.open)
-
-    @property
-    def branching(self) -> bytes:
-        """One byte a node in preorder; complete when nothing is open."""
-        return b"".join(part for part in self.parts if isinstance(part, bytes))
-
-    def put(self, root: Open, grown: Grown) -> None:
-        """Replace an open box by what came of it."""
-        at = next(n for n, part in enumerate(self.parts) if part is root)
-        merged = [*self.parts[:at], grown.branching, *grown.rest, *self.parts[at + 1 :]]
-        self.parts = list(_joined(merged))
-        self.nodes += len(grown.branching)
-
-
-def _joined(parts: list[bytes | Open]) -> Iterator[bytes | Open]:
-    """The same with neighbouring bytes in one."""
-    run = b""
-    for part in parts:
-        if isinstance(part, bytes):
-            run += part
-            continue
-        if run:
-            yield run
-        run = b""
-        yield part
-    if run:
-        yield run
-
-
-FORMAT = "disknav certificate 1"
+FORMAT = "disknav certificate 2"
 SUFFIX = ".certificate.json"
 
 
@@ -150,23 +83,6 @@ class Slab(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return _unpacked(self.branching)
 
 
-class Part(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Finished nodes, or one open box (rows by bounds, little-endian doubles) and its level."""
-
-    branching: str = ""
-    box: str = ""
-    level: int = 0
-
-
-class Unfinished(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A slab that was interrupted."""
-
-    k: float
-    boxes: int
-    seconds: float
-    parts: tuple[Part, ...]
-
-
 class Document(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The file."""
 
@@ -174,20 +90,25 @@ class Document(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     scenario: str
     goals: Goals
     slabs: tuple[Slab, ...]
-    unfinished: Unfinished | None
     digest: str
+
+
+class Trial(NamedTuple):
+    """The slab that is being searched: down to k, with this share of it done, after so many boxes."""
+
+    k: float
+    done: float
+    boxes: int
 
 
 @dataclass
 class Certificate:
-    """What is proven so far for one set of goals, and what was interrupted."""
+    """What is proven so far for one set of goals, and what is being tried."""
 
     goals: Goals
     scenario: str = ""
     slabs: list[Slab] = field(default_factory=list)
-    k: float | None = None  # of the frontier
-    frontier: Frontier | None = None
-    seconds: float = 0.0  # spent on the frontier
+    trial: Trial | None = field(default=None, compare=False)
 
     @property
     def proven(self) -> float | None:
@@ -204,19 +125,10 @@ class Certificate:
         """Processor seconds that the finished slabs took."""
         return sum(slab.seconds for slab in self.slabs)
 
-    def begin(self, k: float, frontier: Frontier) -> None:
-        """Open the next slab, down to k."""
-        self.k, self.frontier, self.seconds = k, frontier, 0.0
-
-    def finish(self) -> None:
-        """The frontier has nothing open: its slab is proven."""
-        assert self.frontier is not None
-        assert self.k is not None
-        assert not self.frontier.open
-        branching = self.frontier.branching
-        slab = Slab(self.k, len(branching), round(self.seconds, 3), _packed(branching))
-        self.k, self.frontier, self.seconds = None, None, 0.0  # first: Ctrl-C may then lose it, not double it
-        self.slabs.append(slab)
+    def add(self, k: float, branching: bytes, seconds: float) -> None:
+        """The next slab, down to k, is proven."""
+        self.trial = None
+        self.slabs.append(Slab(k, len(branching), round(seconds, 3), _packed(branching)))
 
     def kappa(self, k: float) -> tuple[float, float]:
         """1/k from the slab before down to k, rounded outward."""
@@ -278,24 +190,12 @@ def _refused(path: Path, where: str, text: str) -> ProofError:
 
 
 def _document(certificate: Certificate) -> Document:
-    unfinished = None
-    if certificate.frontier is not None and certificate.k is not None:
-        parts = tuple(_part(part) for part in certificate.frontier.parts)
-        unfinished = Unfinished(certificate.k, certificate.frontier.nodes, certificate.seconds, parts)
-    document = Document(
-        FORMAT, certificate.scenario, certificate.goals, tuple(certificate.slabs), unfinished, ""
-    )
+    document = Document(FORMAT, certificate.scenario, certificate.goals, tuple(certificate.slabs), "")
     return msgspec.structs.replace(document, digest=_digest(document))
 
 
 def _digest(document: Document) -> str:
     return hashlib.sha256(msgspec.json.encode(msgspec.structs.replace(document, digest=""))).hexdigest()
-
-
-def _part(part: bytes | Open) -> Part:
-    if isinstance(part, bytes):
-        return Part(branching=_packed(part))
-    return Part(box=_packed(part.box.astype("<f8").tobytes()), level=part.level)
 
 
 def _certificate(document: Document) -> Certificate:
@@ -304,17 +204,7 @@ def _certificate(document: Document) -> Certificate:
         raise ValueError("the slabs do not go downwards")
     if not document.goals.goals or len(document.goals.goals) != len(document.goals.radii):
         raise ValueError("as many radii as goals are needed")
-    certificate = Certificate(document.goals, document.scenario, list(document.slabs))
-    if document.unfinished is not None:
-        held = document.unfinished
-        parts = [_unpacked(part.branching) if not part.box else _open(part) for part in held.parts]
-        frontier = Frontier(certificate.kappa(held.k), list(parts), held.boxes)
-        certificate.k, certificate.frontier, certificate.seconds = held.k, frontier, held.seconds
-    return certificate
-
-
-def _open(part: Part) -> Open:
-    return Open(np.frombuffer(_unpacked(part.box), dtype="<f8").reshape(-1, 2).copy(), part.level)
+    return Certificate(document.goals, document.scenario, list(document.slabs))
 
 
 def _packed(data: bytes) -> str:

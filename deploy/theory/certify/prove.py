@@ -1,6 +1,6 @@
 """`disknav certify`: from large k downwards, slab by slab, until K is reached or time is up.
 
-The same call goes on from the file that an earlier one left.
+The same call goes on below the slabs that an earlier one proved.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from deploy.theory.certify.boxes import Scene, scene_of, whole
-from deploy.theory.certify.certificate import Certificate, Frontier, Goals, Open, fetch, path_for, store
-from deploy.theory.certify.search import grow
+from deploy.theory.certify.boxes import scene_of
+from deploy.theory.certify.certificate import Certificate, Goals, Trial, fetch, path_for, store
+from deploy.theory.certify.search import Search
 from deploy.theory.function import obstacle_functions
 from protocol.errors import UsageError
 from protocol.process.signals import STOP
@@ -28,17 +28,6 @@ _FINER = 0.9  # ratio below the ladder
 _LOWEST = 1.0
 _TRIAL = 1e-3
 _PORTION = 20_000  # nodes between looks at the clock
-
-
-def beginning(scene: Scene, kappa: tuple[float, float]) -> Frontier:
-    """Everything is open."""
-    return Frontier(kappa, [Open(whole(scene, kappa), 0)])
-
-
-def advance(scene: Scene, frontier: Frontier, nodes: int) -> None:
-    """Work on the first open box."""
-    root = frontier.open[0]
-    frontier.put(root, grow(scene, root, frontier.kappa[1], nodes))
 
 
 def ladder(above: float | None, target: float | None) -> Iterator[float]:
@@ -75,35 +64,21 @@ def prove(
     """
     require_free(certificate.goals)
     scene = scene_of(certificate.goals.problem)
-    grow(scene, Open(whole(scene, (0.0, _TRIAL)), 0), _TRIAL, 1)  # compiles, outside of the time that counts
-    if certificate.k is not None and target is not None and certificate.k < target:
-        certificate.k, certificate.frontier = None, None  # further down than is asked for now
-    for k in _remaining(certificate, target):
-        if certificate.frontier is None:
-            certificate.begin(k, beginning(scene, certificate.kappa(k)))
-        assert certificate.frontier is not None
-        while certificate.frontier.open:
-            began = time.process_time()
-            advance(scene, certificate.frontier, _PORTION)
-            certificate.seconds += time.process_time() - began
-            if not tell(certificate):
-                return
-        certificate.finish()
-        if not tell(certificate):
-            return
-
-
-def _remaining(certificate: Certificate, target: float | None) -> Iterator[float]:
+    Search(scene, (0.0, _TRIAL)).advance(1)  # compiles, outside of the time that counts
     proven = certificate.proven
     if target is not None and proven is not None and proven <= target:
         return
-    above = proven
-    if certificate.k is not None:
-        above = certificate.k
-        yield above
-        if target is not None and above <= target:
+    for k in ladder(proven, target):
+        search, began = Search(scene, certificate.kappa(k)), time.process_time()
+        while search.advance(_PORTION):
+            certificate.trial = Trial(k, search.done, search.nodes)
+            if not tell(certificate):
+                return
+        if search.stuck:
             return
-    yield from ladder(above, target)
+        certificate.add(k, search.branching, time.process_time() - began)
+        if not tell(certificate):
+            return
 
 
 def require_free(goals: Goals) -> None:
@@ -115,9 +90,6 @@ def require_free(goals: Goals) -> None:
     problem = goals.problem
     if not (obstacle_functions(problem, problem.goals) > 0.0).all():
         raise UsageError("goals that touch, overlap or are not inside the workspace have no certificate")
-
-
-_KEEP = 20.0  # s between writing the file
 
 
 @dataclass(frozen=True)
@@ -167,12 +139,11 @@ def certify(scenario: Scenario, request: Request) -> Outcome:
 
 
 class _Keeper:
-    """Writes the file now and then and at the end, shows a bar, and says when time is up."""
+    """Writes the file after each slab and at the end, shows a bar, and says when time is up."""
 
     def __init__(self, certificate: Certificate, request: Request) -> None:
         self._certificate, self._path = certificate, request.path
         self._until = time.monotonic() + 60.0 * request.minutes
-        self._kept = time.monotonic()
         columns = (
             TextColumn("{task.description}"),
             BarColumn(),
@@ -196,23 +167,20 @@ class _Keeper:
 
     def tell(self, certificate: Certificate) -> bool:
         """Whether there is time left, and no signal asks this process to end."""
-        frontier = certificate.frontier
-        done, boxes = (1.0, 0) if frontier is None else (frontier.done, frontier.nodes)
+        trial = certificate.trial
+        done, boxes = (1.0, 0) if trial is None else (trial.done, trial.boxes)
         proven = "" if certificate.proven is None else f"k ≥ {certificate.proven:g} proven"
-        trying = "" if certificate.k is None else f"trying {certificate.k:g}"
+        trying = "" if trial is None else f"trying {trial.k:g}"
         text = ", ".join(part for part in (proven, trying) if part)
         self._progress.update(self._task, completed=done, description=text, boxes=certificate.boxes + boxes)
-        if frontier is None or time.monotonic() > self._kept + _KEEP:
+        if trial is None:
             store(certificate, self._path)
-            self._kept = time.monotonic()
         return time.monotonic() < self._until and not STOP.requested
 
 
 def to_json(outcome: Outcome) -> dict[str, Any]:
     """Plain data."""
     found = outcome.certificate
-    frontier = found.frontier
-    unfinished = None if frontier is None else {"k": found.k, "done": frontier.done, "boxes": frontier.nodes}
     return {
         "scenario": found.scenario,
         "robots": len(found.goals.radii),
@@ -221,7 +189,7 @@ def to_json(outcome: Outcome) -> dict[str, Any]:
         "boxes": found.boxes,
         "seconds": found.time,
         "slabs": [{"k": slab.k, "boxes": slab.boxes, "seconds": slab.seconds} for slab in found.slabs],
-        "unfinished": unfinished,
+        "unfinished": None if found.trial is None else found.trial._asdict(),
         "interrupted": outcome.interrupted,
         "file": str(outcome.path),
     }

@@ -32,8 +32,9 @@ from deploy.theory.certify.boxes import (
     square,
     sub,
     upper,
+    whole,
 )
-from deploy.theory.certify.certificate import EMPTY, FALLS, Grown, Open
+from deploy.theory.certify.certificate import EMPTY, FALLS
 from deploy.theory.certify.contractors import (
     contract_balance,
     contract_distances,
@@ -177,16 +178,47 @@ _KAPPA_WIDTH = 0.5  # contact distances that the whole range of kappa counts for
 _DEEPEST = 500
 
 
-def grow(scene: Scene, root: Open, kappa: float, nodes: int) -> Grown:
-    """Branch from `root` for at most so many nodes; kappa: the largest of the whole search, for scale."""
-    size = len(root.box)
-    stack = np.empty((_DEEPEST, size, 2))
-    level = np.zeros(_DEEPEST, dtype=np.int64)
-    stack[0], level[0] = root.box, root.level
-    tape = np.empty(nodes, dtype=np.uint8)
-    height, written = _advance(scene, stack, level, derived(scene), tape, kappa)
-    rest = [Open(stack[k].copy(), int(level[k])) for k in range(height - 1, -1, -1)]
-    return Grown(tape[:written].tobytes(), rest)
+class Search:
+    """Branch and bound over one range of 1/k, a portion at a time.
+
+    Attributes:
+        nodes: boxes that were looked at.
+        stuck: one box was halved so often that no more halving can help.
+    """
+
+    def __init__(self, scene: Scene, kappa: tuple[float, float]) -> None:
+        root = whole(scene, kappa)
+        self._scene, self._largest, self._out = scene, kappa[1], derived(scene)
+        self._stack = np.empty((_DEEPEST, *root.shape))
+        self._level = np.zeros(_DEEPEST, dtype=np.int64)  # a box is 2^-level of the whole
+        self._stack[0], self._height = root, 1
+        self._tape: list[bytes] = []
+        self.nodes, self.stuck = 0, False
+
+    @property
+    def open(self) -> NDArray[np.float64]:
+        """Boxes that are still to be looked at."""
+        return self._stack[: self._height]
+
+    @property
+    def done(self) -> float:
+        """Share of the whole that is done, from 0 to 1, each halving counting a half."""
+        return 1.0 - float((0.5 ** self._level[: self._height]).sum())
+
+    @property
+    def branching(self) -> bytes:
+        """One byte a node in preorder; complete when no box is open."""
+        return b"".join(self._tape)
+
+    def advance(self, nodes: int) -> bool:
+        """Look at so many more boxes at most; whether that leads on."""
+        tape = np.empty(nodes, dtype=np.uint8)
+        state = (self._stack, self._level, self._height)
+        self._height, written = _advance(self._scene, *state, self._out, tape, self._largest)
+        self._tape.append(tape[:written].tobytes())
+        self.nodes += written
+        self.stuck = self._height == _DEEPEST
+        return self._height > 0 and not self.stuck
 
 
 @compiled
@@ -194,12 +226,13 @@ def _advance(
     scene: Scene,
     stack: NDArray[np.float64],
     level: NDArray[np.int64],
+    height: int,
     out: Derived,
     tape: NDArray[np.uint8],
     kappa: float,
 ) -> tuple[int, int]:
     """Work on top of the stack until it is empty, or full, or the tape is: (height left, tape written)."""
-    height, written = 1, 0
+    written = 0
     while 0 < height < len(stack) and written < len(tape):
         box = stack[height - 1]
         code = settle(scene, box, out)

@@ -66,7 +66,7 @@ def _certified(problem: Problem, boxes: int) -> Certificate:
     certificate = Certificate(Goals(places, tuple(problem.radii.tolist()), problem.workspace))
 
     def within(now: Certificate) -> bool:
-        return now.boxes + (0 if now.frontier is None else now.frontier.nodes) < boxes
+        return now.boxes + (0 if now.trial is None else now.trial.boxes) < boxes
 
     prove(certificate, LOWEST, within)
     return certificate

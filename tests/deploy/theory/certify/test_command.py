@@ -88,15 +88,6 @@ def test_nothing_to_certify_is_an_error() -> None:
     assert call("certify", "figure-2", "--k", "0.5").exit_code == 2
 
 
-@pytest.mark.usefixtures("here")
-def test_statistics_for_many_robots() -> None:
-    found = call("certify", "figure-2", "--starts", "5", "--json")
-    assert found.exit_code == 0
-    data = json.loads(found.stdout)
-    assert (data["k"], data["starts"], data["failed"]) == (60.0, 5, 0)
-    assert data["at_most"] == pytest.approx(1 - 0.05 ** (1 / 5))
-
-
 @pytest.mark.process
 def test_ctrl_c_leaves_a_file_to_go_on_from(here: Path) -> None:
     command = [sys.executable, "-m", "disknav", "certify", "figure-2", "--minutes", "5", "--quiet"]
@@ -110,7 +101,6 @@ def test_ctrl_c_leaves_a_file_to_go_on_from(here: Path) -> None:
         finally:
             process.kill()
     found = fetch(path)
-    assert found.slabs or found.frontier is not None  # it may come just as one slab is proven
     before = found.proven
     assert call("certify", "figure-2", "--k", "100", "--quiet").exit_code == 0
     after = fetch(path).proven

@@ -6,21 +6,16 @@ import numpy as np
 import pytest
 from flint import arb
 
-from deploy.theory.certify.boxes import Derived, Scene, derived, scene_of, whole
-from deploy.theory.certify.certificate import EMPTY, FALLS, Goals, Open
+from deploy.theory.certify.boxes import derived, scene_of
+from deploy.theory.certify.certificate import EMPTY, FALLS, Goals
 from deploy.theory.certify.conditions import Conditions
 from deploy.theory.certify.replay import Walk
-from deploy.theory.certify.search import OPEN, contract, contract_newton, grow, settle
+from deploy.theory.certify.search import OPEN, Search, contract, contract_newton, settle
 from tests.deploy.theory.certify.known import Known, blockade, boxes, forever, holds, known
 
 pytestmark = pytest.mark.slow
 
 SETS = 100
-
-
-def first_order(scene: Scene, box: np.ndarray, out: Derived) -> bool:
-    """All that must keep every critical point."""
-    return contract(scene, box, out) and contract_newton(scene, box, out)
 
 
 @pytest.mark.parametrize(
@@ -34,7 +29,8 @@ def test_contractors_keep_every_known_critical_point(portion: int) -> None:
             out = derived(scene)
             points += 1
             for box in boxes(found, 10, seed):
-                assert first_order(scene, box, out), (seed, found.point)
+                kept = contract(scene, box, out) and contract_newton(scene, box, out)
+                assert kept, (seed, found.point)
                 assert holds(box, found.row), (seed, found.point)
     assert points > 50
 
@@ -66,17 +62,18 @@ def test_most_small_boxes_around_saddles_are_settled() -> None:
 def test_below_the_threshold_the_minimum_stays_in_an_open_box() -> None:
     found = blockade(2.2)
     scene = scene_of(found.problem)
-    kappa = (1.0 / 2.25, 1.0 / 2.15)
-    grown = grow(scene, Open(whole(scene, kappa), 0), kappa[1], 30_000)
-    assert any(holds(part.box, found.row) for part in grown.rest)
+    search = Search(scene, (1.0 / 2.25, 1.0 / 2.15))
+    search.advance(30_000)
+    assert any(holds(box, found.row) for box in search.open)
 
 
 @pytest.mark.parametrize("equal", [True, False])
 def test_goals_that_have_a_minimum_at_every_large_k_never_certify(equal: bool) -> None:
     found = forever(equal)
     scene = scene_of(found.problem)
-    grown = grow(scene, Open(whole(scene, (0.0, 1e-4)), 0), 1e-4, 50_000)
-    assert any(holds(part.box, found.row) for part in grown.rest)
+    search = Search(scene, (0.0, 1e-4))
+    search.advance(50_000)
+    assert any(holds(box, found.row) for box in search.open)
 
 
 def goals_of(found: Known) -> Goals:
