@@ -183,19 +183,14 @@ def router(
 @app.command(hidden=True)
 def host(
     run: Annotated[str, typer.Option(help="Name of the run, for `ps`.")] = "",
-    realtime_priority: Annotated[
-        bool, typer.Option("--realtime-priority", help="Refuse where processes may have none.")
-    ] = False,
     facts: Annotated[
         tuple[str, int] | None,
         typer.Option(help="Only say what this host is like; where its router listens."),
     ] = None,
 ) -> None:
     """Start processes for a launcher on another host, by way of standard input and output."""
-    from deploy.processes.spawn import environment, require_realtime
+    from deploy.processes.spawn import environment
 
-    if realtime_priority:
-        require_realtime()
     # A fresh interpreter: processes that are forked carry neither this command line nor its libraries.
     # -P: nor what lies in the working directory.
     arguments = [run] if facts is None else ["--facts", *map(str, facts)]

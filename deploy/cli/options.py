@@ -99,10 +99,6 @@ ModeOption = Annotated[
         help="Ticks wait for all robots, or follow the wall clock.",
     ),
 ]
-RealtimePriority = Annotated[
-    bool,
-    typer.Option("--realtime-priority", help="Run at real-time priority (SCHED_RR)."),
-]
 
 
 def robots(least: int) -> Any:

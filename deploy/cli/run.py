@@ -77,7 +77,6 @@ def run(
             help="Restart failed processes: never, on-failure[:N]; with --keep by default 1000 times.",
         ),
     ] = None,
-    realtime_priority: options.RealtimePriority = False,
     log: options.Log = None,
     quiet: options.Quiet = False,
 ) -> None:
@@ -117,7 +116,6 @@ def run(
         log,
         rotation(rotate or []),
         None if listen is None else membership.endpoint(listen),
-        realtime_priority,
     )
     begin(LAUNCHER, how.run, log)
     silent = quiet or is_standard_output(json_file)

@@ -88,26 +88,16 @@ def hosts(
     table: Annotated[
         Path, typer.Argument(metavar="TABLE", help="Table of hosts (TOML), as for run --hosts.")
     ],
-    install: Annotated[
-        bool, typer.Option("--install", help="First copy this checkout to every host that ssh reaches.")
-    ] = False,
 ) -> None:
     """Check every host: reach, version, clock, port and space.
 
-    [b]--install[/b] needs Python with venv there, and a package index that pip reaches; a C compiler and make
-    to compile. The software goes where the table's `command` says: FOLDER/bin/disknav.
+    Example: disknav setup hosts hosts.toml
 
-    Example: disknav setup hosts hosts.toml --install
-
-    Exit status: 0 all are fit for a run, 1 one is not, 2 the table is invalid, 3 nothing could be installed.
+    Exit status: 0 all are fit for a run, 1 one is not, 2 the table is invalid.
     """
-    from deploy.processes.hosts.prepare import install as put
     from deploy.processes.hosts.table import read_any_hosts
 
     found = read_any_hosts(table).hosts
-    for host in found if install else ():
-        if host.ssh:
-            print(f"{host.name}: {put(host)}", flush=True)
     raise typer.Exit(EXIT_ARRIVED if _are_fit(found) else EXIT_OTHERWISE)
 
 

@@ -36,6 +36,7 @@ from deploy.processes.spawn import (
     Started,
     Store,
     encode_news,
+    stay_on,
 )
 from protocol.errors import DisknavError
 from protocol.process import log
@@ -68,7 +69,8 @@ def run_forked(
         os.dup2(2, 1)  # standard output is the command's alone
         begin_log(process.name)
         LOG.info(f"process {os.getpid()} begins")
-        process.scheduling.apply()  # before there are other threads
+        if process.core is not None:
+            stay_on(process.core)  # before there are other threads
         module, _, function = process.entry.partition(":")
         arguments = process.arguments
         if report is not None:

@@ -17,7 +17,6 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import count
 from multiprocessing.connection import Connection as Channel
@@ -27,40 +26,18 @@ from typing import Annotated, Any, NamedTuple
 import msgspec
 from msgspec import Meta
 
-from protocol.errors import ProcessError, UsageError
+from protocol.errors import ProcessError
 from protocol.process.log import LOG
 
 _LEAST = 2  # robots for each core
-_PRIORITY = 1  # the least that there is, and before all that has none
 
 
-class Scheduling(NamedTuple):
-    """How a process is scheduled, and all threads and processes that it starts; as the system likes unless
-    something else is said.
-
-    core: number of the processor core that it stays on.
-    realtime: it runs before everything without real-time priority, and takes turns with its like (SCHED_RR).
-    """
-
-    core: int | None = None
-    realtime: bool = False
-
-    def apply(self) -> None:
-        """Have this process, which has one thread yet, be scheduled so; Linux only.
-
-        Raises:
-            UsageError: the system refuses real-time priority.
-        """
-        if self.realtime:
-            _take_turns()
-        if self.core is not None:
-            try:
-                os.sched_setaffinity(0, {self.core})
-            except OSError as error:  # a sandbox may refuse it, a container lose the core: then it is slower
-                LOG.info(f"does not stay on core {self.core}: {error}")
-
-
-ORDINARY = Scheduling()
+def stay_on(core: int) -> None:
+    """Keep this process, which has one thread yet, on one processor core; Linux only."""
+    try:
+        os.sched_setaffinity(0, {core})
+    except OSError as error:  # a sandbox may refuse it, a container lose the core: then it is slower
+        LOG.info(f"does not stay on core {core}: {error}")
 
 
 def core_of(turn: int, robots: int) -> int | None:
@@ -81,35 +58,6 @@ def core_of(turn: int, robots: int) -> int | None:
     return cores[turn % len(cores)] if robots >= _LEAST * len(cores) else None
 
 
-def require_realtime() -> None:
-    """Find out whether processes may have real-time priority here; this one stays as it is.
-
-    Raises:
-        UsageError: they may not.
-    """
-    with ThreadPoolExecutor(1) as apart:  # each thread has its own priority
-        apart.submit(_take_turns).result()
-
-
-def _take_turns() -> None:
-    """Give this thread real-time priority.
-
-    Without it a fair scheduler lets robots that have to compute at once wait behind each other on one core
-    while another has become idle. What has real-time priority is moved there at once.
-    """
-    if sys.platform != "linux":
-        raise UsageError("--realtime-priority is for Linux only: leave it out")
-    try:
-        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(_PRIORITY))
-    except OSError as error:
-        raise UsageError(
-            f"--realtime-priority: the system refuses real-time priority {_PRIORITY} ({error.strerror}): "
-            f"`ulimit -r` must say {_PRIORITY}, for a login by `rtprio` in /etc/security/limits.conf, in a "
-            f"systemd unit by LimitRTPRIO={_PRIORITY}, in a container by --ulimit rtprio={_PRIORITY} or "
-            f"--cap-add SYS_NICE; or leave the option out"
-        ) from error
-
-
 @dataclass(frozen=True, slots=True)
 class Process:
     """One row: what to start, and what its end means."""
@@ -120,7 +68,7 @@ class Process:
     vital: bool = False  # the fleet cannot go on without it
     restarts: int = 0  # how many times it is started again by itself after it failed
     reports: bool = False  # the function takes one more argument: a callable for text to the supervisor
-    scheduling: Scheduling = ORDINARY
+    core: int | None = None  # number of the processor core that it stays on; as the system likes unless given
     patience: float = 5.0  # s that it may take to end after SIGTERM; it is killed then
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from deploy.processes.spawn import ORDINARY, Process, Scheduling
+from deploy.processes.spawn import Process
 from deploy.telemetry.recording.writer import ONE_FILE, Rotation
 from protocol.bus.connection import Connection
 from protocol.scenario.model import Scenario
@@ -21,7 +21,6 @@ _LINKING = 8.0  # s for the routers of all hosts to find each other
 def router(
     connection: Connection,
     restarts: int = 0,
-    scheduling: Scheduling = ORDINARY,
     host: str = "",
     *,
     vital: bool = True,
@@ -33,7 +32,7 @@ def router(
     more.
     """
     name, arguments = router_name(host), (connection, _LINKING if host else 0.0)
-    return Process(name, _ROUTING, arguments, vital, restarts, reports=True, scheduling=scheduling)
+    return Process(name, _ROUTING, arguments, vital, restarts, reports=True)
 
 
 def world(
@@ -45,7 +44,6 @@ def world(
     speed: float = 0.0,
     restarts: int = 0,
     checkpoint: Path | None = None,
-    scheduling: Scheduling = ORDINARY,
 ) -> Process:
     """The world of a run, which tells its report as JSON; `restarts` as its robots' rows have it.
 
@@ -54,7 +52,7 @@ def world(
     arguments = (connection, run, scenario, lockstep, gathering, speed, restarts, checkpoint)
     again = 0 if checkpoint is None else restarts
     entry = "world.process:supervised"
-    return Process(WORLD, entry, arguments, True, again, reports=True, scheduling=scheduling)
+    return Process(WORLD, entry, arguments, True, again, reports=True)
 
 
 def robot(
@@ -62,11 +60,11 @@ def robot(
     run: str,
     identity: int,
     restarts: int = 0,
-    scheduling: Scheduling = ORDINARY,
+    core: int | None = None,
 ) -> Process:
     """One robot; the fleet goes on without it."""
     name, arguments = robot_name(identity), (connection, run, identity)
-    return Process(name, "agents.process:main", arguments, restarts=restarts, scheduling=scheduling)
+    return Process(name, "agents.process:main", arguments, restarts=restarts, core=core)
 
 
 def recorder(

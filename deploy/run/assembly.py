@@ -14,7 +14,7 @@ from deploy.processes import table
 from deploy.processes.hosts.spawners import HostSpawners
 from deploy.processes.hosts.table import Host, HostsTable, check_fit
 from deploy.processes.router import reserved
-from deploy.processes.spawn import Process, Scheduling, Spawner, core_of, require_realtime
+from deploy.processes.spawn import Process, Spawner, core_of
 from deploy.processes.supervisor import Supervisor
 from deploy.run.options import RunOptions
 from deploy.security.membership import Membership
@@ -177,9 +177,6 @@ class Assembly:
         stack: ExitStack,
     ) -> None:
         self._scenario, self._options = scenario, options
-        self._scheduling = Scheduling(realtime=options.realtime_priority)  # of world, routers and robots
-        if options.realtime_priority and (options.hosts is None or options.hosts.has_this_machine):
-            require_realtime()
         self._hosts = self._host_spawners()
         # Before the supervisor, to outlast every process.
         self._folder = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-")))
@@ -206,8 +203,7 @@ class Assembly:
 
     def _robot(self, robot: int, core: int | None = None) -> Process:
         options, connection = self._options, self.topology.robot(robot)
-        scheduling = self._scheduling._replace(core=core)
-        return table.robot(connection, options.run, robot, options.restarts, scheduling)
+        return table.robot(connection, options.run, robot, options.restarts, core)
 
     def start_newcomer(self, robot: int) -> None:
         """The process of a robot that was added, on this host; a person must if this cannot."""
@@ -228,13 +224,7 @@ class Assembly:
             return None
         if (roster := Membership(self._options.secure).roster()) is not None:
             check_fit(roster, hosts)
-        return HostSpawners(
-            hosts,
-            places(hosts),
-            self._options.run,
-            self._options.log,
-            realtime=self._options.realtime_priority,
-        )
+        return HostSpawners(hosts, places(hosts), self._options.run, self._options.log)
 
     def _begin(self, stack: ExitStack) -> Topology:
         options = self._options
@@ -257,7 +247,6 @@ class Assembly:
         router = table.router(
             membership.router(() if options.listen is None else (options.listen,)),
             options.restarts,
-            self._scheduling,
         )
         self.supervisor.start([router])
         endpoint = Endpoint(self.supervisor.report(table.ROUTER, _START))
@@ -274,8 +263,8 @@ class Assembly:
         multi_host.spawners.greet()
         for host in multi_host.hosts.hosts:
             connection, vital = multi_host.router(host), host is multi_host.hosts.world_host
-            restarts, scheduling = self._options.restarts, self._scheduling
-            self.supervisor.start([table.router(connection, restarts, scheduling, host.name, vital=vital)])
+            restarts = self._options.restarts
+            self.supervisor.start([table.router(connection, restarts, host.name, vital=vital)])
             self.supervisor.report(table.router_name(host.name), _START)
         return multi_host
 
@@ -305,7 +294,6 @@ class Assembly:
             speed=options.speed,
             restarts=options.restarts,
             checkpoint=checkpoint,
-            scheduling=self._scheduling,
         )
         self.supervisor.start([world])
         if self._record is not None and self.result is not None:

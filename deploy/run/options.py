@@ -53,7 +53,6 @@ class RunOptions:
     log: Path | None = None  # folder for a file of log lines a process
     rotation: Rotation = ONE_FILE  # when a recording goes on in another file
     listen: str | None = None  # endpoint of the router that is started; a free port of this host unless given
-    realtime_priority: bool = False  # world, routers and robots run before all that has no such priority
 
     def __post_init__(self) -> None:
         if self.secure is not None and self.transport != "routed":
@@ -66,12 +65,6 @@ class RunOptions:
             raise UsageError("--rotate needs a process that records; --transport local has one for all")
         if self.restarts and self.transport == "local":
             raise UsageError("--restart needs processes to start again; --transport local has one for all")
-        if self.realtime_priority and self.transport == "local":
-            raise UsageError("--realtime-priority is for processes; --transport local has one for all")
-        if self.realtime_priority and self.lockstep:
-            raise UsageError(
-                "--realtime-priority needs --mode realtime: lock-step waits for all robots, so none is late"
-            )
         if self.hosts is not None and (self.transport != "routed" or self.router is not None):
             raise UsageError("--hosts starts a router on every host: leave out --transport and --router")
         if (

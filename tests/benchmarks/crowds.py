@@ -5,7 +5,7 @@ what a robot does not command in time is missed. `us` is processor time of all p
 tick, measured after the first two seconds.
 
     python -m tests.benchmarks.crowds --robots 32 64 128 200 --rate 10 --seconds 60
-    python -m tests.benchmarks.crowds --robots 200 --realtime-priority
+    chrt --rr 1 python -m tests.benchmarks.crowds --robots 200
     python -m tests.benchmarks.crowds --robots 100 1000 --rate 10 --transport local --mode lockstep
 """
 
@@ -118,9 +118,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--interest", choices=("near", "all"))
     parser.add_argument("--transport", choices=("routed", "mesh", "local"), default="routed")
     parser.add_argument("--mode", choices=("realtime", "lockstep"), default="realtime")
-    parser.add_argument("--realtime-priority", action="store_true", help="of world, router and robots")
     chosen = parser.parse_args(arguments)
-    options = RunOptions(chosen.transport, chosen.mode, realtime_priority=chosen.realtime_priority)
+    options = RunOptions(chosen.transport, chosen.mode)
     print("robots  ticks  missed %       us  start s  took s  clearance mm")
     for robots in chosen.robots:
         scenario = restless(robots, chosen.rate, chosen.seconds, Network(chosen.interest))

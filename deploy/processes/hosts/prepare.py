@@ -1,17 +1,14 @@
-"""Before a run on several hosts: whether a host is fit for it, and this software put there."""
+"""Before a run on several hosts: whether a host is fit for it."""
 
 from __future__ import annotations
 
-import io
 import os
 import select
 import shlex
 import socket
 import subprocess
 import sys
-import tarfile
 import time
-from pathlib import PurePosixPath
 
 import msgspec
 
@@ -21,8 +18,6 @@ from deploy.processes.hosts.table import Host
 from deploy.processes.spawn import environment
 from deploy.software import SOFTWARE, Finding, code_digest
 from protocol.codec import DAMAGED
-from protocol.errors import ProcessError, UsageError
-from protocol.process.installation import ROOT
 
 _PATIENCE = 60.0  # s for a host to answer
 _SPAN = 2.0  # s between two looks at its clock
@@ -157,65 +152,3 @@ def _space(facts: Facts) -> Finding:
 
 def _finding(what: str, text: str, *, fine: bool) -> Finding:
     return Finding(what, "good" if fine else "bad", text)
-
-
-_SOURCES = ("disknav", "protocol", "agents", "world", "deploy")
-_BUILD = ("pyproject.toml", "hatch_build.py", "compile.py", "Makefile", "README.md", "LICENSE")
-_INSTALLING = 1800.0  # s; compiling takes minutes on a small computer
-
-
-def install(host: Host) -> PurePosixPath:
-    """Make the environment in which the table expects this software there; returns its folder.
-
-    What it depends on comes from the package index that pip there uses.
-
-    Raises:
-        UsageError: this is no checkout, or the table does not say where to.
-        ProcessError: something there failed; its own words are on standard error.
-    """
-    if not (ROOT / "pyproject.toml").is_file():
-        raise UsageError("what is copied is a checkout, and this is none: run this from one")
-    command = PurePosixPath(host.command)
-    if not command.is_absolute() or command.parts[-2:] != ("bin", "disknav"):
-        raise UsageError(
-            f"host {host.name}: its `command` is {host.command!r}; make it FOLDER/bin/disknav, "
-            f"with the folder that this software is to have there, from the root on"
-        )
-    folder = command.parent.parent
-    done = subprocess.run(
-        ssh_command(host, _script(folder)), input=_archive(), timeout=_INSTALLING, stdout=2, check=False
-    )
-    if done.returncode:
-        raise ProcessError(f"host {host.name}: nothing was installed (status {done.returncode}); see above")
-    return folder
-
-
-def _script(folder: PurePosixPath) -> str:
-    """For the shell there: a fresh copy of the sources comes in, and goes when it is installed."""
-    there, copy = shlex.quote(str(folder)), shlex.quote(f"{folder}.sources")
-    steps = (
-        f"rm -rf {copy}",
-        f"mkdir -p {there} {copy}",
-        f"tar -xzf - -C {copy}",
-        f"python3 -m venv {there}",
-        f"{there}/bin/python -m pip install --quiet --upgrade --force-reinstall --no-deps {copy}",
-        f"{there}/bin/python -m pip install --quiet {copy}'[secure]'",
-        f"rm -rf {copy}",
-    )
-    return " && ".join(steps)
-
-
-def _archive() -> bytes:
-    """The sources, without what can be made of them."""
-    written = io.BytesIO()
-    with tarfile.open(fileobj=written, mode="w:gz") as archive:
-        for name in (*_SOURCES, *_BUILD):
-            archive.add(ROOT / name, name, filter=_kept)
-    return written.getvalue()
-
-
-def _kept(entry: tarfile.TarInfo) -> tarfile.TarInfo | None:
-    made = entry.name.endswith((".so", ".pyc", "__pycache__"))
-    entry.uid = entry.gid = 0
-    entry.uname = entry.gname = ""
-    return None if made else entry

@@ -29,7 +29,6 @@ class HostSpawners:
         places: name of a process -> name of its host; all others are started here.
         run: stands in the titles of all processes.
         logs: folder for the files of logs, of this machine's processes and of every host; none unless given.
-        realtime: whether a host that allows no real-time priority is to refuse.
 
     Raises:
         ProcessError: a host cannot be reached.
@@ -41,16 +40,12 @@ class HostSpawners:
         places: Mapping[str, str],
         run: str,
         logs: Path | None = None,
-        *,
-        realtime: bool = False,
     ) -> None:
         self._places = places
         self._numbers = count(1)  # of lives, on all hosts
         self._here = Spawner(run=run, logs=logs, lives=self._numbers)
         there = [host for host in table.hosts if host.ssh]
-        self._there = {
-            host.name: SshSpawner(host, run, logs, self._numbers, realtime=realtime) for host in there
-        }
+        self._there = {host.name: SshSpawner(host, run, logs, self._numbers) for host in there}
         self._lives: dict[int, Spawner] = {}  # of those that have not ended
         self._own: deque[News] = deque()  # of processes on hosts that are lost
 

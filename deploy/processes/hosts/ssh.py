@@ -202,14 +202,9 @@ class SshSpawner(Spawner):
         run: str,
         logs: Path | None = None,
         lives: Iterator[int] | None = None,
-        *,
-        realtime: bool = False,
     ) -> None:
-        """Reach `host`; what is said there is relayed to the terminal, and to its file in `logs`.
-
-        `realtime`: it is to refuse if it allows no real-time priority.
-        """
-        self.host, self._realtime = host, realtime
+        """Reach `host`; what is said there is relayed to the terminal, and to its file in `logs`."""
+        self.host = host
         self.folder = ""  # on the host, for files; known once it has greeted
         self._beat = 0.0
         super().__init__(run=run, logs=logs, lives=lives)
@@ -271,8 +266,7 @@ class SshSpawner(Spawner):
     ) -> subprocess.Popen[bytes]:
         del modules  # the host knows them
         self._relay = Relay(self.host.name, run, logs)
-        needs = " --realtime-priority" if self._realtime else ""
-        command = ssh_command(self.host, f"{self.host.command} node host --run={shlex.quote(run)}{needs}")
+        command = ssh_command(self.host, f"{self.host.command} node host --run={shlex.quote(run)}")
         end = theirs.fileno()
         try:
             ssh = subprocess.Popen(

@@ -47,11 +47,6 @@ class HostsTable:
         """Where the world runs."""
         return next((host for host in self.hosts if host.name == self.world), self.hosts[0])
 
-    @property
-    def has_this_machine(self) -> bool:
-        """Whether this machine is one of them."""
-        return not all(host.ssh for host in self.hosts)
-
     def host_of(self, robot: int) -> Host:
         """Where a robot runs.
 

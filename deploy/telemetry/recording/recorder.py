@@ -7,6 +7,7 @@ when this process is killed; all before that is in the file.
 from __future__ import annotations
 
 import os
+import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
 from math import inf
@@ -215,9 +216,11 @@ def main(
     Raises:
         DisknavError: no network, no world, or the file cannot be created.
     """
+    os.nice(max(0, _NICENESS - os.nice(0)))
+    if sys.platform == "linux":  # where the fleet has real-time priority, its recorder has none
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
     bus = ZenohBus(connection)
     try:
-        os.nice(max(0, _NICENESS - os.nice(0)))
         file = RecordingWriter(next_free(path) if again else path, rotation, ready)
         take = bus.bursts(everything(checked_run(run)))  # one subscription, which keeps the order of arrival
         bus.subscribe(world_key(run, "result"))

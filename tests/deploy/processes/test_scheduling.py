@@ -1,37 +1,24 @@
-"""Robots that wait for each other stay on a core each, and a fleet in real time may go before everybody else;
-the system places and orders all others."""
+"""Robots that wait for each other stay on a core each; under chrt all but the recorder have its priority."""
 
 from __future__ import annotations
 
 import os
-import signal
+import subprocess
 import sys
-from dataclasses import replace
+from contextlib import suppress
 from pathlib import Path
 
 import psutil
 import pytest
 
 from deploy.library.load import load
-from deploy.processes.spawn import Scheduling, core_of, require_realtime
-from deploy.processes.table import RECORDER
+from deploy.processes.spawn import core_of
 from deploy.run.fleet import Fleet
 from deploy.run.options import Mode, RunOptions
-from protocol.errors import UsageError
 from protocol.messages import Clock
-from protocol.scenario.model import Order, RobotSpec
-
-
-def unable() -> str | None:
-    """Why no process has real-time priority here; None if it may."""
-    try:
-        return require_realtime()
-    except UsageError as error:
-        return str(error)
-
+from tests.deploy.telemetry.monitor.watched import until
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system places and orders all")
-needs_realtime = pytest.mark.skipif(unable() is not None, reason=unable() or "")
 
 
 @linux
@@ -71,78 +58,40 @@ def test_only_robots_in_lockstep_are_bound(monkeypatch: pytest.MonkeyPatch, mode
     assert all(cores == everywhere for cores in seen[False])
 
 
-def refuse(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Be a system that allows no real-time priority."""
-
-    def refused(*_: object) -> None:
-        raise PermissionError(1, "Operation not permitted")
-
-    monkeypatch.setattr(os, "sched_setscheduler", refused)
+def policies(pid: int) -> set[int]:
+    """Of all threads of a process."""
+    return {os.sched_getscheduler(int(task.name)) for task in Path(f"/proc/{pid}/task").iterdir()}
 
 
 @linux
-@pytest.mark.process
-def test_where_it_is_not_allowed_nothing_starts_and_the_error_says_what_to_do(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    refuse(monkeypatch)
-    options = RunOptions(mode="realtime", realtime_priority=True)
-    before = psutil.Process().children()
-    with pytest.raises(
-        UsageError, match=r"not permitted.*ulimit -r.*LimitRTPRIO.*SYS_NICE.*leave the option"
-    ):
-        Fleet(load("swap-2"), options, record=tmp_path / "run.mcap").__enter__()
-    assert psutil.Process().children() == before
-    assert list(tmp_path.iterdir()) == []
-
-
-@linux
-def test_a_process_that_is_refused_does_not_go_on_without(monkeypatch: pytest.MonkeyPatch) -> None:
-    refuse(monkeypatch)
-    with pytest.raises(UsageError, match="not permitted"):
-        Scheduling(realtime=True).apply()
-
-
-def policies(pid: int) -> set[tuple[int, int]]:
-    """Policy and priority of all threads of a process."""
-    threads = [int(task.name) for task in Path(f"/proc/{pid}/task").iterdir()]
-    return {(os.sched_getscheduler(thread), os.sched_getparam(thread).sched_priority) for thread in threads}
-
-
-def test_it_is_for_linux(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "platform", "darwin")
-    with pytest.raises(UsageError, match="Linux only"):
-        require_realtime()
-
-
-@needs_realtime
 @pytest.mark.process
 @pytest.mark.timeout(60)
-def test_world_router_and_robots_go_first_in_every_life_and_nobody_else(
-    tmp_path: Path,
-) -> None:
-    guest = RobotSpec(3, 0.03, (0.0, 0.15), (0.0, -0.15))
-    scenario = load("swap-2", ["control.speed=0.01", "time.limit=40"])
-    scenario = replace(scenario, orders=(Order(0.1, add=guest),))
-    killed: list[int] = []
-    seen: dict[str, set[tuple[int, int]]] = {}
+@pytest.mark.skipif(
+    subprocess.run(["chrt", "--rr", "1", "true"], check=False).returncode != 0,
+    reason="no process may have real-time priority here",
+)
+def test_a_fleet_under_chrt_has_real_time_priority_but_for_its_recorder(tmp_path: Path) -> None:
+    how = ["--mode", "realtime", "--set", "control.speed=0.01", "--set", "time.limit=40", "--quiet"]
+    call = ["chrt", "--rr", "1", sys.executable, "-m", "disknav", "run", "swap-2", *how]
+    with subprocess.Popen([*call, "--record", str(tmp_path / "run.mcap")]) as launcher:
+        try:
+            until(lambda: len(found := children(launcher.pid)) >= 5 and SCHED_OTHER in found.values(), 40.0)
+            found = children(launcher.pid)
+        finally:
+            launcher.terminate()
+    ordinary = {name for name, these in found.items() if these == SCHED_OTHER}
+    assert all("recorder" in name for name in ordinary)
+    names = {"router", "world", "robot 1", "robot 2"}
+    assert {name for name in names if any(f" {name} " in each for each in found.keys() - ordinary)} == names
 
-    def look(clock: Clock) -> None:
-        pids = fleet.pids()
-        if clock.tick > 5 and not killed:
-            killed.append(pids["robot-1"])
-            fleet.signal("robot-1", signal.SIGKILL)
-        reborn = killed and pids.get("robot-1", killed[0]) != killed[0]
-        ready = reborn and policies(pids["robot-1"]) == {(os.SCHED_RR, 1)}  # it may just have begun
-        if ready and {1, 3} <= set(clock.active) and not seen:
-            seen.update({name: policies(pid) for name, pid in pids.items()})
-            server = psutil.Process(pids["world"]).ppid()
-            seen.update(server=policies(server), launcher=policies(os.getpid()))
 
-    options = RunOptions(mode="realtime", restarts=1, realtime_priority=True)
-    with Fleet(scenario, options, watch=look, record=tmp_path / "run.mcap") as fleet:
-        fleet.execute(enough=lambda: bool(seen))
-    first = {"world", "robot-1", "robot-2", "robot-3", "router"}
-    assert {name for name, these in seen.items() if these == {(os.SCHED_RR, 1)}} == first
-    ordinary = {name for name, these in seen.items() if these == {(os.SCHED_OTHER, 0)}}
-    assert ordinary == {RECORDER, "server", "launcher"} == seen.keys() - first
+SCHED_OTHER = {os.SCHED_OTHER}
+
+
+def children(launcher: int) -> dict[str, set[int]]:
+    """Policies of all processes of a fleet that are there now, by title."""
+    found = {}
+    for each in psutil.Process(launcher).children(recursive=True):
+        with suppress(psutil.Error, OSError):
+            found[" ".join(each.cmdline())] = policies(each.pid)
+    return found

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -33,7 +31,6 @@ from protocol.messages import Clock
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import ProcessFault
 from tests.deploy.processes.ports import free_ports
-from tests.deploy.processes.test_scheduling import needs_realtime, policies
 from tests.deploy.processes.test_spawn import gone
 from tests.deploy.processes.test_titles import title
 from tests.forks import Forks
@@ -252,28 +249,3 @@ def test_a_host_that_cannot_be_used_is_named(
     done = disknav("run", "figure-1", "--hosts", hosts)
     assert done.returncode == status
     assert text in done.stderr
-
-
-@needs_realtime
-def test_on_every_host_world_router_and_robots_go_first(server: Server, tmp_path: Path) -> None:
-    with a_long_run(server, tmp_path, "--realtime-priority") as launcher:
-        there = psutil.Process(server.pid).children(recursive=True)
-        there += psutil.Process(launcher.pid).children(recursive=True)
-        found = {title(each.pid): policies(each.pid) for each in there}
-        launcher.send_signal(signal.SIGTERM)
-        assert launcher.wait(20.0) == 128 + signal.SIGTERM
-    first = {name for name, these in found.items() if these == {(os.SCHED_RR, 1)}}
-    names = ["router base", "router left", "router right", "world", *(f"robot {n}" for n in SCENARIO.ids)]
-    assert first == {f"disknav {name} (run long)" for name in names}
-    assert all(these == {(os.SCHED_OTHER, 0)} for name, these in found.items() if name not in first)
-
-
-@needs_realtime
-@pytest.mark.skipif(shutil.which("setpriv") is None or os.geteuid() != 0, reason="only root can give it up")
-def test_a_host_that_allows_no_priority_refuses(server: Server, disknav: Forks, tmp_path: Path) -> None:
-    command = f"prlimit --rtprio=0 setpriv --bounding-set=-sys_nice --inh-caps=-sys_nice {server.command}"
-    hosts, _ = table(server, tmp_path, ["left"], command=command)
-    done = disknav("run", "figure-1", "--hosts", hosts, "--mode", "realtime", "--realtime-priority")
-    assert done.returncode == EXIT_FAULT
-    assert "left: disknav: --realtime-priority: the system refuses" in done.stderr
-    assert "host left is gone: ssh ended with status 2; see its output above" in done.stderr
