@@ -10,53 +10,10 @@ from collections import deque
 from collections.abc import Iterable, Set
 from typing import Any
 
-import msgspec
-
 from deploy.telemetry.scene import Cast, Thinned
-from protocol.codec import DAMAGED
 from protocol.messages import Clock, GoalStatus, Health, Line, Message, PlacedObstacle, Truth, Vector
 from protocol.operations import Steering
 from protocol.scenario.model import RobotSpec, Scenario
-
-# Of zenoh's admin space only `@/*/router` is asked for, one key per router: asking for everything (`@/**`)
-# while many declare can block a router. Routers of this project keep it off; a stock `zenohd` has it on.
-ROUTERS = "@/*/router"
-
-
-class Link(msgspec.Struct, frozen=True):
-    """One link of a session: the endpoint that is not the router's."""
-
-    dst: str
-
-
-class Session(msgspec.Struct, frozen=True):
-    """A connected process: zenoh id, whether router, peer or client, and its links."""
-
-    peer: str
-    whatami: str
-    links: tuple[Link, ...]
-
-
-class Router(msgspec.Struct, frozen=True):
-    """A router about itself."""
-
-    zid: str
-    version: str
-    sessions: tuple[Session, ...]
-
-    def told(self) -> dict[str, Any]:
-        """As plain data for a viewer."""
-        links = [f"{session.whatami} {link.dst}" for session in self.sessions for link in session.links]
-        return {"version": self.version.split("-")[0].removeprefix("v"), "zid": self.zid, "links": links}
-
-
-def router(payload: bytes) -> Router | None:
-    """Read a reply; None if it is of another form than zenoh 1.x gives."""
-    try:
-        return msgspec.json.decode(payload, type=Router)
-    except DAMAGED:
-        return None
-
 
 SILENCE = 1.5  # s behind its peers after which a robot counts as silent
 ALARMS = ("dead", "fenced", "silent")
@@ -199,7 +156,6 @@ class View:
         self.lockstep = True
         self.epoch = 0  # counts the scenarios seen under this run name, and changes of membership
         self.steering = Steering()
-        self.router: Router | None = None  # where its admin space is on
         self.robots: dict[int, RobotView] = {}
         self.world_alive: bool | None = None
         self._tokens: dict[int, bool] = {}

@@ -75,7 +75,6 @@ def snapshot(view: View, now: float, since: int = -1) -> dict[str, Any]:
         "reason": view.reason,
         "steering": {"paused": view.steering.paused, "speed": view.steering.speed},
         "smallest": view.smallest,
-        "router": None if view.router is None else view.router.told(),
         "robots": [_row(view, robot, now, newest) for robot in view.robots.values()],
         "samples": _samples(view, since),
         "obstacles": {str(obstacle.number): _change(obstacle) for obstacle in view.obstacles},

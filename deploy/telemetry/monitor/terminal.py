@@ -49,20 +49,11 @@ def table(frame: dict[str, Any]) -> RenderableType:
     for row in frame["robots"]:
         style = "bold red" if row["alarm"] else "green" if row["status"] == "at goal" else ""
         listing.add_row(*_cells(row), style=style)
-    return Group(_headline(frame), *_reason(frame), *_network(frame), listing)
+    return Group(_headline(frame), *_reason(frame), listing)
 
 
 def _reason(frame: dict[str, Any]) -> list[Text]:
     return [Text(frame["reason"])] if frame["reason"] else []
-
-
-def _network(frame: dict[str, Any]) -> list[Text]:
-    router = frame["router"]
-    if router is None:
-        return []
-    return [
-        Text(f"zenoh {router['version']}, router {router['zid']}, {len(router['links'])} links", style="dim")
-    ]
 
 
 def _headline(frame: dict[str, Any]) -> Text:

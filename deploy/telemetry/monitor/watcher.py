@@ -8,13 +8,12 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from functools import partial
-from math import inf
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING
 
 import msgspec
 
-from deploy.telemetry.monitor.live import ROUTERS, View, router
+from deploy.telemetry.monitor.live import View
 from deploy.telemetry.monitor.snapshot import Steerable
 from protocol import joining
 from protocol.bus.bus import Bus, Event, Presence, Sample
@@ -204,7 +203,6 @@ class Watcher(Steerable):
 
 
 _LONGEST_WAIT = 0.05  # s; how soon `close` is noticed
-_ADMIN_PERIOD, _ADMIN_TIMEOUT = 2.0, 0.1  # s
 
 
 class Attachment(Watcher):
@@ -212,7 +210,6 @@ class Attachment(Watcher):
 
     def __init__(self, bus: Bus, run: str, *, listener: FoxgloveServer | None = None) -> None:
         super().__init__(bus, run, listener=listener)
-        self._look_at = self.deadline
         self._thread = threading.Thread(target=self._loop, name=f"monitor of {run}", daemon=True)
         self._thread.start()
 
@@ -225,19 +222,8 @@ class Attachment(Watcher):
                 event = self._bus.receive(min(_LONGEST_WAIT, max(0.0, self.deadline - now)))
                 if event is not None:
                     self.handle(event)
-                if now >= self._look_at:
-                    self._look_at_network(now)
         finally:
             self._bus.close()
-
-    def _look_at_network(self, now: float) -> None:
-        """List the connected processes, if the admin space is on; where it is off, asking once was enough."""
-        try:
-            found = router(self._bus.ask(ROUTERS, b"", _ADMIN_TIMEOUT)[0])
-        except BusError:
-            found = None
-        self._look_at = now + _ADMIN_PERIOD if found is not None else inf
-        self.change(lambda view, _: setattr(view, "router", found))
 
     def close(self) -> None:
         """Stop watching and disconnect; may be called twice."""

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import json
-import socket
 from contextlib import closing
 
 import pytest
-import zenoh
 
 from deploy.processes.router import listening
 from deploy.run.options import fresh_run_name
@@ -66,28 +63,6 @@ def test_endpoint_and_run_name_are_enough_and_tokens_come_and_go() -> None:
         second = World(endpoint, run)  # another world under this name: everything anew
         with closing(second.bus):
             until(lambda: (second.turn(), watcher.overview()["epoch"] == 2)[1])
-
-
-def test_links_are_read_from_the_admin_space_where_it_is_on() -> None:
-    router, endpoint = with_admin_space()
-    with router, closing(attach(Connection(connect=(endpoint,)), fresh_run_name())) as watcher:
-        told = until(lambda: watcher.snapshot()["router"])
-        assert told["zid"] == str(router.zid())
-        assert len(told["links"]) == 1
-        assert told["links"][0].startswith("client tcp/127.0.0.1:")
-
-
-def with_admin_space() -> tuple[zenoh.Session, str]:
-    """A router as a stock one is, on a free port."""
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
-    configuration = {
-        "mode": "router",
-        "listen": {"endpoints": [endpoint]},
-        "scouting": {"multicast": {"enabled": False}},
-        "adminspace": {"enabled": True},
-    }
-    return zenoh.open(zenoh.Config.from_json5(json.dumps(configuration))), endpoint
 
 
 def test_nobody_at_the_endpoint_is_an_error() -> None:

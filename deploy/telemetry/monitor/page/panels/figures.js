@@ -28,16 +28,10 @@ export function showFigures(frame, model) {
   }
   banner(frame.verdict ? VERDICTS[frame.verdict] ?? [frame.verdict, "warn"] : PHASES[frame.phase]);
   write("reason", frame.reason);
-  showNetwork(frame.router);
   write("time", frame.time.toFixed(2));
   write("tick", String(frame.tick));
   write("pace", frame.pace.toFixed(0));
   write("smallest", frame.smallest === null ? "–" : (frame.smallest * 1000).toFixed(2));
-}
-
-function showNetwork(router) {
-  write("network", router ? `zenoh ${router.version}, ${router.links.length} links` : "");
-  document.getElementById("network").title = router ? [`router ${router.zid}`, ...router.links].join("\n") : "";
 }
 
 function banner([text, tone]) {
