@@ -34,7 +34,7 @@ EVERY: Final = 0.05  # s between two velocities
 SILENCE: Final = 3.0  # s that the base is given to stop by itself
 
 
-class Move(NamedTuple):
+class Manoeuvre(NamedTuple):
     """Something to do for a while."""
 
     duration: float  # s
@@ -58,18 +58,18 @@ class Row(NamedTuple):
 class Log(NamedTuple):
     """Everything that was noted."""
 
-    moves: list[tuple[float, Move]]  # s, when it began
+    moves: list[tuple[float, Manoeuvre]]  # s, when it began
     odometry: list[Row]
     poses: list[Row]
 
 
-def square(side: float, speed: float, rate: float) -> list[Move]:
+def square(side: float, speed: float, rate: float) -> list[Manoeuvre]:
     """Four sides of `side` m, four corners, and a last side that is not ended by a command."""
-    rest = Move(PAUSE, 0.0, 0.0)
+    rest = Manoeuvre(PAUSE, 0.0, 0.0)
     moves = [rest]
     for _ in range(4):
-        moves += [Move(side / speed, speed, 0.0), rest, Move(0.5 * math.pi / rate, 0.0, rate), rest]
-    return [*moves, Move(0.5 * side / speed, speed, 0.0), Move(SILENCE, 0.0, 0.0, told=False)]
+        moves += [Manoeuvre(side / speed, speed, 0.0), rest, Manoeuvre(0.5 * math.pi / rate, 0.0, rate), rest]
+    return [*moves, Manoeuvre(0.5 * side / speed, speed, 0.0), Manoeuvre(SILENCE, 0.0, 0.0, told=False)]
 
 
 class Driver:
@@ -87,7 +87,7 @@ class Driver:
         finished: whether it is over.
     """
 
-    def __init__(self, base: Base, robot: int, moves: list[Move]) -> None:
+    def __init__(self, base: Base, robot: int, moves: list[Manoeuvre]) -> None:
         base = base.of(robot)
         self._odometry, self._pose = base.key(base.odometry), base.key(base.pose)
         self.keys = (self._odometry, self._pose)
@@ -195,7 +195,7 @@ _BEGUN: Final = 0.1  # of the speed: above it, the base has begun
 _FALLING: Final = 0.8  # of the speed: below it, the base brakes
 
 
-class Bounds(NamedTuple):
+class MeasuredBounds(NamedTuple):
     """What was measured."""
 
     noise_bound: float  # m, farthest of a pose at rest from the mean of that rest
@@ -208,14 +208,14 @@ class Bounds(NamedTuple):
     interval: float  # s, longest between two odometries
 
 
-def bounds(log: Log) -> Bounds:
+def bounds(log: Log) -> MeasuredBounds:
     """Everything that a square says of a base."""
     rests = [begin + move.duration for begin, move in log.moves if move.told and _stands(move)]  # their ends
     places = [(_mean(log.odometry, rest), _mean(log.poses, rest)) for rest in rests]
     noise = max(_farthest(log.poses, pose, rest) for (_, pose), rest in zip(places, rests, strict=True))
     heading = max(_widest(log.poses, pose, rest) for (_, pose), rest in zip(places, rests, strict=True))
     timeout, acceleration = _stop(log)
-    return Bounds(
+    return MeasuredBounds(
         noise,
         heading,
         _slip(places),
@@ -227,7 +227,7 @@ def bounds(log: Log) -> Bounds:
     )
 
 
-def statements(found: Bounds) -> str:
+def statements(found: MeasuredBounds) -> str:
     """Lines for a scenario: `MARGIN` times what was measured."""
     return "\n".join(
         (
@@ -265,7 +265,7 @@ def _digits(value: float, rounded: Callable[[float], int]) -> str:
     return f"{rounded(value / unit - 1e-9) * unit:.6g}"
 
 
-def _stands(move: Move) -> bool:
+def _stands(move: Manoeuvre) -> bool:
     return move.ahead == move.rate == 0.0
 
 

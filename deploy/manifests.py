@@ -17,7 +17,7 @@ from typing import Literal
 
 import deploy
 from deploy.run.options import Mode
-from deploy.security.roster import ROSTER, ROUTER, WORLD, Roster, robot_role
+from deploy.security.roster import ROSTER, ROUTER, WORLD, KeyRoster, robot_role
 from protocol.bus.connection import AUTHORITY, certificate_file, key_file
 from protocol.errors import UsageError
 
@@ -32,7 +32,7 @@ KEYS_INSIDE = "/keys"  # where a container finds the few that are its own
 class Plan:
     """A run, its scenario, and what an orchestrator starts."""
 
-    roster: Roster
+    roster: KeyRoster
     scenario: str  # TOML
     mode: Mode = "realtime"
     image: str = IMAGE  # container image with this software

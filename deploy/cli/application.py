@@ -14,7 +14,7 @@ from deploy.cli.monitor import monitor
 from deploy.cli.run import run
 
 
-class Commands(TyperGroup):
+class CommandGroup(TyperGroup):
     """All subcommands; `--json` with no file after it means standard output, in each of them."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -29,7 +29,7 @@ class Commands(TyperGroup):
 
 app = typer.Typer(
     name="disknav",
-    cls=Commands,
+    cls=CommandGroup,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},

@@ -12,7 +12,7 @@ import typer
 
 from deploy.cli import options
 from deploy.output import EXIT_OTHERWISE, check_json, is_standard_output, write_json
-from deploy.security.membership import Membership
+from deploy.security.membership import KeyRing
 from deploy.security.roster import OPERATOR
 from protocol.errors import MessageError, UsageError
 from protocol.messages import GoalStatus, PlacedObstacle, Vector
@@ -255,7 +255,7 @@ def probe(
     """
     from deploy.run.operator import probe as listen
 
-    membership = Membership(secure)
+    membership = KeyRing(secure)
     name, endpoint = membership.named_run(run), router or membership.default_router
     listen(membership.client(role, (endpoint,), timeout=within), name, role, within)
 
@@ -265,7 +265,7 @@ def _operating(run: str, router: str | None, secure: Path | None) -> Iterator[Op
     """Speak to the world of `run`, with the operator's key where there are keys."""
     from deploy.run import operator
 
-    membership = Membership(secure)
+    membership = KeyRing(secure)
     membership.run(run)  # the keys are of this run
     connection = membership.client(OPERATOR, (router or membership.default_router,))
     with operator.operating(connection, run) as session:

@@ -16,7 +16,7 @@ from deploy.studies import StudyName
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from deploy.theory.certify.prove import Outcome
+    from deploy.theory.certify.prove import ProofOutcome
     from deploy.theory.certify.replay import Replay
     from deploy.theory.check import Certified
     from protocol.scenario.model import Scenario
@@ -118,20 +118,20 @@ def certify(
     silent = quiet or is_standard_output(json_file)
     read_scenario = None if scenario is None else read(scenario, setting or [])
     if verify is not None:
-        from deploy.theory.certify.certificate import Goals, fetch
+        from deploy.theory.certify.certificate import GoalSet, fetch
         from deploy.theory.certify.replay import replay
 
-        goals = None if read_scenario is None else Goals.of(read_scenario)
+        goals = None if read_scenario is None else GoalSet.of(read_scenario)
         checked = replay(fetch(verify, goals), _MINUTES if minutes is None else minutes, silent)
         _say(_verified(checked), checked.to_json(), json_file, silent)
         raise typer.Exit(_status(checked.enough(k)))
     if scenario is None or read_scenario is None:
         raise UsageError("certify needs a SCENARIO, or --verify FILE")
-    from deploy.theory.certify.prove import Request, to_json
+    from deploy.theory.certify.prove import ProofRequest, to_json
     from deploy.theory.certify.prove import certify as perform
 
     limit = _MINUTES if minutes is None else minutes
-    outcome = perform(read_scenario, Request(scenario, k, limit, out, silent))
+    outcome = perform(read_scenario, ProofRequest(scenario, k, limit, out, silent))
     _say(_found(outcome), to_json(outcome), json_file, silent)
     raise typer.Exit(_status(outcome.proven))
 
@@ -146,7 +146,7 @@ def _say(text: str, data: dict[str, object], json_file: Path | None, silent: boo
         print(text)
 
 
-def _found(outcome: Outcome) -> str:
+def _found(outcome: ProofOutcome) -> str:
     found = outcome.certificate
     if found.proven is None:
         text = f"{found.scenario}: nothing proven yet"
@@ -212,7 +212,7 @@ def study(
 
     Exit status: 0 done, 1 done but something touched that must not, 2 invalid, 3 fault, 130 interrupted.
     """
-    from deploy.studies.perform import Request, perform
+    from deploy.studies.perform import StudyRequest, perform
     from deploy.studies.study import Shard
 
     if name != "peers":
@@ -221,7 +221,7 @@ def study(
         options.refuse({"--jobs": jobs}, "study scale measures speed: one run at a time")
     if json_file is None or is_standard_output(json_file):
         options.refuse({"--fresh": fresh}, "only --json FILE keeps what was measured")
-    request = Request(
+    request = StudyRequest(
         name=name,
         runs=runs,
         jobs=jobs or os.cpu_count() or 1,

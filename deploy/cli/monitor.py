@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from deploy.cli import options
-from deploy.security.membership import Membership
+from deploy.security.membership import KeyRing
 from deploy.security.roster import MONITOR
 from protocol.bus.connection import Connection
 from protocol.endpoint import Endpoint
@@ -71,7 +71,7 @@ def monitor(
     if secure is not None and len(router or ()) > 1:
         options.refuse({"--router": router}, "with --secure there is one router")
     os.nice(_NICENESS)
-    membership = Membership(secure)
+    membership = KeyRing(secure)
     name = membership.named_run(run)
     set_process_title("monitor", name)
     role = membership.viewer if web else MONITOR
@@ -93,7 +93,7 @@ def monitor(
             show(source)
 
 
-def _connection(endpoints: list[str] | None, membership: Membership, role: str) -> Connection:
+def _connection(endpoints: list[str] | None, membership: KeyRing, role: str) -> Connection:
     """A router relays everything; the processes of a mesh relay nothing, so each needs a link."""
     if endpoints is None or len(endpoints) == 1 or membership.directory is not None:
         return membership.client(role, endpoints or (membership.default_router,), timeout=_TIMEOUT)

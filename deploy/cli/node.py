@@ -13,7 +13,7 @@ import typer
 
 from deploy.cli import options
 from deploy.output import EXIT_ARRIVED
-from deploy.security.membership import Membership
+from deploy.security.membership import KeyRing
 from deploy.security.roster import WORLD, robot_role
 from protocol.errors import UsageError
 from protocol.keys import robot_key
@@ -60,7 +60,7 @@ def robot(
     if base is not None:
         options.refuse_bases(secure)
     namespace = None if namespace is None else ros_name(namespace)
-    membership = Membership(secure)
+    membership = KeyRing(secure)
     role, name = robot_role(robot_id), membership.named_run(run)
     robot_key(name, robot_id, "join")  # whether there can be such a robot
     # Whatever is wrong with its files is said here,
@@ -109,7 +109,7 @@ def world(
     from world.process import main
     from world.shell.checkpoint import Checkpoint
 
-    membership = Membership(secure)
+    membership = KeyRing(secure)
     settings = [*(setting or []), *([] if plant is None else [f"world.plant={plant}"])]
     loaded = load(scenario, settings, seed)
     if loaded.is_external:
@@ -168,7 +168,7 @@ def router(
 
     if secure is None:
         options.refuse({"--host": host or None}, "without keys every router is alike: add --secure DIR")
-    membership = Membership(secure)
+    membership = KeyRing(secure)
     plain = membership.router(() if listen is None else (listen,), connect or (), host)
     connection = replace(plain, admin=admin)
     if print_config:

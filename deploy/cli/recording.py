@@ -17,7 +17,7 @@ from protocol.process.signals import STOP
 if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
     from rich.table import Table
 
-    from deploy.telemetry.recording.reader import Recording
+    from deploy.telemetry.recording.reader import RecordedRun
 
 app = typer.Typer(name="recording", help="Inspect, draw and replay recordings.", no_args_is_help=True)
 
@@ -139,14 +139,14 @@ def replay(
         _show(found, run, pace)
 
 
-def _read(path: Path) -> Recording:
+def _read(path: Path) -> RecordedRun:
     from deploy.telemetry.recording.reader import read
 
     with bar(f"reading {path.name}") as progress:
         return read(path, progress)
 
 
-def _summary(recording: Recording) -> dict[str, str]:
+def _summary(recording: RecordedRun) -> dict[str, str]:
     scenario, result = recording.scenario, recording.result or {}
     ticks = int(recording.truths.ticks[-1])
     return {
@@ -172,7 +172,7 @@ def _grid(rows: Mapping[str, str]) -> Table:
     return grid
 
 
-def _check(recording: Recording) -> str:
+def _check(recording: RecordedRun) -> str:
     from deploy.telemetry.recording.replay import trajectory
 
     try:
@@ -185,7 +185,7 @@ def _check(recording: Recording) -> str:
     return f"{found.sha256}, {'as in the result' if same else 'NOT the one in the result'}{found.remark}"
 
 
-def _streams(recording: Recording) -> Table:
+def _streams(recording: RecordedRun) -> Table:
     from rich.table import Table
 
     table = Table(box=None, padding=(0, 2), header_style="dim")
@@ -198,7 +198,7 @@ def _streams(recording: Recording) -> Table:
     return table
 
 
-def _publish(recording: Recording, router: str | None, run: str | None, speed: float) -> None:
+def _publish(recording: RecordedRun, router: str | None, run: str | None, speed: float) -> None:
     from deploy.processes.router import listening
     from deploy.telemetry.recording.replay import publish
     from protocol.bus.connection import Connection
@@ -215,7 +215,7 @@ def _publish(recording: Recording, router: str | None, run: str | None, speed: f
         publish(recording, bus, run, speed=speed, progress=progress)
 
 
-def _show(recording: Recording, run: str | None, speed: float) -> None:
+def _show(recording: RecordedRun, run: str | None, speed: float) -> None:
     from deploy.telemetry.monitor.watcher import Player
     from deploy.telemetry.monitor.web import serve_in_thread
 

@@ -11,7 +11,7 @@ import typer
 from deploy.cli import options
 from deploy.output import is_standard_output
 from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name, restarts
-from deploy.security.membership import Membership
+from deploy.security.membership import KeyRing
 from protocol.keys import checked_run
 from protocol.process.log import LAUNCHER, begin
 from protocol.process.signals import STOP
@@ -99,7 +99,7 @@ def run(
     loaded = load(scenario, [*(setting or []), *(["time.endless=true"] if keep else [])], seed)
     if loaded.is_external:
         options.refuse_bases(secure)
-    membership = Membership(secure)
+    membership = KeyRing(secure)
     asked = membership.run(None if name is None else checked_run(name))
     if keep and router is None and listen is None and hosts is None:
         listen = str(membership.default_router)

@@ -12,7 +12,7 @@ import typer
 from deploy.cli import options
 from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE, check_json, is_standard_output, write_json
 from deploy.run.options import fresh_run_name
-from deploy.security.membership import Membership
+from deploy.security.membership import KeyRing
 from deploy.security.roster import OPERATOR
 from protocol.errors import UsageError
 from protocol.keys import checked_run
@@ -65,7 +65,7 @@ def keys(
     from deploy.library.load import read
     from deploy.processes.hosts.table import read_hosts, roster_of
     from deploy.security.keystore import create
-    from deploy.security.roster import Roster
+    from deploy.security.roster import KeyRoster
 
     name = fresh_run_name() if run is None else checked_run(run)
     found = read(scenario)
@@ -73,7 +73,7 @@ def keys(
     if hosts is not None and host:
         raise UsageError("the table says where each router is: leave out --host, or --hosts")
     if hosts is None:
-        roster = Roster(name, tuple(sorted({*ids, *newcomers})))
+        roster = KeyRoster(name, tuple(sorted({*ids, *newcomers})))
     else:
         roster = roster_of(name, read_hosts(hosts, ids, newcomers))
     end = create(directory, roster, hosts=host or (), days=days, force=force)
@@ -137,7 +137,7 @@ def deploy(
     """
     from deploy.library.load import load
     from deploy.manifests import Plan, installation, write
-    from deploy.security.roster import Roster
+    from deploy.security.roster import KeyRoster
     from protocol.scenario.file import write_toml
 
     if orchestrator == "systemd":
@@ -154,9 +154,9 @@ def deploy(
             "time; give who comes an id of its own"
         )
     run_name = fresh_run_name() if run is None else checked_run(run)
-    roster = Roster(run_name, tuple(sorted({*loaded.ids, *added})))
+    roster = KeyRoster(run_name, tuple(sorted({*loaded.ids, *added})))
     command = str(Path(sys.executable).parent / "disknav")
-    endpoint = None if router is None else str(Membership(out).endpoint(router))
+    endpoint = None if router is None else str(KeyRing(out).endpoint(router))
     chosen = {"image": image, "router": endpoint}
     named = {name: value for name, value in chosen.items() if value is not None}
     plan = Plan(
@@ -208,7 +208,7 @@ def calibrate(
     if robot not in loaded.ids:
         raise UsageError(f"{scenario} has no robot {robot}; there are {', '.join(map(str, loaded.ids))}")
     table = loaded.base_of(robot) or Base()
-    membership = Membership()
+    membership = KeyRing()
     connection = membership.client(OPERATOR, (router or membership.default_router,))
     driver = Driver(table, robot, square(side, speed, rate))
     bus = ZenohBus(connection)

@@ -54,7 +54,7 @@ MAPS = {  # deploy/library/maps
 }
 
 
-class Entry(NamedTuple):
+class CatalogueEntry(NamedTuple):
     """One name of the library; `N` in it stands for a number of robots."""
 
     name: str
@@ -117,10 +117,10 @@ _COUNTED: dict[str, tuple[Callable[[int, int], Scenario], str, str]] = {
 _NUMBERED = re.compile(rf"({'|'.join(_COUNTED)})-([1-9][0-9]{{0,5}})")
 
 
-def catalogue() -> list[Entry]:
+def catalogue() -> list[CatalogueEntry]:
     """Every name, in the order in which to show them."""
-    fixed = [Entry(name, robots, text) for name, (_, robots, text) in _FIXED.items()]
-    return fixed + [Entry(f"{name}-N", robots, text) for name, (_, robots, text) in _COUNTED.items()]
+    fixed = [CatalogueEntry(name, robots, text) for name, (_, robots, text) in _FIXED.items()]
+    return fixed + [CatalogueEntry(f"{name}-N", robots, text) for name, (_, robots, text) in _COUNTED.items()]
 
 
 def suggestions(name: str) -> str:

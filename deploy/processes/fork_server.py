@@ -29,7 +29,7 @@ from deploy.processes.spawn import (
     Exited,
     News,
     Process,
-    Report,
+    ProcessReport,
     Request,
     Signal,
     Start,
@@ -255,7 +255,7 @@ class _Server:
             del self._reports[descriptor]
             pipe.close()
         else:
-            self._tell(Report(life, text))
+            self._tell(ProcessReport(life, text))
 
     def _collect(self) -> None:
         unit = 2**20 if sys.platform == "darwin" else 2**10  # ru_maxrss is in bytes there, in KiB here

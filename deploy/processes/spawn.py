@@ -109,7 +109,7 @@ class Started(_News, frozen=True):
     pid: Annotated[int, Meta(ge=1, lt=1 << 31)]
 
 
-class Report(_News, frozen=True):
+class ProcessReport(_News, frozen=True):
     """News: the process says something."""
 
     text: str
@@ -125,7 +125,7 @@ class Exited(_News, frozen=True):
 
 
 Request = Start | Signal | Store | Beat
-News = Started | Report | Exited
+News = Started | ProcessReport | Exited
 
 MAX_NEWS = 1 << 23  # bytes; twice the largest result
 

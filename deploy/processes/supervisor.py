@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple, Self
 
 import psutil
 
-from deploy.processes.spawn import MAX_NEWS, Exited, News, Process, Report, Spawner, Started
+from deploy.processes.spawn import MAX_NEWS, Exited, News, Process, ProcessReport, Spawner, Started
 from protocol.errors import ProcessError, StartError
 from protocol.process.signals import STOP
 
@@ -79,7 +79,7 @@ class Usage(NamedTuple):
 
 
 @dataclass
-class Life:
+class ProcessLife:
     """One row with its latest process."""
 
     process: Process
@@ -143,8 +143,8 @@ class Supervisor:
     def __init__(self, spawner: Spawner | HostSpawners | None = None) -> None:
         """Use `spawner` (one of its own unless given)."""
         self._spawner = Spawner() if spawner is None else spawner
-        self._lives: dict[str, Life] = {}
-        self._by_number: dict[int, Life] = {}
+        self._lives: dict[str, ProcessLife] = {}
+        self._by_number: dict[int, ProcessLife] = {}
         self._exits: list[Exit] = []
 
     def __enter__(self) -> Self:
@@ -161,7 +161,7 @@ class Supervisor:
         for process in table:
             if process.name in self._lives:
                 raise ProcessError(f"{process.name} is in the table twice; names must be unique")
-            self._spawn(Life(process, 0))
+            self._spawn(ProcessLife(process, 0))
 
     def report(self, name: str, timeout: float) -> str:
         """The first text that a reporting process sends.
@@ -280,12 +280,12 @@ class Supervisor:
         """What every row cost so far."""
         return [life.usage() for life in self._lives.values()]
 
-    def _life(self, name: str) -> Life:
+    def _life(self, name: str) -> ProcessLife:
         if name not in self._lives:
             raise ProcessError(f"no process {name!r}; there are {', '.join(self._lives)}")
         return self._lives[name]
 
-    def _spawn(self, life: Life) -> None:
+    def _spawn(self, life: ProcessLife) -> None:
         process = life.process
         self._lives[process.name] = life
         life.exit_code, life.report, life.told_to_end, life.again = None, None, False, False
@@ -293,7 +293,7 @@ class Supervisor:
         life.number = self._spawner.start(process)
         self._by_number[life.number] = life
 
-    def _again(self, life: Life) -> None:
+    def _again(self, life: ProcessLife) -> None:
         life.restarts += 1
         self._spawn(life)
 
@@ -320,16 +320,16 @@ class Supervisor:
         now = time.monotonic()
         return [max(0.0, life.due - now) for life in self._lives.values() if life.due is not None]
 
-    def _take(self, life: Life, news: News) -> None:
+    def _take(self, life: ProcessLife, news: News) -> None:
         if isinstance(news, Started):
             life.pid = news.pid
-        elif isinstance(news, Report):
+        elif isinstance(news, ProcessReport):
             life.hear(news.text)
         elif isinstance(news, Exited):
             del self._by_number[news.life]
             self._ended(life, news)
 
-    def _ended(self, life: Life, exited: Exited) -> None:
+    def _ended(self, life: ProcessLife, exited: Exited) -> None:
         life.exit_code = exited.code
         life.cpu_s += exited.cpu_s
         life.max_rss_mb = max(life.max_rss_mb, exited.max_rss_mb)

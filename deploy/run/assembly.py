@@ -17,7 +17,7 @@ from deploy.processes.router import reserved
 from deploy.processes.spawn import Process, Spawner, core_of
 from deploy.processes.supervisor import Supervisor
 from deploy.run.options import RunOptions
-from deploy.security.membership import Membership
+from deploy.security.membership import KeyRing
 from deploy.security.roster import MONITOR, WORLD, robot_role
 from protocol.bus.connection import Connection, Credentials
 from protocol.bus.zenoh import ZenohBus
@@ -40,7 +40,7 @@ def places(hosts: HostsTable) -> dict[str, str]:
 class Routed:
     """All are clients of the router at `endpoint`, each with what proves its role."""
 
-    def __init__(self, endpoint: Endpoint, membership: Membership) -> None:
+    def __init__(self, endpoint: Endpoint, membership: KeyRing) -> None:
         self.membership, self.endpoint = membership, endpoint
 
     def world(self) -> Connection:
@@ -66,7 +66,7 @@ class Routed:
 class MultiHost(Routed):
     """All are clients of the router of their host; those on other hosts come with copies of their keys."""
 
-    def __init__(self, hosts: HostsTable, membership: Membership, spawners: HostSpawners) -> None:
+    def __init__(self, hosts: HostsTable, membership: KeyRing, spawners: HostSpawners) -> None:
         self.hosts, self.spawners = hosts, spawners
         self.membership = membership
         super().__init__(self._router_of(hosts.world_host), membership)
@@ -222,7 +222,7 @@ class Assembly:
         hosts = self._options.hosts
         if hosts is None:
             return None
-        if (roster := Membership(self._options.secure).roster()) is not None:
+        if (roster := KeyRing(self._options.secure).roster()) is not None:
             check_fit(roster, hosts)
         return HostSpawners(hosts, places(hosts), self._options.run, self._options.log)
 
@@ -230,7 +230,7 @@ class Assembly:
         options = self._options
         if options.transport == "mesh":
             return Mesh(self._folder, self._scenario.ids)
-        membership = Membership(options.secure)
+        membership = KeyRing(options.secure)
         membership.run(options.run)  # or the router would turn all away
         self._ends = membership.end()
         if self._ends is not None and self._ends - datetime.now(UTC) < _SOON:

@@ -1,4 +1,4 @@
-"""What a launcher does with the processes of robots as a run goes on: decided here, done by `Processes`."""
+"""What a launcher does with processes of robots as a run goes on: decided here, done by `RobotProcesses`."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from protocol.messages import Clock
 from protocol.scenario.model import Event, ProcessFault, Scenario
 
 
-class Processes(Protocol):
+class RobotProcesses(Protocol):
     """The processes of robots, or the nodes in their place."""
 
     def knows(self, robot: int) -> bool:
@@ -35,7 +35,9 @@ class Launcher:
         turn: of several robots at once, which comes first; the least.
     """
 
-    def __init__(self, scenario: Scenario, processes: Processes, turn: Callable[[int], Any] = int) -> None:
+    def __init__(
+        self, scenario: Scenario, processes: RobotProcesses, turn: Callable[[int], Any] = int
+    ) -> None:
         self._processes, self._turn = processes, turn
         faults = sorted(scenario.process, key=lambda fault: fault.at)  # stable: as written, if at once
         self._due = deque((scenario.ticks(fault.at), fault) for fault in faults)

@@ -11,7 +11,7 @@ from pathlib import Path
 from tempfile import mkdtemp
 from typing import NamedTuple
 
-from deploy.security.roster import ROSTER, ROUTER, Roster, encoded, router_role
+from deploy.security.roster import ROSTER, ROUTER, KeyRoster, encoded, router_role
 from protocol.bus.connection import AUTHORITY, Credentials, certificate_file, key_file
 from protocol.errors import CertificateError, UsageError
 from protocol.process.installation import missing_library
@@ -29,7 +29,7 @@ except ModuleNotFoundError as error:
 _SKEW = datetime.timedelta(minutes=10)  # a host's clock may be this much late
 
 
-class Pair(NamedTuple):
+class KeyPair(NamedTuple):
     """A certificate and its private key, PEM."""
 
     certificate: bytes
@@ -59,7 +59,7 @@ class Authority:
         """The authority's own certificate, PEM."""
         return self._certificate.public_bytes(serialization.Encoding.PEM)
 
-    def issue(self, role: str, *, hosts: Sequence[str] = ()) -> Pair:
+    def issue(self, role: str, *, hosts: Sequence[str] = ()) -> KeyPair:
         """A certificate with common name `role`.
 
         Only one with `hosts` (names or addresses) can be shown by a listener: a robot's key cannot
@@ -78,7 +78,7 @@ class Authority:
             .add_extension(x509.SubjectAlternativeName(names), critical=False)
             .sign(self._key, hashes.SHA256())
         )
-        return Pair(
+        return KeyPair(
             certificate.public_bytes(serialization.Encoding.PEM),
             key.private_bytes(
                 serialization.Encoding.PEM,
@@ -141,7 +141,7 @@ LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
 
 def create(
-    directory: Path, roster: Roster, *, hosts: Sequence[str] = (), days: float = 30.0, force: bool = False
+    directory: Path, roster: KeyRoster, *, hosts: Sequence[str] = (), days: float = 30.0, force: bool = False
 ) -> datetime.datetime:
     """Make an authority and a certificate for every role; returns until when they are valid.
 
@@ -179,7 +179,7 @@ def _check_replaceable(directory: Path, force: bool) -> None:
         raise UsageError(f"{directory} has keys already; --force replaces them, and they are worthless then")
 
 
-def _fill(directory: Path, roster: Roster, hosts: Sequence[str], days: float) -> datetime.datetime:
+def _fill(directory: Path, roster: KeyRoster, hosts: Sequence[str], days: float) -> datetime.datetime:
     authority = Authority(roster.run, days)
     _write(directory / AUTHORITY, authority.certificate, 0o644)
     homes: dict[str, Sequence[str]] = {

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
-from deploy.security.roster import MONITOR, OPERATOR, ROUTER, Roster, access_control, read, router_role
+from deploy.security.roster import MONITOR, OPERATOR, ROUTER, KeyRoster, access_control, read, router_role
 from protocol.bus.connection import AUTHORITY, Connection, Credentials, credentials, key_file
 from protocol.endpoint import DEFAULT_PORT, Endpoint
 from protocol.errors import CertificateError, UsageError
@@ -15,7 +15,7 @@ from protocol.keys import checked_run
 
 
 @dataclass(frozen=True)
-class Membership:
+class KeyRing:
     """The part that `directory`, made by `disknav setup keys`, gives to each role of a run.
 
     None stands for a network without keys: plain endpoints and no rules.
@@ -33,7 +33,7 @@ class Membership:
         """What endpoints of this network begin with."""
         return "tcp" if self.directory is None else "tls"
 
-    def roster(self) -> Roster | None:
+    def roster(self) -> KeyRoster | None:
         """The roster, if access is restricted."""
         return None if self.directory is None else read(self.directory)
 
@@ -92,7 +92,7 @@ class Membership:
         proof = self._credentials(router_role(host) if roster.homes else ROUTER)
         return replace(connection, credentials=proof, access=access_control(roster, host))
 
-    def _host(self, roster: Roster) -> str:
+    def _host(self, roster: KeyRoster) -> str:
         """The host whose router's key is in the directory; none where there is one router for all."""
         if self.directory is None or not roster.homes:
             return ""

@@ -44,7 +44,7 @@ class Home:
 
 
 @dataclass(frozen=True, slots=True)
-class Roster:
+class KeyRoster:
     """The roles of `run`, and their hosts. A role is the common name of exactly one certificate.
 
     Without `homes` there is one router for all.
@@ -90,12 +90,12 @@ def router_role(host: str = "") -> str:
     return f"{ROUTER}-{host}" if host else ROUTER
 
 
-def encoded(roster: Roster) -> bytes:
+def encoded(roster: KeyRoster) -> bytes:
     """The roster as its file has it."""
     return msgspec.json.format(msgspec.json.encode(asdict(roster))) + b"\n"
 
 
-def read(directory: Path) -> Roster:
+def read(directory: Path) -> KeyRoster:
     """The roster in a directory of keys.
 
     Raises:
@@ -103,7 +103,7 @@ def read(directory: Path) -> Roster:
     """
     path = directory / ROSTER
     try:
-        roster = msgspec.json.decode(path.read_bytes(), type=Roster)
+        roster = msgspec.json.decode(path.read_bytes(), type=KeyRoster)
     except FileNotFoundError:
         raise CertificateError(
             f"{path} does not exist: {directory} is no directory of keys; "
@@ -128,7 +128,7 @@ _ALL = (*_PUBLISH, "delete", *_SUBSCRIBE, *_ASK, *_SERVE, *_ANNOUNCE, *_WATCH)
 _ADMIN = "@/*/router/**"  # what a router tells of itself, where it does
 
 
-def access_control(roster: Roster, host: str = "") -> dict[str, Any]:
+def access_control(roster: KeyRoster, host: str = "") -> dict[str, Any]:
     """zenoh's `access_control` for the router of `host`, or the only one of this run.
 
     Subjects are common names of certificates.
@@ -154,7 +154,7 @@ def access_control(roster: Roster, host: str = "") -> dict[str, Any]:
     }
 
 
-def _speakers(roster: Roster, host: str) -> dict[str, tuple[str, ...]]:
+def _speakers(roster: KeyRoster, host: str) -> dict[str, tuple[str, ...]]:
     """Peers of this router -> the roles for which each speaks."""
     clients = (
         roster.behind(host) if roster.homes else (WORLD, MONITOR, OPERATOR, *map(robot_role, roster.robots))

@@ -32,7 +32,7 @@ FILTERS: tuple[Filter, ...] = ("separating-lines", "none")
 
 
 @dataclass(frozen=True)
-class Conditions:
+class LinkConditions:
     """One point of the grid, s and m; the defaults are what noise and period are varied around."""
 
     delay: float = 0.1
@@ -41,18 +41,18 @@ class Conditions:
     period: float = 0.05
 
 
-def grid() -> Iterator[Conditions]:
+def grid() -> Iterator[LinkConditions]:
     """Delay by loss, then noise, then period."""
     for delay in DELAYS:
         for loss in LOSSES:
-            yield Conditions(delay, loss)
+            yield LinkConditions(delay, loss)
     for noise in NOISES:
-        yield Conditions(noise=noise)
+        yield LinkConditions(noise=noise)
     for period in PERIODS:
-        yield Conditions(period=period)
+        yield LinkConditions(period=period)
 
 
-def robustness(runs: int = 10, seed: int = 0, conditions: Sequence[Conditions] | None = None) -> Study:
+def robustness(runs: int = 10, seed: int = 0, conditions: Sequence[LinkConditions] | None = None) -> Study:
     """What delay, loss, noise and the period do, with separating lines and without: `runs` random starts at
     every point, the same everywhere.
 
@@ -68,7 +68,7 @@ def robustness(runs: int = 10, seed: int = 0, conditions: Sequence[Conditions] |
     return Study("robustness", cells, columns, summary=_by_filter, sound=_sound)
 
 
-def faulty(point: Conditions, filter_: Filter, seed: int) -> Scenario:
+def faulty(point: LinkConditions, filter_: Filter, seed: int) -> Scenario:
     """Goal set 3d from the random starts of `seed` under these conditions."""
     scenario = figure_3("d", seed)
     return replace(

@@ -30,7 +30,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport
 from deploy.run.result import complete
 from deploy.software import code_digest
-from deploy.studies.study import Build, Result, Row, Run, Shard, Study
+from deploy.studies.study import Build, Result, Row, Shard, Study, StudyRun
 from protocol.bus.bus import Event
 from protocol.errors import ProcessError
 from protocol.process.log import set_process_title
@@ -128,7 +128,7 @@ _POLL = 0.2  # s between looks at whether a signal came
 
 
 @dataclass(frozen=True)
-class Outcome:
+class StudyOutcome:
     """Rows of the cells that have results; `complete` unless the study was stopped."""
 
     rows: list[Row]
@@ -181,7 +181,7 @@ def _entry(line: str) -> tuple[str, Result] | None:
 
 def execute(
     study: Study, transport: Transport, log: RunLog, *, jobs: int, quiet: bool = True, shard: Shard = Shard()
-) -> Outcome:
+) -> StudyOutcome:
     """Execute the runs of a shard that `log` does not know; a signal keeps all that are done.
 
     Args:
@@ -200,12 +200,12 @@ def execute(
             if result["verdict"] != FAILED:
                 log.add(run.key, result)
             tell(len(results) / len(runs))
-    return Outcome(study.rows(results), len(results) == len(runs), len(results) - reused, reused)
+    return StudyOutcome(study.rows(results), len(results) == len(runs), len(results) - reused, reused)
 
 
-def _executed(study: Study, runs: Sequence[Run], jobs: int) -> Iterator[tuple[Run, Result]]:
+def _executed(study: Study, runs: Sequence[StudyRun], jobs: int) -> Iterator[tuple[StudyRun, Result]]:
     """Runs and their results, as they end, until a signal asks this process to end."""
-    waiting: dict[Future[Result], Run] = {}
+    waiting: dict[Future[Result], StudyRun] = {}
     with _workers(min(jobs, max(1, len(runs)))) as pool:
         try:
             for run in runs:

@@ -17,7 +17,7 @@ from deploy.run.options import Transport
 from deploy.software import provenance
 from deploy.studies import StudyName
 from deploy.studies.conditions import arrival, delay, robustness
-from deploy.studies.execution import Outcome, RunLog, execute
+from deploy.studies.execution import RunLog, StudyOutcome, execute
 from deploy.studies.experiments import scale, tightness, tuning
 from deploy.studies.peers.study import peers
 from deploy.studies.study import Row, Shard, Study
@@ -107,7 +107,7 @@ _PAPER = 160  # columns where there is no terminal
 
 
 @dataclass(frozen=True)
-class Request:
+class StudyRequest:
     """What the command line asked for."""
 
     name: StudyName
@@ -129,7 +129,7 @@ class Request:
         return None if is_standard_output(self.target) else self.target
 
 
-def perform(request: Request) -> int:
+def perform(request: StudyRequest) -> int:
     """Run the study and say what came of it; the exit status.
 
     Raises:
@@ -166,7 +166,7 @@ def perform(request: Request) -> int:
     return _status(study, outcome, request.file)
 
 
-def _check(request: Request, study: Study) -> None:
+def _check(request: StudyRequest, study: Study) -> None:
     """Find out before the runs what would fail after them."""
     if request.file is not None and not request.file.parent.is_dir():
         raise UsageError(f"{request.file}: the folder {request.file.parent} does not exist")
@@ -179,7 +179,7 @@ def _log_path(file: Path | None) -> Path | None:
     return None if file is None else file.with_name(file.name + ".runs.jsonl")
 
 
-def _status(study: Study, outcome: Outcome, file: Path | None) -> int:
+def _status(study: Study, outcome: StudyOutcome, file: Path | None) -> int:
     if not outcome.complete:
         further = (
             "the same command goes on from here" if file else "with --json FILE it could be gone on with"

@@ -43,7 +43,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Run:
+class StudyRun:
     """One run of a study, and the key under which its result is kept."""
 
     cell: int
@@ -82,14 +82,14 @@ class Study:
         ]
         return replace(self, cells=cells)
 
-    def runs(self, transport: Transport, code: str) -> list[Run]:
+    def runs(self, transport: Transport, code: str) -> list[StudyRun]:
         """All runs; `code` is the digest of the software, so that no result of another one is reused."""
         found = []
         for n, cell in enumerate(self.cells):
             bus = cell.transport or transport
             settings = pickle.dumps((self.name, dict(cell.labels), cell.build, bus, code), protocol=4)
             digest = hashlib.sha256(settings).hexdigest()[:16]
-            found += [Run(n, seed, bus, f"{self.name}/{digest}/{seed}") for seed in cell.seeds]
+            found += [StudyRun(n, seed, bus, f"{self.name}/{digest}/{seed}") for seed in cell.seeds]
         return found
 
     def rows(self, results: Mapping[tuple[int, int], Result]) -> list[Row]:
@@ -138,7 +138,7 @@ class Shard:
     def __str__(self) -> str:
         return f"{self.number}/{self.of}"
 
-    def part(self, runs: Sequence[Run]) -> Sequence[Run]:
+    def part(self, runs: Sequence[StudyRun]) -> Sequence[StudyRun]:
         """Its runs."""
         return runs[self.number - 1 :: self.of]
 

@@ -139,7 +139,7 @@ _LITTLE_ENDIAN = b"\0\1\0\0"
 _UNTURNED = (0.0, 0.0, 0.0, 0.0, 1.0)  # height, and a rotation by nothing
 
 
-class Frames:
+class TransformFrames:
     """Frames named `children` that move within the frame `parent`."""
 
     def __init__(self, parent: str, children: Sequence[str]) -> None:
@@ -321,8 +321,8 @@ class FleetScene:
         self._next, self._due = dict.fromkeys(_PERIODS, 0), 0
         return ["/scene/robots", "/scene/goals"]
 
-    def _frames_of_all(self) -> Frames:
-        return Frames(WORLD, [frame(robot) for robot in self._cast.places])
+    def _frames_of_all(self) -> TransformFrames:
+        return TransformFrames(WORLD, [frame(robot) for robot in self._cast.places])
 
     @property
     def _stamp(self) -> Json:

@@ -43,7 +43,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from deploy.theory.function import Array, Problem, displacements, obstacle_functions
+from deploy.theory.function import Array, FleetProblem, displacements, obstacle_functions
 
 LARGEST_ENUMERATION = 12
 
@@ -73,16 +73,16 @@ class Family:
         return None if self.members is None else tuple(int(i) for i in np.flatnonzero(self.members[row]))
 
 
-def family(problem: Problem) -> Family:
+def family(problem: FleetProblem) -> Family:
     """All non-empty subsets of up to 12 robots, or one bounding row per size beyond that."""
     return _every(problem) if problem.p <= LARGEST_ENUMERATION else _bounds(problem)
 
 
-def _goal_distances(problem: Problem) -> Array:
+def _goal_distances(problem: FleetProblem) -> Array:
     return np.asarray(np.linalg.norm(displacements(problem.goals), axis=2))
 
 
-def _every(problem: Problem) -> Family:
+def _every(problem: FleetProblem) -> Family:
     codes = np.arange(1, 2**problem.p)
     members = (codes[:, None] >> np.arange(problem.p)) & 1 == 1
     radii = -np.sort(np.where(members, -problem.radii, np.nan), axis=1)  # nan sorts last
@@ -92,7 +92,7 @@ def _every(problem: Problem) -> Family:
     return Family(members.sum(axis=1), radii, spread, norms, members)
 
 
-def _bounds(problem: Problem) -> Family:
+def _bounds(problem: FleetProblem) -> Family:
     """For n robots: the n largest radii and |g_i|, and the n smallest sums of n - 1 nearest distances."""
     p = problem.p
     sizes = np.arange(1, p + 1)
@@ -132,7 +132,7 @@ def _hops(clusters: Family, workspace: float, eps: float) -> tuple[Array, NDArra
     return clipped, np.asarray((~inside | (hops <= room[:, None])).all(axis=1))
 
 
-def stretch(problem: Problem, clusters: Family, eps: float) -> Stretch:
+def stretch(problem: FleetProblem, clusters: Family, eps: float) -> Stretch:
     """Lambda' (7), Lambda'' (8) for every cluster of the family at eps (m^2)."""
     hops, unclipped = _hops(clusters, problem.workspace, eps)
     n = clusters.sizes.astype(np.float64)
@@ -146,7 +146,7 @@ def stretch(problem: Problem, clusters: Family, eps: float) -> Stretch:
     return Stretch(first, hops.sum(axis=1), turning, hops.max(axis=1, initial=0.0), exact)
 
 
-def smallest_contact(problem: Problem) -> float:
+def smallest_contact(problem: FleetProblem) -> float:
     """rho' = min over Q of rho_ij, over all robots, m; a lone robot's diameter, which nothing uses."""
     return float(np.sort(problem.radii)[:2].sum()) if problem.p > 1 else 2.0 * float(problem.radii[0])
 
@@ -197,7 +197,7 @@ class Margins:
         return bool(all((margin > 0.0).all() for margin in margins))
 
 
-def margins(problem: Problem, eps: float, clusters: Family | None = None) -> Margins:
+def margins(problem: FleetProblem, eps: float, clusters: Family | None = None) -> Margins:
     """Evaluate both assumptions for every cluster at eps (m^2), 0 <= eps < rho''^2."""
     rows = family(problem) if clusters is None else clusters
     lengths = stretch(problem, rows, eps)
@@ -207,7 +207,7 @@ def margins(problem: Problem, eps: float, clusters: Family | None = None) -> Mar
     return Margins(rows, lengths, first, second, rim - lengths.longest)
 
 
-def largest_eps(problem: Problem, clusters: Family | None = None) -> float | None:
+def largest_eps(problem: FleetProblem, clusters: Family | None = None) -> float | None:
     """Supremum of the eps at which both assumptions are shown, m^2; None when there is none.
 
     All margins fall as eps grows, so when they fail at eps = 0 they fail everywhere.
@@ -222,7 +222,7 @@ def largest_eps(problem: Problem, clusters: Family | None = None) -> float | Non
     return low
 
 
-def first_status(problem: Problem, found: Margins, row: int, eps: float) -> Status:
+def first_status(problem: FleetProblem, found: Margins, row: int, eps: float) -> Status:
     """Assumption 1 for one cluster; "not shown" when only the upper bound of Lambda' exceeds the spread."""
     if found.first[row] > 0.0:
         return "holds"
@@ -273,20 +273,20 @@ class Bounds:
         return max(self.k1.high, self.k2, self.k3)
 
 
-def largest_gamma(problem: Problem, eps: float) -> float:
+def largest_gamma(problem: FleetProblem, eps: float) -> float:
     """Upper bound of gamma where every beta_0i >= eps, m^2; eps = 0 for all of free space."""
     reach = np.sqrt(np.maximum(problem.reach**2 - eps, 0.0))
     return float(((np.linalg.norm(problem.goals, axis=1) + reach) ** 2).sum())
 
 
-def _pair_reach(problem: Problem, eps: float) -> Array:
+def _pair_reach(problem: FleetProblem, eps: float) -> Array:
     """sqrt(rho_ij^2 + eps), (p, p) m, zero on the diagonal."""
     lengths = np.sqrt(problem.contact**2 + eps)
     np.fill_diagonal(lengths, 0.0)
     return np.asarray(lengths)
 
 
-def _outer_reach(problem: Problem, clusters: Family, eps: float) -> Array:
+def _outer_reach(problem: FleetProblem, clusters: Family, eps: float) -> Array:
     """Sum over Q* of sqrt(rho_ij^2 + eps), (S,) m; over all of Q for rows that stand for several clusters."""
     lengths = _pair_reach(problem, eps)
     total = 0.5 * lengths.sum()
@@ -297,7 +297,7 @@ def _outer_reach(problem: Problem, clusters: Family, eps: float) -> Array:
     return np.asarray(np.where(clusters.sizes == problem.p, 0.0, total - own))
 
 
-def k1(problem: Problem, eps: float) -> Interval:
+def k1(problem: FleetProblem, eps: float) -> Interval:
     """Proposition C.5. The lower end is attained at the goals turned by half a turn, where they lie in F2."""
     slopes = 0.5 * np.sqrt(2.0) * _pair_reach(problem, eps).sum()
     slopes += np.sqrt(np.maximum(problem.reach**2 - eps, 0.0)).sum()
@@ -306,7 +306,7 @@ def k1(problem: Problem, eps: float) -> Interval:
     return Interval(float(turned * slopes / eps), float(np.sqrt(largest_gamma(problem, eps)) * slopes / eps))
 
 
-def k21(problem: Problem, found: Margins, eps: float) -> float:
+def k21(problem: FleetProblem, found: Margins, eps: float) -> float:
     """Proposition C.4, Lemma E.15: above it sigma1 is positive at critical points in F1(eps)."""
     n = found.clusters.sizes
     several = n >= 2
@@ -315,7 +315,7 @@ def k21(problem: Problem, found: Margins, eps: float) -> float:
     return float(each.max(initial=0.0))
 
 
-def k22(problem: Problem, found: Margins, eps: float) -> float:
+def k22(problem: FleetProblem, found: Margins, eps: float) -> float:
     """(sigma2 + sigma3) gamma / A, the corrected second part of K2.
 
     With r_j = |b_j - g_z|: sigma2 <= sum r_j^2 (1/eps + 2 rho_ij^2/eps^2), as beta_ij > eps across clusters,
@@ -335,13 +335,13 @@ def k22(problem: Problem, found: Margins, eps: float) -> float:
     return float(each.max(initial=0.0))
 
 
-def k3(problem: Problem, found: Margins, eps: float) -> float:
+def k3(problem: FleetProblem, found: Margins, eps: float) -> float:
     """Proposition C.3: above it no critical point lies within eps of the outer boundary."""
     pull = _outer_reach(problem, found.clusters, eps)
     return float((largest_gamma(problem, 0.0) * pull / (found.second * eps)).max())
 
 
-def bounds(problem: Problem, eps: float, clusters: Family | None = None) -> Bounds | None:
+def bounds(problem: FleetProblem, eps: float, clusters: Family | None = None) -> Bounds | None:
     """All bounds at one eps (m^2); None where Assumptions 1 and 2 are not shown at this eps."""
     found = margins(problem, eps, clusters)
     if not found.hold:
@@ -357,7 +357,7 @@ def bounds(problem: Problem, eps: float, clusters: Family | None = None) -> Boun
     )
 
 
-def best_bounds(problem: Problem) -> Bounds | None:
+def best_bounds(problem: FleetProblem) -> Bounds | None:
     """Bounds at the best eps; None when the assumptions fail for every eps.
 
     K falls like 1/eps^2 for small eps and grows without limit where a margin vanishes.

@@ -24,7 +24,7 @@ from deploy.theory.exact_flow import (
     random_configuration,
     swapped_pairs,
 )
-from deploy.theory.function import Array, Problem, displacements, in_free_space
+from deploy.theory.function import Array, FleetProblem, displacements, in_free_space
 from deploy.theory.tuning import automatic_k, density
 from protocol.draws import Purpose, generator
 from protocol.scenario.model import Scenario
@@ -56,7 +56,7 @@ class Practice:
     other_minima: int
 
 
-def practice(problem: Problem, start: Array, seed: int) -> Practice | None:
+def practice(problem: FleetProblem, start: Array, seed: int) -> Practice | None:
     """Follow the flow and look for equilibria; None beyond 32 robots or when start or goal is not free."""
     if problem.p > LARGEST or not (in_free_space(problem, start) and in_free_space(problem, problem.goals)):
         return None
@@ -69,19 +69,19 @@ def practice(problem: Problem, start: Array, seed: int) -> Practice | None:
     return Practice(own.arrived, own.nrl, rest, len(starts), arrived, searched, dict(kinds), kinds["minimum"])
 
 
-def _rest(problem: Problem, flow: FlowResult) -> str | None:
+def _rest(problem: FleetProblem, flow: FlowResult) -> str | None:
     b = find_equilibrium(problem, flow.path[-1])
     return None if b is None else _name(classify(problem, b))
 
 
-def _random_starts(problem: Problem, seed: int) -> list[Array]:
+def _random_starts(problem: FleetProblem, seed: int) -> list[Array]:
     draw = generator(seed, Purpose.STUDY)
     count = RANDOM_STARTS if problem.p <= SEARCHED else 2
     drawn = (random_configuration(draw, problem.radii, problem.workspace) for _ in range(count))
     return [b for b in drawn if b is not None]
 
 
-def _kinds(problem: Problem, flows: list[FlowResult], starts: list[Array]) -> Counter[str]:
+def _kinds(problem: FleetProblem, flows: list[FlowResult], starts: list[Array]) -> Counter[str]:
     """Equilibria reached from the ends of failed flows, from blocked pairs and from the random starts."""
     ends = [flow.path[-1] for flow in flows if not flow.arrived]
     refined = [b for end in ends if (b := find_equilibrium(problem, end)) is not None]
@@ -189,7 +189,7 @@ def _orientation(b: Array, triple: tuple[int, int, int]) -> float:
     return float(np.sign(ax * by - ay * bx))
 
 
-def mirrored_triples(problem: Problem, start: Array) -> list[tuple[int, int, int]]:
+def mirrored_triples(problem: FleetProblem, start: Array) -> list[tuple[int, int, int]]:
     """Triples of robots (indices, from 0) whose goals are unreachable from `start`, whatever the controller.
 
     To change their orientation three centres must be collinear at some time, and then the disks take
@@ -203,7 +203,7 @@ def mirrored_triples(problem: Problem, start: Array) -> list[tuple[int, int, int
     )
 
 
-def _wide_triples(problem: Problem) -> Iterator[tuple[int, int, int]]:
+def _wide_triples(problem: FleetProblem) -> Iterator[tuple[int, int, int]]:
     """Triples with rho_i + rho_j + rho_k > rho_0; largest first, so that few of many disks are looked at."""
     order = [int(i) for i in np.argsort(-problem.radii)]
     radius = problem.radii
@@ -252,20 +252,20 @@ def report(scenario: Scenario, certificate: Certified | None = None) -> CheckRep
     )
 
 
-def _problem(scenario: Scenario) -> tuple[Problem, Array, tuple[int, ...]]:
+def _problem(scenario: Scenario) -> tuple[FleetProblem, Array, tuple[int, ...]]:
     """The problem, the start, and robot ids, all in order of id."""
     specs = [scenario.spec(robot) for robot in scenario.ids]
     radii = np.array([spec.radius for spec in specs])
     workspace, k = scenario.workspace.disk_radius, scenario.control.k
     gain = automatic_k(radii, workspace) if isinstance(k, str) else k
     goals, start = (np.array([getattr(spec, name) for spec in specs], dtype=np.float64) for name in _ENDS)
-    return Problem(goals, radii, workspace, gain), start, scenario.ids
+    return FleetProblem(goals, radii, workspace, gain), start, scenario.ids
 
 
 _ENDS = ("goal", "start")
 
 
-def _free(problem: Problem, b: Array) -> Free:
+def _free(problem: FleetProblem, b: Array) -> Free:
     gaps = np.linalg.norm(displacements(b), axis=2) - problem.contact
     np.fill_diagonal(gaps, np.inf)
     rim = problem.reach - np.linalg.norm(b, axis=1)

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.integrate import BDF
 from scipy.optimize import brentq, least_squares
 
-from deploy.theory.function import Array, Problem, reduced_gradient, reduced_jacobian
+from deploy.theory.function import Array, FleetProblem, reduced_gradient, reduced_jacobian
 from protocol.process.signals import STOP
 
 DARTS = 500
@@ -66,7 +66,7 @@ class FlowResult:
 
 
 def integrate(
-    problem: Problem,
+    problem: FleetProblem,
     start: Array,
     *,
     tolerance: float | None = None,
@@ -103,18 +103,18 @@ def integrate(
     return _summary(problem, np.array(path), arrived)
 
 
-def _cut(problem: Problem, begin: Array, end: Array, near: float) -> Array:
+def _cut(problem: FleetProblem, begin: Array, end: Array, near: float) -> Array:
     """The first place of the last step, taken as straight, at which every robot is near."""
     share = brentq(lambda share: _far(problem, begin + share * (end - begin)) - near, 0.0, 1.0)
     return np.asarray(begin + share * (end - begin))
 
 
-def _far(problem: Problem, b: Array) -> float:
+def _far(problem: FleetProblem, b: Array) -> float:
     """Largest distance of a robot from its goal, m."""
     return float(np.hypot(*(b - problem.goals).T).max())
 
 
-def _summary(problem: Problem, path: Array, arrived: bool) -> FlowResult:
+def _summary(problem: FleetProblem, path: Array, arrived: bool) -> FlowResult:
     lengths = np.linalg.norm(np.diff(path, axis=0), axis=2).sum(axis=0)
     straight = np.linalg.norm(path[0] - problem.goals, axis=1).sum()
     nrl = float(lengths.sum() / straight) if straight > 0.0 else 1.0
@@ -137,7 +137,7 @@ class CriticalPoint:
     spectrum: Array
 
 
-def classify(problem: Problem, b: Array, tolerance: float = 1e-6) -> CriticalPoint:
+def classify(problem: FleetProblem, b: Array, tolerance: float = 1e-6) -> CriticalPoint:
     """Kind of a critical point `b` in the interior, where D^2 phi = c dD/db and c > 0 never matters.
 
     An eigenvalue counts as zero below `tolerance`, relative to 2, or below rounding of the largest one.
@@ -161,7 +161,7 @@ _ROUNDING = 1e-15
 _ZERO = 1e-7  # |D| in units of the smallest radius, above rounding in the stiff layer
 
 
-def find_equilibrium(problem: Problem, start: Array, steps: int = 200) -> Array | None:
+def find_equilibrium(problem: FleetProblem, start: Array, steps: int = 200) -> Array | None:
     """An interior zero of D near `start` (p, 2), by SciPy's trust region; None when none is reached.
 
     Steps that leave free space (D is nan there) are shortened, so the boundary is never crossed.
@@ -181,7 +181,7 @@ def find_equilibrium(problem: Problem, start: Array, steps: int = 200) -> Array 
     return unit * found.x.reshape(start.shape) if np.abs(found.fun).max() < _ZERO else None
 
 
-def swapped_pairs(problem: Problem) -> list[Array]:
+def swapped_pairs(problem: FleetProblem) -> list[Array]:
     """Starts close to the saddles in which two robots block each other and the others stand at their goals.
 
     The two stand on the line through their goals in reversed order, at the distance at which repulsion
@@ -200,7 +200,7 @@ def swapped_pairs(problem: Problem) -> list[Array]:
     return starts
 
 
-def equilibria(problem: Problem, starts: Iterable[Array]) -> tuple[CriticalPoint, ...]:
+def equilibria(problem: FleetProblem, starts: Iterable[Array]) -> tuple[CriticalPoint, ...]:
     """Distinct equilibria reached from the starts, classified, the goal always first."""
     unit = float(problem.radii.min())
     found = [classify(problem, problem.goals)]

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Problem:
+class FleetProblem:
     """p disks in one disk workspace around the origin.
 
     goals: (p, 2) m; radii: (p,) m, positive; workspace: radius rho_0, m; k: tuning parameter, positive.
@@ -48,7 +48,7 @@ class Problem:
         return self.radii[:, None] + self.radii[None, :]
 
 
-def gamma(problem: Problem, b: Array) -> float:
+def gamma(problem: FleetProblem, b: Array) -> float:
     """gamma = |b - g|^2, m^2."""
     return float(((b - problem.goals) ** 2).sum())
 
@@ -58,25 +58,25 @@ def displacements(b: Array) -> Array:
     return b[:, None, :] - b[None, :, :]
 
 
-def beta_pairs(problem: Problem, b: Array) -> Array:
+def beta_pairs(problem: FleetProblem, b: Array) -> Array:
     """beta_ij = |b_i - b_j|^2 - rho_ij^2, (p, p) m^2, symmetric; +inf on the diagonal, so 1/beta_ii = 0."""
     beta = (displacements(b) ** 2).sum(axis=2) - problem.contact**2
     np.fill_diagonal(beta, np.inf)
     return np.asarray(beta)
 
 
-def beta_boundary(problem: Problem, b: Array) -> Array:
+def beta_boundary(problem: FleetProblem, b: Array) -> Array:
     """beta_0i = rho_0i^2 - |b_i|^2, (p,) m^2; negative for a disk larger than the workspace."""
     return np.asarray(problem.reach * np.abs(problem.reach) - (b**2).sum(axis=1))
 
 
-def obstacle_functions(problem: Problem, b: Array) -> Array:
+def obstacle_functions(problem: FleetProblem, b: Array) -> Array:
     """All factors of beta, (p + q,) m^2: beta_01..beta_0p, then beta_ij for i < j row by row."""
     pairs = beta_pairs(problem, b)[np.triu_indices(problem.p, 1)]
     return np.concatenate([beta_boundary(problem, b), pairs])
 
 
-def in_free_space(problem: Problem, b: Array) -> bool:
+def in_free_space(problem: FleetProblem, b: Array) -> bool:
     """Equations (1)-(3): no two disks overlap and none leaves the workspace; contact is allowed."""
     return bool((obstacle_functions(problem, b) >= 0.0).all())
 
@@ -91,7 +91,7 @@ def weighted_obstacle_gradient(b: Array, weights: Array, boundary_weights: Array
     return np.asarray(2.0 * (pull - boundary_weights[:, None] * b))
 
 
-def reduced_gradient(problem: Problem, b: Array) -> Array:
+def reduced_gradient(problem: FleetProblem, b: Array) -> Array:
     """D = grad gamma - (gamma / k) grad log beta, (p, 2) m; grad phi = c D with c > 0 common to all robots.
 
     Row i is robot i's slice D_i. Finite for any k and p in the interior of free space; nan on its
@@ -118,13 +118,13 @@ def _flat(blocks: Array) -> Array:
     return np.asarray(blocks.transpose(0, 2, 1, 3).reshape(2 * p, 2 * p))
 
 
-def obstacle_curvature(problem: Problem, b: Array) -> Array:
+def obstacle_curvature(problem: FleetProblem, b: Array) -> Array:
     """Sum over Q0 of D^2 beta_ij / beta_ij = 2 (L1 L1^T - L0 L0^T), Lemma E.10, (2p, 2p) 1/m^2."""
     scalar = _laplacian(1.0 / beta_pairs(problem, b)) - np.diag(1.0 / beta_boundary(problem, b))
     return np.asarray(2.0 * np.kron(scalar, np.eye(2)))
 
 
-def obstacle_outer(problem: Problem, b: Array) -> Array:
+def obstacle_outer(problem: FleetProblem, b: Array) -> Array:
     """Sum over Q0 of grad beta_ij grad beta_ij^T / beta_ij^2 = 4 L M M^T L^T, Lemma E.11, (2p, 2p) 1/m^2."""
     unit = displacements(b) / beta_pairs(problem, b)[:, :, None]
     blocks = _laplacian(unit[..., :, None] * unit[..., None, :])
@@ -134,7 +134,7 @@ def obstacle_outer(problem: Problem, b: Array) -> Array:
     return 4.0 * _flat(blocks)
 
 
-def reduced_jacobian(problem: Problem, b: Array) -> Array:
+def reduced_jacobian(problem: FleetProblem, b: Array) -> Array:
     """dD/db = 2 I - (1/k) grad log beta grad gamma^T - (gamma/k) D^2 log beta, (2p, 2p).
 
     Not symmetric in general; symmetric, and 1/c times the Hessian of phi, at critical points.

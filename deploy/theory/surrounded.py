@@ -86,7 +86,7 @@ _ORDER = {
 }
 
 
-class Barrier(NamedTuple):
+class BarredWay(NamedTuple):
     """Obstacles that separate a robot's goal from its start, other robots and all parts away.
 
     Of all ways there the widest is `width` (m) wide where it is narrowest, at (x, y), m.
@@ -98,7 +98,7 @@ class Barrier(NamedTuple):
     y: float
 
 
-def barriers(scenario: Scenario) -> list[Barrier]:
+def barriers(scenario: Scenario) -> list[BarredWay]:
     """Robots whose goals no controller reaches while all obstacles stand; an exact decision."""
     room, obstacles = scenario.workspace.shape, [obstacle.shape for obstacle in scenario.obstacles]
     found = []
@@ -107,7 +107,7 @@ def barriers(scenario: Scenario) -> list[Barrier]:
         closed = [gap for gap in near if gap.width < 2.0 * spec.radius]
         gap = separating(obstacles, closed, spec.start, spec.goal)
         if gap is not None:
-            found.append(Barrier(spec.id, gap.width, *_middle(gap.begin, gap.end)))
+            found.append(BarredWay(spec.id, gap.width, *_middle(gap.begin, gap.end)))
     return found
 
 
@@ -139,7 +139,7 @@ class Surrounded:
     goal: float
     theorem: Theorem | None
     reasons: tuple[str, ...]
-    unreachable: tuple[Barrier, ...]
+    unreachable: tuple[BarredWay, ...]
     no_way: tuple[int, ...]
     doors: tuple[Door, ...]
     parts: int = 0
@@ -223,7 +223,7 @@ def _without_way(scenario: Scenario, unreachable: set[int]) -> list[int]:
     return [spec.id for spec in specs if not pulls[spec.radius].leads(spec.start, spec.goal, shapes)]
 
 
-def _barred(found: Barrier) -> str:
+def _barred(found: BarredWay) -> str:
     return (
         f"UNREACHABLE: obstacles bar every way of robot {found.robot}; the widest one is {found.width:.4g} m "
         f"wide at ({found.x:.4g}, {found.y:.4g})."

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import disknav
 from deploy.library.load import read
 from deploy.run.options import restarts
-from deploy.security.membership import Membership
+from deploy.security.membership import KeyRing
 from deploy.telemetry.recording.writer import rotation
 from disknav.orders import Orders
 from protocol.draws import checked_seed
@@ -78,7 +78,7 @@ def refused(call: Callable[..., object], *arguments: Any) -> str:
 @given(TEXTS)
 @pytest.mark.parametrize(
     "boundary",
-    [Endpoint, Membership().endpoint, checked_run, parse, ros_name, restarts, read, parse_toml, disknav.load],
+    [Endpoint, KeyRing().endpoint, checked_run, parse, ros_name, restarts, read, parse_toml, disknav.load],
     ids=lambda each: getattr(each, "__qualname__", "endpoint"),
 )
 def test_texts(boundary: Callable[[str], object], text: str) -> None:

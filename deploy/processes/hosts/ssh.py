@@ -45,7 +45,7 @@ _CHUNK = 1 << 16  # bytes
 _AT_ONCE = 256  # messages; so that one host that never stops talking does not keep others from being heard
 
 
-class Frames:
+class FramedMessages:
     """What comes out of `descriptor`, message by message, without ever waiting for the rest of one.
 
     Args:
@@ -208,7 +208,7 @@ class SshSpawner(Spawner):
         self.folder = ""  # on the host, for files; known once it has greeted
         self._beat = 0.0
         super().__init__(run=run, logs=logs, lives=lives)
-        self._frames = Frames(self._channel.fileno(), MAX_NEWS, _STALL)
+        self._frames = FramedMessages(self._channel.fileno(), MAX_NEWS, _STALL)
         with socket.socket(fileno=os.dup(self._channel.fileno())) as ours:  # an option of both descriptors
             ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, struct.pack("ll", int(_STALL), 0))
 

@@ -11,7 +11,7 @@ from typing import Annotated
 
 from msgspec import Meta
 
-from deploy.security.roster import Home, Roster
+from deploy.security.roster import Home, KeyRoster
 from protocol.endpoint import DEFAULT_PORT, Endpoint
 from protocol.errors import CertificateError, HostsError, Problem, UsageError
 from protocol.scenario.body import RobotId
@@ -151,13 +151,13 @@ def _host(
         yield ("hosts", n, "command"), "must not be empty"
 
 
-def roster_of(run: str, table: HostsTable) -> Roster:
+def roster_of(run: str, table: HostsTable) -> KeyRoster:
     """The roster of a run whose every host has a router, and a key, of its own."""
     robots = sorted(robot for host in table.hosts for robot in host.robots)
-    return Roster(run, tuple(robots), _homes(table), table.world_host.name)
+    return KeyRoster(run, tuple(robots), _homes(table), table.world_host.name)
 
 
-def check_fit(roster: Roster, table: HostsTable) -> None:
+def check_fit(roster: KeyRoster, table: HostsTable) -> None:
     """Check that the keys are for these hosts, with these robots behind each.
 
     Raises:

@@ -38,7 +38,7 @@ CIRCLE_JITTER = 0.5  # m, the same in proportion on RVO2's circle
 
 
 @dataclass(frozen=True)
-class Place:
+class Venue:
     """A scenario of a seed, and the one-way delay of states in it, s.
 
     foreign: of which benchmarks of others it is, with its own lengths, speed, period and limits.
@@ -60,38 +60,38 @@ class Place:
         return self.foreign or ("late" if self.delay else "fresh")
 
 
-def places() -> list[Place]:
+def places() -> list[Venue]:
     """Tight goal sets, swaps and crowds, also with delays; the largest and those of others last."""
     tight, ten = partial(figure_3, "d"), partial(swap, 10, JITTER)
-    late = [Place(*each, delay) for delay in DELAYS[1:] for each in (("tight 3.30", tight), ("swap 10", ten))]
+    late = [Venue(*each, delay) for delay in DELAYS[1:] for each in (("tight 3.30", tight), ("swap 10", ten))]
     return [
-        Place("tight 3.30", tight),
-        Place("tight 3.45", partial(figure_3, "e")),
-        Place("swap 8", partial(swap, 8, JITTER)),
-        Place("swap 10", ten),
+        Venue("tight 3.30", tight),
+        Venue("tight 3.45", partial(figure_3, "e")),
+        Venue("swap 8", partial(swap, 8, JITTER)),
+        Venue("swap 10", ten),
         *late,
-        Place("swap 12", partial(swap, 12, JITTER)),
+        Venue("swap 12", partial(swap, 12, JITTER)),
         *(_crowd(12, density) for density in DENSITIES),
         *(_crowd(12, PAPER_DENSITY, delay) for delay in CROWD_DELAYS),
-        Place("swap 24", partial(swap, 24, JITTER)),
+        Venue("swap 24", partial(swap, 24, JITTER)),
         *(_crowd(24, density) for density in DENSITIES),
         *(_crowd(24, PAPER_DENSITY, delay) for delay in CROWD_DELAYS),
-        *(Place(f"Circle {n}", partial(circle, n, CIRCLE_JITTER), foreign="RVO2") for n in (50, 100, 250)),
-        Place("Blocks", partial(blocks, 100), foreign="RVO2"),
-        Place("forest 10", partial(forest, 10), foreign="boxes"),
-        Place("boxes 20", partial(boxes, 20), foreign="boxes"),
+        *(Venue(f"Circle {n}", partial(circle, n, CIRCLE_JITTER), foreign="RVO2") for n in (50, 100, 250)),
+        Venue("Blocks", partial(blocks, 100), foreign="RVO2"),
+        Venue("forest 10", partial(forest, 10), foreign="boxes"),
+        Venue("boxes 20", partial(boxes, 20), foreign="boxes"),
     ]
 
 
-def _crowd(count: int, density: float, delay: float = 0.0) -> Place:
-    return Place(f"random {count}, density {density:.2f}", partial(_random, count, density), delay)
+def _crowd(count: int, density: float, delay: float = 0.0) -> Venue:
+    return Venue(f"random {count}, density {density:.2f}", partial(_random, count, density), delay)
 
 
 def _random(count: int, density: float, seed: int) -> Scenario:
     return random_instance(count, seed, density=density)
 
 
-def contest(place: Place, control: Mapping[str, Any], seed: int) -> Scenario:
+def contest(place: Venue, control: Mapping[str, Any], seed: int) -> Scenario:
     """The scenario of `seed` with these fields of its control table; k and speed stay."""
     scenario = place.build(seed)
     time = scenario.time if place.foreign else replace(scenario.time, limit=LIMIT, deadlock=DEADLOCK)
@@ -166,7 +166,7 @@ def peers(
     if scenarios is None:
         where = places()
     else:
-        where = [Place(name, build, delay) for name, build in scenarios.items() for delay in delays]
+        where = [Venue(name, build, delay) for name, build in scenarios.items() for delay in delays]
     where = _chosen(where, only)
     own = {f"{law} + lines": {"law": law, "filter": "separating-lines"} for law in laws}
     sources = {name: _source(control["law"]) for name, control in own.items()}
@@ -187,7 +187,7 @@ def peers(
     return Contest("peers", cells, COLUMNS, row, summary, sound)
 
 
-def _chosen(where: Sequence[Place], only: Sequence[str]) -> list[Place]:
+def _chosen(where: Sequence[Venue], only: Sequence[str]) -> list[Venue]:
     """Those that are asked for.
 
     Raises:

@@ -147,7 +147,7 @@ def _worst(earlier: Point, later: Point) -> Point:
     return later[0], min(earlier[1], later[1]), later[2]
 
 
-class View:
+class FleetView:
     """Everything known of one run. `now` is the watcher's own clock, s; only differences matter."""
 
     def __init__(self, run: str) -> None:

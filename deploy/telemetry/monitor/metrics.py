@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from deploy.telemetry.monitor.live import View
+from deploy.telemetry.monitor.live import FleetView
 from deploy.telemetry.monitor.snapshot import Source
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
@@ -42,7 +42,7 @@ class FleetCollector(Collector):
         yield from found
 
 
-def _fleet(view: View) -> Iterator[Metric]:
+def _fleet(view: FleetView) -> Iterator[Metric]:
     scenario = "" if view.scenario is None else view.scenario.name
     yield InfoMetricFamily(
         "disknav_run", "What runs.", {"run": view.run, "scenario": scenario, "verdict": view.verdict}
@@ -62,7 +62,7 @@ def _fleet(view: View) -> Iterator[Metric]:
         yield GaugeMetricFamily("disknav_smallest_clearance_meters", "Smallest gap so far.", view.smallest)
 
 
-def _robots(view: View, now: float) -> Iterator[Metric]:
+def _robots(view: FleetView, now: float) -> Iterator[Metric]:
     rejected = CounterMetricFamily(
         "disknav_rejected_messages", "Messages that were dropped.", labels=["receiver", "reason"]
     )

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any
 
-from deploy.telemetry.monitor.live import ALARMS, RobotView, View
+from deploy.telemetry.monitor.live import ALARMS, FleetView, RobotView
 from protocol.geometry import Disk, Shape
 from protocol.messages import PlacedObstacle, Truth
 from protocol.operations import Outcome, Steer
@@ -18,7 +18,7 @@ from protocol.scenario.model import Operation
 _SAMPLES = 8  # of the past that a snapshot carries, at most
 
 
-def overview(view: View) -> dict[str, Any]:
+def overview(view: FleetView) -> dict[str, Any]:
     """What does not change during a run, and its past: for a viewer that has just arrived."""
     told: dict[str, Any] = {"kind": "overview", "epoch": view.epoch, "run": view.run, "scenario": None}
     if view.scenario is not None:
@@ -59,7 +59,7 @@ def _still(robot: RobotView) -> dict[str, Any]:
     return {"id": spec.id, "radius": spec.radius, "start": spec.start, "goal": goal, "trail": trail}
 
 
-def snapshot(view: View, now: float, since: int = -1) -> dict[str, Any]:
+def snapshot(view: FleetView, now: float, since: int = -1) -> dict[str, Any]:
     """The present, with a few samples of what happened after tick `since`."""
     newest = max((robot.tick for robot in view.robots.values()), default=0)
     step = view.scenario.time.step if view.scenario else 0.0
@@ -81,20 +81,20 @@ def snapshot(view: View, now: float, since: int = -1) -> dict[str, Any]:
     }
 
 
-def _row(view: View, robot: RobotView, now: float, newest: int) -> dict[str, Any]:
+def _row(view: FleetView, robot: RobotView, now: float, newest: int) -> dict[str, Any]:
     assert view.scenario is not None
     status = robot.status(now, newest, view.scenario.time.tolerance, ended=bool(view.verdict))
     return robot.row(now, newest) | {"status": status, "alarm": status in ALARMS}
 
 
-def _samples(view: View, since: int) -> list[list[Any]]:
+def _samples(view: FleetView, since: int) -> list[list[Any]]:
     """At most `_SAMPLES` of the truths after `since`, each with the smallest clearance up to it."""
     fresh = [truth for truth in view.recent if truth.tick > since]
     stride = -(-len(fresh) // _SAMPLES) or 1
     return [_sample(view, fresh[n : n + stride]) for n in range(0, len(fresh), stride)]
 
 
-def _sample(view: View, group: list[Truth]) -> list[Any]:
+def _sample(view: FleetView, group: list[Truth]) -> list[Any]:
     assert view.scenario is not None
     last = group[-1]
     where = dict(zip(last.robots, last.positions, strict=False))
@@ -112,7 +112,7 @@ class Source:
     """
 
     def __init__(self, run: str, clock: Callable[[], float] = time.monotonic) -> None:
-        self._view = View(run)
+        self._view = FleetView(run)
         self._lock = threading.Lock()
         self._clock = clock
 
@@ -126,7 +126,7 @@ class Source:
         with self._lock:
             return snapshot(self._view, self._clock(), since)
 
-    def change(self, what: Callable[[View, float], None]) -> None:
+    def change(self, what: Callable[[FleetView, float], None]) -> None:
         """Let `what` work on the view at the present time, while no other thread reads it."""
         with self._lock:
             what(self._view, self._clock())

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from deploy.telemetry.monitor.live import View
+from deploy.telemetry.monitor.live import FleetView
 from deploy.telemetry.monitor.snapshot import Steerable
 from protocol import joining
 from protocol.bus.bus import Bus, Event, Presence, Sample
@@ -133,7 +133,7 @@ class Watcher(Steerable):
     def _is_news(self, message: AnyMessage) -> bool:
         news = False
 
-        def look(view: View, _: float) -> None:
+        def look(view: FleetView, _: float) -> None:
             nonlocal news
             news = view.is_news(message)
 
@@ -320,5 +320,5 @@ class Player(Steerable):
                 seconds -= (time.monotonic() - began) * speed
 
 
-def _hear(message: Message, view: View, now: float) -> None:
+def _hear(message: Message, view: FleetView, now: float) -> None:
     view.on_message(message, now)

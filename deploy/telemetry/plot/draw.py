@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from deploy.output import check_target, writing
-from deploy.telemetry.recording.reader import Recording, Truths, read
+from deploy.telemetry.recording.reader import RecordedRun, Truths, read
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 
@@ -38,7 +38,7 @@ def check(target: Path, recordings: int = 1) -> None:
 
 
 def draw(
-    recordings: Recording | Path | Sequence[Recording],
+    recordings: RecordedRun | Path | Sequence[RecordedRun],
     target: Path,
     progress: Callable[[float], None] | None = None,
     width: int | None = None,
@@ -58,7 +58,7 @@ def draw(
     """
     if isinstance(recordings, Path):
         recordings = read(recordings)
-    if isinstance(recordings, Recording):
+    if isinstance(recordings, RecordedRun):
         recordings = [recordings]
     check(target, len(recordings))
     import matplotlib
@@ -75,7 +75,7 @@ def draw(
             figure(recordings).savefig(target, metadata=metadata)
 
 
-def until(recording: Recording, seconds: float) -> Recording:
+def until(recording: RecordedRun, seconds: float) -> RecordedRun:
     """What was recorded up to `seconds` of simulated time, tick 0 at least; no result unless that is all."""
     truths, step = recording.truths, recording.scenario.time.step
     kept = truths.ticks * step <= max(seconds, 0.0) + 0.5 * step

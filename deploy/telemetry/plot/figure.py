@@ -30,14 +30,14 @@ from deploy.telemetry.plot.workspace import (
     draw_workspace,
     frame,
 )
-from deploy.telemetry.recording.reader import Recording
+from deploy.telemetry.recording.reader import RecordedRun
 from deploy.telemetry.recording.replay import Participant, participants
 from protocol.errors import UsageError
 from protocol.messages import State, Tick
 from protocol.scenario.network import Link as LinkFaults
 
 
-def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
+def measurement_ages(recording: RecordedRun) -> tuple[np.ndarray, np.ndarray]:
     """Ticks, and (tick, robot) the age (s) of the newest measurement of the own position, of the scenario's
     robots; NaN without any."""
     ids, ticks = recording.scenario.ids, recording.truths.ticks
@@ -62,7 +62,7 @@ class Heard:
     top.
     """
 
-    def __init__(self, recording: Recording) -> None:
+    def __init__(self, recording: RecordedRun) -> None:
         self._recording = recording
         self._sent = 0
         self._ids = recording.scenario.ids
@@ -97,13 +97,13 @@ class Heard:
         return sum(link.lost for link in self._links.values()) / max(1, self._sent)
 
 
-def delayed_sensing(recording: Recording) -> bool:
+def delayed_sensing(recording: RecordedRun) -> bool:
     """Whether measurements come late or are dropped for any robot."""
     entries = map(recording.scenario.sensing_of, recording.scenario.ids)
     return any(entry.dropout > 0.0 or entry.delay not in (0.0, (0.0, 0.0)) for entry in entries)
 
 
-def faulty_link(recording: Recording) -> bool:
+def faulty_link(recording: RecordedRun) -> bool:
     """Whether anything is injected between robots."""
     return recording.scenario.link != LinkFaults()
 
@@ -112,7 +112,7 @@ _COLUMNS = 2000  # of ages, more than there are pixels
 _INFINITE = 300.0  # as `Truth.log_potential` has it
 
 
-def draw_clearance(axes: Axes, recordings: Sequence[Recording]) -> None:
+def draw_clearance(axes: Axes, recordings: Sequence[RecordedRun]) -> None:
     """The smallest gap between any two disks, or disk and boundary, during each tick."""
     for index, recording in enumerate(recordings):
         _curve(axes, recording, 1000.0 * recording.truths.clearance, index, len(recordings))
@@ -123,7 +123,7 @@ def draw_clearance(axes: Axes, recordings: Sequence[Recording]) -> None:
     axes.set(ylabel="clearance, mm")
 
 
-def draw_potential(axes: Axes, recordings: Sequence[Recording]) -> None:
+def draw_potential(axes: Axes, recordings: Sequence[RecordedRun]) -> None:
     """The potential of which the navigation function is an increasing function, in decades: phi itself is 1
     to all digits in a large fleet, until the end."""
     for index, recording in enumerate(recordings):
@@ -133,20 +133,20 @@ def draw_potential(axes: Axes, recordings: Sequence[Recording]) -> None:
     axes.set(ylabel="log$_{10}$(γ / β$^{1/k}$)")
 
 
-def draw_measurement_ages(axes: Axes, recording: Recording) -> None:
+def draw_measurement_ages(axes: Axes, recording: RecordedRun) -> None:
     """Age of the newest measurement of its own position that each robot had."""
     _ages(axes, recording, *measurement_ages(recording))
     axes.set_title("age of own position", loc="left")
 
 
-def draw_heard_ages(axes: Axes, recording: Recording) -> None:
+def draw_heard_ages(axes: Axes, recording: RecordedRun) -> None:
     """Age of what each robot had heard of that peer of which it knew the oldest."""
     heard = Heard(recording)
     _ages(axes, recording, *heard.ages())
     axes.set_title(f"age of oldest peer state, {heard.share_lost():.0%} lost", loc="left")
 
 
-def _ages(axes: Axes, recording: Recording, ticks: np.ndarray, ages: np.ndarray) -> None:
+def _ages(axes: Axes, recording: RecordedRun, ticks: np.ndarray, ages: np.ndarray) -> None:
     """A row a robot, darker is older, a column at least a pixel; nothing where nothing was known."""
     stride = -(-len(ticks) // _COLUMNS)
     ticks, ages = ticks[::stride], np.fmax.reduceat(ages, np.arange(0, len(ages), stride))
@@ -161,7 +161,7 @@ def _ages(axes: Axes, recording: Recording, ticks: np.ndarray, ages: np.ndarray)
     axes.figure.colorbar(mesh, ax=axes, label="s", pad=0.01, fraction=0.06)
 
 
-def _curve(axes: Axes, recording: Recording, values: np.ndarray, index: int, of: int) -> None:
+def _curve(axes: Axes, recording: RecordedRun, values: np.ndarray, index: int, of: int) -> None:
     times = recording.truths.ticks * recording.scenario.time.step
     axes.plot(times, values, color=colour(index), linestyle=dash(index) if of > 1 else "-")
 
@@ -173,7 +173,7 @@ _COLUMN = 3.3  # inches, curves
 _PANEL = 1.2  # inches, height of one curve
 
 
-def figure(recordings: Sequence[Recording]) -> Figure:
+def figure(recordings: Sequence[RecordedRun]) -> Figure:
     """One workspace a recording, and their curves over time in one column beside them."""
     panels = _panels(recordings)
     height = max(_SIDE + _LEGEND, _PANEL * len(panels))
@@ -192,7 +192,7 @@ def figure(recordings: Sequence[Recording]) -> Figure:
     return whole
 
 
-def _panels(recordings: Sequence[Recording]) -> list[Panel]:
+def _panels(recordings: Sequence[RecordedRun]) -> list[Panel]:
     panels: list[Panel] = [
         lambda axes: draw_clearance(axes, recordings),
         lambda axes: draw_potential(axes, recordings),
@@ -206,13 +206,13 @@ def _panels(recordings: Sequence[Recording]) -> list[Panel]:
     return panels
 
 
-def _title(recording: Recording) -> str:
+def _title(recording: RecordedRun) -> str:
     verdict = "not finished" if recording.result is None else recording.result["verdict"]
     seconds = recording.truths.ticks[-1] * recording.scenario.time.step
     return f"{recording.scenario.name}: {verdict} after {seconds:.1f} s"
 
 
-def _legends(left: SubFigure, column: Sequence[Axes], recordings: Sequence[Recording]) -> None:
+def _legends(left: SubFigure, column: Sequence[Axes], recordings: Sequence[RecordedRun]) -> None:
     left.legend(handles=disks(), handler_map=HANDLERS, loc="outside lower center", ncols=4)
     if len(recordings) > 1:
         column[0].legend(handles=curves([recording.path.stem for recording in recordings]), loc="best")
@@ -234,7 +234,7 @@ class Format(NamedTuple):
 
 
 def animate(
-    recording: Recording, target: Path, progress: Progress | None = None, form: Format = Format()
+    recording: RecordedRun, target: Path, progress: Progress | None = None, form: Format = Format()
 ) -> None:
     """Write `target`, a .gif, .webp or (where ffmpeg is installed) .mp4, in real time or faster.
 
@@ -270,7 +270,7 @@ class _WebpWriter(PillowWriter):
         )
 
 
-def _steps(recording: Recording, longest: float) -> Iterator[int]:
+def _steps(recording: RecordedRun, longest: float) -> Iterator[int]:
     """Index of the recorded tick that each picture shows."""
     ticks = recording.truths.ticks
     seconds = ticks[-1] * recording.scenario.time.step
@@ -282,7 +282,7 @@ def _steps(recording: Recording, longest: float) -> Iterator[int]:
 class _Film:
     """One figure whose parts are moved from picture to picture."""
 
-    def __init__(self, recording: Recording) -> None:
+    def __init__(self, recording: RecordedRun) -> None:
         self.figure = Figure(figsize=_INCHES, layout="constrained")
         self._recording = recording
         self._axes = self.figure.subplots()

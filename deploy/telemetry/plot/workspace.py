@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Polygon
 from matplotlib.patheffects import withStroke
 
-from deploy.telemetry.recording.reader import Recording
+from deploy.telemetry.recording.reader import RecordedRun
 from deploy.telemetry.recording.replay import participants
 from protocol.geometry import Disk, Shape
 from protocol.messages import Clock
@@ -101,7 +101,7 @@ class Stay(NamedTuple):
         return " ".join(filter(None, (came, went)))
 
 
-def stays(recording: Recording) -> list[Stay]:
+def stays(recording: RecordedRun) -> list[Stay]:
     """Everything that ever stood, in the order of numbers, as the world's clock told it."""
     shapes = dict(recording.scenario.shapes)
     since, until = dict.fromkeys(shapes, 0.0), dict.fromkeys(shapes, math.inf)
@@ -119,7 +119,7 @@ def stays(recording: Recording) -> list[Stay]:
     return [Stay(shapes[number], since[number], until[number]) for number in sorted(shapes)]
 
 
-def draw_obstacles(axes: Axes, recording: Recording) -> list[tuple[Patch, Stay]]:
+def draw_obstacles(axes: Axes, recording: RecordedRun) -> list[tuple[Patch, Stay]]:
     """Draw everything that ever stood: filled what stands at the end, dashed what went."""
     drawn = []
     for stay in stays(recording):
@@ -148,7 +148,7 @@ _MOMENTS = 5  # disks drawn between start and end, at most
 MANY = 20  # robots from which on ids would hide the disks
 
 
-def draw_workspace(axes: Axes, recording: Recording) -> None:
+def draw_workspace(axes: Axes, recording: RecordedRun) -> None:
     """Draw one run: dotted disks where robots began, outlined goals, filled disks where they ended."""
     frame(axes, recording)
     robots = participants(recording)
@@ -168,7 +168,7 @@ def draw_workspace(axes: Axes, recording: Recording) -> None:
                 _label(axes, path[0], str(each.robot), faint=True)
 
 
-def frame(axes: Axes, recording: Recording) -> list[tuple[Patch, Stay]]:
+def frame(axes: Axes, recording: RecordedRun) -> list[tuple[Patch, Stay]]:
     """The empty workspace: its boundary, what stands in it, equal scales, axes in metres.
 
     Returns what was drawn of all that ever stood there.

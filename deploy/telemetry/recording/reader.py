@@ -51,7 +51,7 @@ class Recorded(NamedTuple):
 
 
 @dataclass
-class _File:
+class _RecordedFile:
     """One file, all of whose messages are in chunks.
 
     Attributes:
@@ -108,9 +108,9 @@ class _File:
             yield heappop(waiting)[2]
 
 
-def _look_through(path: Path) -> _File:
+def _look_through(path: Path) -> _RecordedFile:
     """Find the metadata and the chunks of a file, without its messages."""
-    found = _File(path)
+    found = _RecordedFile(path)
     try:
         with path.open("rb") as file:
             magic = file.read(len(MCAP0_MAGIC))
@@ -268,7 +268,7 @@ class Truths:
 
 
 @dataclass(frozen=True)
-class Recording:
+class RecordedRun:
     """A run as it was recorded.
 
     Attributes:
@@ -297,7 +297,7 @@ class Recording:
             yield entry.message
 
 
-def read(path: Path | str, progress: Progress = lambda _: None) -> Recording:
+def read(path: Path | str, progress: Progress = lambda _: None) -> RecordedRun:
     """Read a recording, whole or cut, with the files that follow it; `progress` is told how much is done.
 
     Raises:
@@ -314,7 +314,7 @@ def read(path: Path | str, progress: Progress = lambda _: None) -> Recording:
         report = None if result is None else json.loads(result["json"])
     recorder = found.metadata.get("recorder")
     cut = found.cut or recorder is None
-    return Recording(path, run, scenario, report, Entries(found), counts, truths, preceding, cut)
+    return RecordedRun(path, run, scenario, report, Entries(found), counts, truths, preceding, cut)
 
 
 @contextmanager

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from deploy.output import writing
 from deploy.telemetry.drawing import WORLD, frame
-from deploy.telemetry.recording.reader import Recording
+from deploy.telemetry.recording.reader import RecordedRun
 from deploy.telemetry.recording.writer import LIBRARY
-from deploy.telemetry.scene import TF, TF_DEFINITION, Frames
+from deploy.telemetry.scene import TF, TF_DEFINITION, TransformFrames
 from protocol.bus.bus import Bus, Publish
 from protocol.codec import encode
 from protocol.errors import RecordingError
@@ -50,7 +50,7 @@ class Participant(NamedTuple):
         return known
 
 
-def participants(recording: Recording) -> list[Participant]:
+def participants(recording: RecordedRun) -> list[Participant]:
     """In the order of ids."""
     scenario, truths = recording.scenario, recording.truths
     specs = {spec.id: spec for spec in (*scenario.newcomers, *scenario.robots)}
@@ -67,7 +67,7 @@ def participants(recording: Recording) -> list[Participant]:
     ]
 
 
-def _announced(recording: Recording, robots: set[int]) -> dict[int, float]:
+def _announced(recording: RecordedRun, robots: set[int]) -> dict[int, float]:
     """Radii of robots that operators added, by the roster that others were told, m."""
     radii: dict[int, float] = {}
     for tick in recording.said(Tick) if robots else ():
@@ -85,7 +85,7 @@ class _Plane(NamedTuple):
     places: Sequence[Vector] | NDArray[np.float64]
 
 
-class Trajectory(NamedTuple):
+class CheckedTrajectory(NamedTuple):
     """Its SHA-256 as in the result, and how many of its ticks had to be worked out from odometry."""
 
     sha256: str
@@ -97,7 +97,7 @@ class Trajectory(NamedTuple):
         return f" ({self.restored} ticks worked out from odometry)" if self.restored else ""
 
 
-def trajectory(recording: Recording) -> Trajectory:
+def trajectory(recording: RecordedRun) -> CheckedTrajectory:
     """Recompute the trajectory up to the last tick known, as the result's digest has it: from the beginning,
     or from the tick with which the last of several worlds began.
 
@@ -125,10 +125,10 @@ def trajectory(recording: Recording) -> Trajectory:
             digest.set_fleet(there.robots)
         digest.add([tick], np.array([there.places]))
         here = there
-    return Trajectory(digest.hexdigest(), len(missing))
+    return CheckedTrajectory(digest.hexdigest(), len(missing))
 
 
-def _known(recording: Recording) -> dict[int, _Plane]:
+def _known(recording: RecordedRun) -> dict[int, _Plane]:
     """Positions by tick; those of the last are in the result, too."""
     truths, result = recording.truths, recording.result or {}
     known: dict[int, _Plane] = {}
@@ -145,7 +145,7 @@ def _known(recording: Recording) -> dict[int, _Plane]:
 class _Moves:
     """What each robot did during the tick before each of some ticks."""
 
-    def __init__(self, recording: Recording, ticks: Set[int]) -> None:
+    def __init__(self, recording: RecordedRun, ticks: Set[int]) -> None:
         self._path = recording.path
         self._said: defaultdict[int, dict[int, Vector]] = defaultdict(dict)
         self._commanded: dict[tuple[int, int], Vector] = {}
@@ -178,7 +178,7 @@ class Published(NamedTuple):
     payload: bytes
 
 
-def published(recording: Recording, run: str | None = None) -> Iterator[Published]:
+def published(recording: RecordedRun, run: str | None = None) -> Iterator[Published]:
     """All that was published, in order, under the keys of `run` (the recorded name unless given)."""
     run = run or recording.run
     last = 0.0
@@ -191,7 +191,7 @@ def published(recording: Recording, run: str | None = None) -> Iterator[Publishe
         yield Published(last, world_key(run, "result"), encode(Result(json.dumps(recording.result))))
 
 
-def verify(recording: Recording) -> Trajectory | None:
+def verify(recording: RecordedRun) -> CheckedTrajectory | None:
     """The recomputed trajectory; None when the recording has no result to compare it with, or no beginning.
 
     Raises:
@@ -209,7 +209,7 @@ def verify(recording: Recording) -> Trajectory | None:
 
 
 def publish(
-    recording: Recording,
+    recording: RecordedRun,
     bus: Bus,
     run: str | None = None,
     *,
@@ -231,14 +231,14 @@ def publish(
             progress(min(1.0, now / duration) if duration > 0.0 else 1.0)
 
 
-def export(recording: Recording, path: Path) -> None:
+def export(recording: RecordedRun, path: Path) -> None:
     """Write the recorded truths to `path`.
 
     Raises:
         UsageError: it cannot be written.
     """
     step, truths = recording.scenario.time.step, recording.truths
-    frames: dict[tuple[int, ...], Frames] = {}
+    frames: dict[tuple[int, ...], TransformFrames] = {}
     with writing(path, "write ROS 2 messages"), path.open("wb") as file:
         writer: Any = Writer(file)  # partly untyped
         writer.start("ros2", LIBRARY)
@@ -248,7 +248,7 @@ def export(recording: Recording, path: Path) -> None:
             time, there = round(tick * step * 1e9), ~np.isnan(positions[:, 0])
             robots = tuple(truths.robots[there].tolist())
             if robots not in frames:
-                frames[robots] = Frames(WORLD, [frame(robot) for robot in robots])
+                frames[robots] = TransformFrames(WORLD, [frame(robot) for robot in robots])
             data = frames[robots].message(time, positions[there].tolist())
             writer.add_message(channel, time, data, time)
         writer.finish()

@@ -23,7 +23,7 @@ from typing import NamedTuple, TypeVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from deploy.theory.function import Problem
+from deploy.theory.function import FleetProblem
 from protocol.process.installation import missing_library
 
 try:
@@ -150,7 +150,7 @@ class Derived(NamedTuple):
     total: NDArray[np.float64]
 
 
-def scene_of(problem: Problem) -> Scene:
+def scene_of(problem: FleetProblem) -> Scene:
     """The scene of a goal set; the problem's k does not matter."""
     p = problem.p
     pairs = list(combinations(range(p), 2))

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
-from deploy.theory.function import Problem
+from deploy.theory.function import FleetProblem
 from protocol.errors import DocumentError, UsageError
 from protocol.errors import Problem as Fault
 from protocol.scenario.model import Scenario
@@ -37,7 +37,7 @@ class ProofError(DocumentError):
     """A certificate is damaged, belongs to other goals, or does not prove what it claims."""
 
 
-class Goals(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class GoalSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What is certified, in order of robot id; m."""
 
     goals: tuple[tuple[float, float], ...]
@@ -45,7 +45,7 @@ class Goals(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     workspace: float
 
     @classmethod
-    def of(cls, scenario: Scenario) -> Goals:
+    def of(cls, scenario: Scenario) -> GoalSet:
         """The goals of a scenario.
 
         Raises:
@@ -58,9 +58,9 @@ class Goals(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return cls(goals, tuple(float(spec.radius) for spec in specs), float(scenario.workspace.disk_radius))
 
     @property
-    def problem(self) -> Problem:
+    def problem(self) -> FleetProblem:
         """As the mathematics takes it; k does not matter."""
-        return Problem(np.array(self.goals), np.array(self.radii), self.workspace, 1.0)
+        return FleetProblem(np.array(self.goals), np.array(self.radii), self.workspace, 1.0)
 
     @property
     def digest(self) -> str:
@@ -88,7 +88,7 @@ class Document(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     format: str
     scenario: str
-    goals: Goals
+    goals: GoalSet
     slabs: tuple[Slab, ...]
     digest: str
 
@@ -105,7 +105,7 @@ class Trial(NamedTuple):
 class Certificate:
     """What is proven so far for one set of goals, and what is being tried."""
 
-    goals: Goals
+    goals: GoalSet
     scenario: str = ""
     slabs: list[Slab] = field(default_factory=list)
     trial: Trial | None = field(default=None, compare=False)
@@ -149,7 +149,7 @@ def stored(name: str, scenario: Scenario) -> Certificate | None:
         ProofError: it is damaged, or of other goals.
     """
     path = path_for(name)
-    return fetch(path, Goals.of(scenario)) if path.exists() else None
+    return fetch(path, GoalSet.of(scenario)) if path.exists() else None
 
 
 def store(certificate: Certificate, path: Path) -> None:
@@ -163,7 +163,7 @@ def store(certificate: Certificate, path: Path) -> None:
         scratch.unlink(missing_ok=True)
 
 
-def fetch(path: Path, goals: Goals | None = None) -> Certificate:
+def fetch(path: Path, goals: GoalSet | None = None) -> Certificate:
     """Read a certificate; with `goals`, only one that is theirs.
 
     Raises:

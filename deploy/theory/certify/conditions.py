@@ -16,7 +16,7 @@ from itertools import combinations
 
 from flint import arb
 
-from deploy.theory.certify.certificate import Goals
+from deploy.theory.certify.certificate import GoalSet
 from protocol.process.installation import missing_library
 
 try:
@@ -124,10 +124,10 @@ def rests(terms: list[Ends]) -> list[Ends]:
 Rows = list[list[arb]]
 
 
-class Conditions:
+class BoxConditions:
     """One box: rows of (b, lambda, kappa), narrowed in place."""
 
-    def __init__(self, goals: Goals, rows: Rows) -> None:
+    def __init__(self, goals: GoalSet, rows: Rows) -> None:
         self.goals, self.rows = goals, rows
         p = self.p = len(goals.radii)
         self.n = 2 * p
@@ -327,7 +327,7 @@ class Conditions:
         return bool(gain * far[0] + bend < 0)
 
 
-def _contact(goals: Goals, i: int, j: int) -> Ends:
+def _contact(goals: GoalSet, i: int, j: int) -> Ends:
     other = goals.radii[j] if j >= 0 else None
     reach = arb(goals.workspace) - arb(goals.radii[i]) if other is None else arb(goals.radii[i]) + arb(other)
     return square((reach, reach))
@@ -347,7 +347,7 @@ def _sum(terms: list[Ends]) -> Ends:
     return total
 
 
-def whole(goals: Goals, kappa: Ends) -> Rows:
+def whole(goals: GoalSet, kappa: Ends) -> Rows:
     """Every free configuration, every lambda, these kappa."""
     rows: Rows = []
     for radius in goals.radii:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from deploy.theory.certify.conditions import (
     INFINITE,
     ZERO,
-    Conditions,
+    BoxConditions,
     Ends,
     add,
     ball,
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 _STIFF, _SOFT = 1e4, 0.1  # choices that bear on success only
 
 
-def newton(box: Conditions) -> bool:
+def newton(box: BoxConditions) -> bool:
     """Krawczyk's operator on (b, lambda), where all lambda are bounded. False: no solution in the box."""
     size = len(box.rows) - 1
     if any(not row[1] < INFINITE for row in box.rows[:-1]):
@@ -55,7 +55,7 @@ def newton(box: Conditions) -> bool:
     return True
 
 
-def _system(box: Conditions, at: list[arb]) -> tuple[arb_mat, arb_mat]:
+def _system(box: BoxConditions, at: list[arb]) -> tuple[arb_mat, arb_mat]:
     """F at a point for all kappa of the box, and slopes from it to any other point of the box."""
     n, size = box.n, len(at)
     kappa = ball((box.rows[-1][0], box.rows[-1][1]))
@@ -92,7 +92,7 @@ def _system(box: Conditions, at: list[arb]) -> tuple[arb_mat, arb_mat]:
     return arb_mat(size, 1, value), arb_mat(size, size, [x for row in slope for x in row])
 
 
-def descends(box: Conditions) -> bool:
+def descends(box: BoxConditions) -> bool:
     """Whether a direction, kept orthogonal to stiff contacts, has negative curvature all over the box."""
     stiff = _stiff(box)
     v = _proposal(box, stiff)
@@ -102,7 +102,7 @@ def descends(box: Conditions) -> bool:
     return field is not None and _form(box, stiff, field) < 0
 
 
-def _stiff(box: Conditions) -> list[int]:
+def _stiff(box: BoxConditions) -> list[int]:
     found: list[int] = []
     for q, (i, j) in enumerate(box.factors):
         rows = [2 * i, 2 * i + 1] + ([2 * j, 2 * j + 1] if j >= 0 else [])
@@ -113,7 +113,7 @@ def _stiff(box: Conditions) -> list[int]:
     return found
 
 
-def _gradient(box: Conditions, q: int) -> Array:
+def _gradient(box: BoxConditions, q: int) -> Array:
     """grad beta_q / 2 at the midpoint."""
     row = np.zeros(box.n)
     i, j = box.factors[q]
@@ -127,7 +127,7 @@ def _gradient(box: Conditions, q: int) -> Array:
     return row
 
 
-def _proposal(box: Conditions, stiff: list[int]) -> Array | None:
+def _proposal(box: BoxConditions, stiff: list[int]) -> Array | None:
     """The lowest eigenvector of the midpoint's form, stiff contacts made stiffer; None: it is positive."""
     m, weights = np.eye(box.p), []
     for q, (i, j) in enumerate(box.factors):
@@ -150,7 +150,7 @@ def _proposal(box: Conditions, stiff: list[int]) -> Array | None:
     return np.asarray(vectors[:, 0]) if values[0] < 0.0 else None
 
 
-def _along(box: Conditions, q: int, v: list[Ends]) -> Ends:
+def _along(box: BoxConditions, q: int, v: list[Ends]) -> Ends:
     """(grad beta_q / 2) . v over the box."""
     i, j = box.factors[q]
     total = (ZERO, ZERO)
@@ -160,7 +160,7 @@ def _along(box: Conditions, q: int, v: list[Ends]) -> Ends:
     return total if j >= 0 else (-total[1], -total[0])
 
 
-def _field(box: Conditions, stiff: list[int], v: Array) -> list[Ends] | None:
+def _field(box: BoxConditions, stiff: list[int], v: Array) -> list[Ends] | None:
     """v - W z, orthogonal to the stiff gradients for every b of the box."""
     fixed = [(arb(x), arb(x)) for x in v.tolist()]
     if not stiff:
@@ -180,7 +180,7 @@ def _field(box: Conditions, stiff: list[int], v: Array) -> list[Ends] | None:
     ]
 
 
-def _form(box: Conditions, stiff: list[int], v: list[Ends]) -> arb:
+def _form(box: BoxConditions, stiff: list[int], v: list[Ends]) -> arb:
     """Upper bound of v^T H v / 2."""
     total = ZERO
     for x in v:

@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from deploy.theory.certify.boxes import scene_of
-from deploy.theory.certify.certificate import Certificate, Goals, Trial, fetch, path_for, store
+from deploy.theory.certify.certificate import Certificate, GoalSet, Trial, fetch, path_for, store
 from deploy.theory.certify.search import Search
 from deploy.theory.function import obstacle_functions
 from protocol.errors import UsageError
@@ -81,7 +81,7 @@ def prove(
             return
 
 
-def require_free(goals: Goals) -> None:
+def require_free(goals: GoalSet) -> None:
     """Refuse goals that are not in the interior of free space.
 
     Raises:
@@ -93,7 +93,7 @@ def require_free(goals: Goals) -> None:
 
 
 @dataclass(frozen=True)
-class Request:
+class ProofRequest:
     """What is asked for. target: K, None for as far down as `minutes` reach."""
 
     name: str
@@ -109,7 +109,7 @@ class Request:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class ProofOutcome:
     """The certificate as it is now; interrupted: by Ctrl-C."""
 
     certificate: Certificate
@@ -124,24 +124,24 @@ class Outcome:
         return found is not None and (self.target is None or found <= self.target)
 
 
-def certify(scenario: Scenario, request: Request) -> Outcome:
+def certify(scenario: Scenario, request: ProofRequest) -> ProofOutcome:
     """Extend the certificate of a scenario's goals, until what was asked for is proven or time is up.
 
     Raises:
         ProofError: the file is damaged, or of other goals.
         UsageError: the goals cannot have a certificate.
     """
-    goals = Goals.of(scenario)
+    goals = GoalSet.of(scenario)
     certificate = fetch(request.path, goals) if request.path.exists() else Certificate(goals, scenario.name)
     with _Keeper(certificate, request) as keeper:
         prove(certificate, request.target, keeper.tell)
-    return Outcome(certificate, request.path, request.target, STOP.requested)
+    return ProofOutcome(certificate, request.path, request.target, STOP.requested)
 
 
 class _Keeper:
     """Writes the file after each slab and at the end, shows a bar, and says when time is up."""
 
-    def __init__(self, certificate: Certificate, request: Request) -> None:
+    def __init__(self, certificate: Certificate, request: ProofRequest) -> None:
         self._certificate, self._path = certificate, request.path
         self._until = time.monotonic() + 60.0 * request.minutes
         columns = (
@@ -178,7 +178,7 @@ class _Keeper:
         return time.monotonic() < self._until and not STOP.requested
 
 
-def to_json(outcome: Outcome) -> dict[str, Any]:
+def to_json(outcome: ProofOutcome) -> dict[str, Any]:
     """Plain data."""
     found = outcome.certificate
     return {

@@ -15,8 +15,8 @@ from itertools import combinations
 from flint import arb
 
 from deploy.output import bar
-from deploy.theory.certify.certificate import Certificate, Goals
-from deploy.theory.certify.conditions import ZERO, Conditions, Rows, middle, whole
+from deploy.theory.certify.certificate import Certificate, GoalSet
+from deploy.theory.certify.conditions import ZERO, BoxConditions, Rows, middle, whole
 from deploy.theory.certify.descent import descends, newton
 from protocol.process.signals import STOP, Stopped
 
@@ -100,7 +100,7 @@ class _Pending:
 class Walk:
     """One slab."""
 
-    def __init__(self, goals: Goals, branching: bytes, look: Callable[[int], None]) -> None:
+    def __init__(self, goals: GoalSet, branching: bytes, look: Callable[[int], None]) -> None:
         self._goals, self._nodes, self._look = goals, branching, look
         self._at = 0  # next stored node
         self._further = 0
@@ -122,7 +122,7 @@ class Walk:
         self.boxes += 1
         if self.boxes % 100 == 0:
             self._look(self._at)
-        box = Conditions(self._goals, pending.rows)
+        box = BoxConditions(self._goals, pending.rows)
         advice = self._next() if pending.stored else None
         if self.settled(box):
             if advice is not None:
@@ -155,7 +155,7 @@ class Walk:
         p = len(self._goals.radii)
         return 2 * p + p * (p + 1) // 2 + 1
 
-    def settled(self, box: Conditions) -> bool:
+    def settled(self, box: BoxConditions) -> bool:
         """Narrow a box in place; whether no minimum can be in it."""
         if not box.upright() or not self.narrowed(box):
             return True
@@ -164,7 +164,7 @@ class Walk:
             return True
         return box.circling() or descends(box)
 
-    def narrowed(self, box: Conditions) -> bool:
+    def narrowed(self, box: BoxConditions) -> bool:
         """Narrow a box to where critical points may be. False: there are none."""
         for _ in range(_ROUNDS):
             before = _size(box)
@@ -177,19 +177,19 @@ class Walk:
                 break
         return box.derive()
 
-    def _widest(self, box: Conditions) -> int:
+    def _widest(self, box: BoxConditions) -> int:
         """A row of b or kappa."""
         kappa = _width(box, len(box.rows) - 1) / float(box.rows[-1][1].mid()) * 0.1 * self._unit
         widths = {row: _width(box, row) for row in range(box.n)} | {len(box.rows) - 1: kappa}
         return max(widths, key=lambda row: widths[row])
 
 
-def _width(box: Conditions, row: int) -> float:
+def _width(box: BoxConditions, row: int) -> float:
     low, high = box.rows[row]
     return float((high - low).mid())
 
 
-def _size(box: Conditions) -> float:
+def _size(box: BoxConditions) -> float:
     n = box.n
     side = _width(box, 0)
     weights = sum(min(_width(box, row), 10.0) for row in range(n, len(box.rows) - 1))

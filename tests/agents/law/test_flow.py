@@ -12,7 +12,7 @@ from agents.peers.state import Peer
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.theory.exact_flow import integrate
-from deploy.theory.function import Problem
+from deploy.theory.function import FleetProblem
 from tests.agents.law.disks import scattered
 from tests.interpreted import interpreted
 
@@ -97,6 +97,6 @@ def test_the_sampled_fleet_keeps_to_the_path_of_the_exact_flow() -> None:
             np.array([getattr(each, at) for each in scenario.robots]) for at in ("start", "goal")
         )
         radii = np.array([each.radius for each in scenario.robots])
-        problem = Problem(goals, radii, scenario.workspace.disk_radius, scenario.k)
+        problem = FleetProblem(goals, radii, scenario.workspace.disk_radius, scenario.k)
         exact.append(integrate(problem, starts, tolerance=scenario.time.tolerance).nrl)
     assert np.mean(sampled) == pytest.approx(np.mean(exact), rel=0.05)

@@ -8,20 +8,20 @@ import pytest
 
 from agents.law.gradient import Slice
 from agents.peers.state import Peer
-from deploy.theory.function import Problem, reduced_gradient
+from deploy.theory.function import FleetProblem, reduced_gradient
 from tests.agents.law.disks import scattered
 
 numbers = attrgetter("dx", "dy", "xx", "xy", "yx", "yy")  # of a gradient
 
 
-def configuration(n: int, k: float, seed: int) -> tuple[Problem, np.ndarray]:
+def configuration(n: int, k: float, seed: int) -> tuple[FleetProblem, np.ndarray]:
     rng = np.random.default_rng(seed)
     workspace = 0.30 * math.sqrt(n / 6)
     starts, goals = (scattered(rng, n, 0.04, workspace) for _ in range(2))
-    return Problem(goals, rng.uniform(0.02, 0.04, n), workspace, k), starts
+    return FleetProblem(goals, rng.uniform(0.02, 0.04, n), workspace, k), starts
 
 
-def slice_of(problem: Problem, b: np.ndarray, i: int) -> Slice:
+def slice_of(problem: FleetProblem, b: np.ndarray, i: int) -> Slice:
     gammas = ((b - problem.goals) ** 2).sum(1)
     peers = [
         Peer(float(x), float(y), float(problem.radii[j]), float(gammas[j]))

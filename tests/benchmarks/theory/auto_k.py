@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from deploy.theory.check import mirrored_triples
 from deploy.theory.exact_flow import integrate, random_configuration
-from deploy.theory.function import Problem
+from deploy.theory.function import FleetProblem
 from deploy.theory.tuning import automatic_k
 from protocol.draws import Purpose, generator
 from protocol.errors import UsageError
@@ -29,7 +29,9 @@ def random_radii(draw: np.random.Generator, p: int, ratio: float) -> Array:
     return np.asarray(np.sort(ratio ** draw.uniform(0.0, 1.0, p))[::-1])
 
 
-def random_instance(draw: np.random.Generator, p: int, density: float, ratio: float) -> tuple[Problem, Array]:
+def random_instance(
+    draw: np.random.Generator, p: int, density: float, ratio: float
+) -> tuple[FleetProblem, Array]:
     """A problem, its k set by the automatic rule, and a start (p, 2).
 
     density: area of the disks over area of the workspace; ratio: largest over smallest possible radius.
@@ -43,7 +45,7 @@ def random_instance(draw: np.random.Generator, p: int, density: float, ratio: fl
     start = random_configuration(draw, radii, workspace)
     if goals is None or start is None:
         raise UsageError(f"no free configuration of {p} disks found at density {density:g}; use a lower one")
-    return Problem(goals, radii, workspace, automatic_k(radii, workspace)), start
+    return FleetProblem(goals, radii, workspace, automatic_k(radii, workspace)), start
 
 
 ROBOTS = (3, 4, 6, 8, 12, 16, 24, 32)

@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from deploy.output import bar
-from deploy.theory.certify.certificate import Certificate, Goals
+from deploy.theory.certify.certificate import Certificate, GoalSet
 from deploy.theory.certify.prove import prove
 from deploy.theory.exact_flow import random_configuration
-from deploy.theory.function import Array, Problem
+from deploy.theory.function import Array, FleetProblem
 from deploy.theory.tuning import automatic_k
 from protocol.draws import Purpose, generator
 from tests.benchmarks.theory.smallest_k import arrival_threshold, arrives_from_all
@@ -54,16 +54,16 @@ def rows(sets: int, boxes: int, seed: int = 0) -> Iterator[Row]:
         radii = np.full(ROBOTS[number % len(ROBOTS)], RADIUS)
         goals, *starts = (random_configuration(draw, radii, WORKSPACE) for _ in range(1 + STARTS))
         assert goals is not None
-        problem = Problem(goals, radii, WORKSPACE, automatic_k(radii, WORKSPACE))
+        problem = FleetProblem(goals, radii, WORKSPACE, automatic_k(radii, WORKSPACE))
         found = _certified(problem, boxes)
         fails = _fails(problem, [start for start in starts if start is not None])
         yield Row(problem.p, problem.k, found.proven, fails, found.boxes, found.time)
 
 
-def _certified(problem: Problem, boxes: int) -> Certificate:
+def _certified(problem: FleetProblem, boxes: int) -> Certificate:
     """As far down as so many boxes reach."""
     places = tuple((float(x), float(y)) for x, y in problem.goals)
-    certificate = Certificate(Goals(places, tuple(problem.radii.tolist()), problem.workspace))
+    certificate = Certificate(GoalSet(places, tuple(problem.radii.tolist()), problem.workspace))
 
     def within(now: Certificate) -> bool:
         return now.boxes + (0 if now.trial is None else now.trial.boxes) < boxes
@@ -72,7 +72,7 @@ def _certified(problem: Problem, boxes: int) -> Certificate:
     return certificate
 
 
-def _fails(problem: Problem, starts: Sequence[Array]) -> float | None:
+def _fails(problem: FleetProblem, starts: Sequence[Array]) -> float | None:
     if arrives_from_all(replace(problem, k=LOWEST), starts):
         return None
     if not arrives_from_all(problem, starts):

@@ -18,7 +18,7 @@ from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
 from deploy.studies.study import error, mean
 from deploy.theory.exact_flow import integrate
-from deploy.theory.function import Problem
+from deploy.theory.function import FleetProblem
 from protocol.scenario.model import Scenario
 
 PERIOD = 0.05  # s
@@ -30,7 +30,7 @@ def pair(scenario: Scenario) -> tuple[float, float] | None:
     report = LocalFleet(scenario).execute()
     goals, starts = (np.array([getattr(each, end) for each in scenario.robots]) for end in ("goal", "start"))
     radii = np.array([each.radius for each in scenario.robots])
-    problem = Problem(goals, radii, scenario.workspace.disk_radius, scenario.k)
+    problem = FleetProblem(goals, radii, scenario.workspace.disk_radius, scenario.k)
     flow = integrate(problem, starts, tolerance=scenario.time.tolerance)
     return (report["nrl"], flow.nrl) if report["verdict"] == "arrived" and flow.arrived else None
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from deploy.library.instances import RADIUS, WORKSPACE, figure_3, random_starts, tightness
 from deploy.theory.exact_flow import integrate
-from deploy.theory.function import Array, Problem
+from deploy.theory.function import Array, FleetProblem
 
 
 @dataclass(frozen=True)
@@ -27,13 +27,13 @@ class Row:
     nrl_std: float
 
 
-def arrives_from_all(problem: Problem, starts: Sequence[Array]) -> bool:
+def arrives_from_all(problem: FleetProblem, starts: Sequence[Array]) -> bool:
     """Whether the exact flow brings every one of these starts (p, 2) to the goal."""
     return all(integrate(problem, start).arrived for start in starts)
 
 
 def arrival_threshold(
-    problem: Problem, starts: Sequence[Array], low: float, high: float, ratio: float = 1.05
+    problem: FleetProblem, starts: Sequence[Array], low: float, high: float, ratio: float = 1.05
 ) -> tuple[float, float]:
     """(k at which some start fails, k at which all arrive), within a factor of `ratio`; ignores problem.k.
 
@@ -52,7 +52,7 @@ def smallest_k_study(letters: str = "abcde", runs: int = 30, gain: float = 60.0)
     starts = [np.array(random_starts([RADIUS] * 6, WORKSPACE, seed)) for seed in range(runs)]
     for letter in letters:
         goals = [robot.goal for robot in figure_3(letter).robots]
-        problem = Problem(np.array(goals), np.full(6, RADIUS), WORKSPACE, gain)
+        problem = FleetProblem(np.array(goals), np.full(6, RADIUS), WORKSPACE, gain)
         fails, arrives = arrival_threshold(problem, starts, 1.0, gain)
         lengths = [integrate(problem, start).nrl for start in starts]
         mean, deviation = float(np.mean(lengths)), float(np.std(lengths))

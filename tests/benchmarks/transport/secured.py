@@ -20,8 +20,8 @@ from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from deploy.security.keystore import create
-from deploy.security.membership import Membership
-from deploy.security.roster import Roster
+from deploy.security.membership import KeyRing
+from deploy.security.roster import KeyRoster
 from protocol.scenario.model import Scenario
 
 RUN = "measured"
@@ -52,7 +52,7 @@ def rate(scenario: Scenario, variant: str, keys: Path) -> Rate:
 
 @contextmanager
 def _router(variant: str, secure: Path | None) -> Iterator[tuple[Supervisor, str]]:
-    connection = Membership(secure).router()
+    connection = KeyRing(secure).router()
     if variant == "tls":
         connection = replace(connection, access=None)
     with Supervisor() as supervisor:
@@ -70,7 +70,7 @@ def main() -> None:
     for robots in options.robots:
         scenario = load(f"swap-{robots}", ["control.speed=0.02", "time.limit=30"])
         with TemporaryDirectory() as folder:
-            create(Path(folder) / "keys", Roster(RUN, scenario.ids))
+            create(Path(folder) / "keys", KeyRoster(RUN, scenario.ids))
             rates: dict[str, list[Rate]] = {variant: [] for variant in VARIANTS}
             for _ in range(options.repeat):
                 for variant in VARIANTS:

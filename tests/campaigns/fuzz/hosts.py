@@ -14,10 +14,10 @@ from random import Random
 
 import msgspec
 
-from deploy.processes.hosts.ssh import Frames, Relay, SshSpawner
+from deploy.processes.hosts.ssh import FramedMessages, Relay, SshSpawner
 from deploy.processes.hosts.table import Host, read_any_hosts
-from deploy.processes.spawn import MAX_NEWS, Exited, Report, Started, encode_news
-from deploy.security.roster import Home, Roster, encoded, read
+from deploy.processes.spawn import MAX_NEWS, Exited, ProcessReport, Started, encode_news
+from deploy.security.roster import Home, KeyRoster, encoded, read
 from protocol.errors import CertificateError, HostsError, KeyGrammarError, ProcessError
 from tests.campaigns.fuzz.kept import folder
 from tests.campaigns.fuzz.mutation import Target, damaged_bytes, damaged_message, damaged_text, damaged_tree
@@ -25,7 +25,7 @@ from tests.campaigns.fuzz.mutation import Target, damaged_bytes, damaged_message
 _HOST = Host("left", "127.0.0.1", ssh="left")
 _NEWS = [
     encode_news(Started(1, 4711)),
-    encode_news(Report(1, "tcp/127.0.0.1:7447")),
+    encode_news(ProcessReport(1, "tcp/127.0.0.1:7447")),
     encode_news(Exited(2, -9, 1.5, 42.0)),
 ]
 _LINE = {
@@ -47,7 +47,7 @@ ssh = "robot@10.0.0.2"
 options = ["-p", "2222"]
 command = "/opt/disknav/bin/disknav"
 """
-_ROSTER = encoded(Roster("yard", (1, 2, 3), homes={"base": Home(("10.0.0.1",), (1, 2))}, world="base"))
+_ROSTER = encoded(KeyRoster("yard", (1, 2, 3), homes={"base": Home(("10.0.0.1",), (1, 2))}, world="base"))
 
 
 # -- news
@@ -71,7 +71,7 @@ class _Silent(SshSpawner):
 
     def __init__(self, descriptor: int) -> None:
         self.host, self._beat = _HOST, inf
-        self._frames = Frames(descriptor, MAX_NEWS, 5.0)
+        self._frames = FramedMessages(descriptor, MAX_NEWS, 5.0)
 
 
 def _read_news(drawn: list[bytes]) -> bool:

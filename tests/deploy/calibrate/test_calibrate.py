@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from deploy.calibrate import Bounds, Driver, bounds, square, statements
+from deploy.calibrate import Driver, MeasuredBounds, bounds, square, statements
 from deploy.library.load import load
 from protocol.scenario.body import Base
 from tests.agents.bases.wheels import STEP, Wheels
@@ -17,7 +17,7 @@ from tests.forks import Forks
 LATENCY, TIMEOUT, NOISE = 0.04, 0.3, 0.008
 
 
-def measured(scale: float = 1.0, seed: int = 0) -> Bounds:
+def measured(scale: float = 1.0, seed: int = 0) -> MeasuredBounds:
     """Of a base that is `scale` times as good an odometer as it could be, in virtual time."""
     settings = ["world.plant=external", f"base.timeout={TIMEOUT}", "sensing.noise=0.003"]
     scenario = load("turtlebots-2", [*settings, f"sensing.noise_bound={NOISE}", "sensing.heading=0.03"], 1)

@@ -16,14 +16,14 @@ from deploy import manifests
 from deploy.library.load import load
 from deploy.manifests import Plan, write
 from deploy.run.operator import probed_key
-from deploy.security.roster import Roster
+from deploy.security.roster import KeyRoster
 from protocol.bus.bus import PERIOD, Heartbeat
 from protocol.errors import UsageError
 from protocol.scenario.file import parse_toml, write_toml
 from protocol.scenario.model import Order, RobotSpec
 from tests.forks import Forks
 
-ROSTER = Roster("Yard_7", (1, 2, 5))
+ROSTER = KeyRoster("Yard_7", (1, 2, 5))
 SCENARIO = load("figure-2", [], 4)
 
 

@@ -18,7 +18,7 @@ import yaml
 
 from deploy import manifests
 from deploy.manifests import Plan, write
-from deploy.security.roster import Roster
+from deploy.security.roster import KeyRoster
 from protocol.scenario.file import write_toml
 from tests.deploy.manifests.engine import IMAGE, command, environment, needs_engine, podman
 from tests.deploy.manifests.guested import ROBOTS, guested
@@ -30,7 +30,7 @@ PATIENCE = 90.0
 
 
 def plan(run: str) -> Plan:
-    return Plan(Roster(run, ROBOTS), write_toml(SCENARIO), wait=60.0)
+    return Plan(KeyRoster(run, ROBOTS), write_toml(SCENARIO), wait=60.0)
 
 
 def until(condition: Callable[[], bool]) -> None:

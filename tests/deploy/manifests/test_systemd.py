@@ -15,8 +15,8 @@ from pathlib import Path
 import pytest
 
 from deploy.manifests import ETC, Plan, write
-from deploy.security.membership import Membership
-from deploy.security.roster import Roster
+from deploy.security.membership import KeyRing
+from deploy.security.roster import KeyRoster
 from protocol.bus.bus import Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
@@ -35,7 +35,9 @@ needs_systemd = pytest.mark.skipif(ANALYZE is None, reason="systemd-analyze is n
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     (port,) = free_ports(1)
-    plan = Plan(Roster("yard", ROBOTS), write_toml(SCENARIO), command=DISKNAV, router=f"tls/127.0.0.1:{port}")
+    plan = Plan(
+        KeyRoster("yard", ROBOTS), write_toml(SCENARIO), command=DISKNAV, router=f"tls/127.0.0.1:{port}"
+    )
     write(tmp_path / "fleet", "systemd", plan)
     return tmp_path / "fleet"
 
@@ -59,7 +61,7 @@ def test_software_in_a_home_is_shown_and_nothing_else_there(tmp_path: Path) -> N
     """Whatever the modes of the folders above it; with spaces, colons and per cent signs in its path."""
     home = "/root/my fleet: 100%"
     plan = Plan(
-        Roster("yard", ROBOTS),
+        KeyRoster("yard", ROBOTS),
         write_toml(SCENARIO),
         command=f"{home}/env/bin/disknav",
         software=(f"{home}/env", "/usr"),
@@ -112,7 +114,7 @@ def started(folder: Path, unit: str, instance: str = "") -> Iterator[subprocess.
 def test_the_units_command_lines_are_a_fleet_that_arrives(folder: Path) -> None:
     (listen,) = lines(folder / "disknav-yard-router.service", "ExecStart")
     endpoint = listen.split("--listen ")[1].split()[0]
-    monitor = Membership(folder / "keys").client("monitor", (endpoint,))
+    monitor = KeyRing(folder / "keys").client("monitor", (endpoint,))
     with ExitStack() as stack:
         stack.enter_context(started(folder, "router"))
         bus = stack.enter_context(closing(ZenohBus(monitor)))

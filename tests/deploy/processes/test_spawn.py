@@ -15,7 +15,7 @@ import psutil
 import pytest
 
 from deploy.processes.fork_server import FAULT, end_with_pipe
-from deploy.processes.spawn import Exited, News, Process, Report, Spawner, Started
+from deploy.processes.spawn import Exited, News, Process, ProcessReport, Spawner, Started
 from protocol.errors import ProcessError
 from tests.deploy.processes import children
 
@@ -97,7 +97,7 @@ def test_a_process_reports_and_all_its_output_goes_to_standard_error(
 ) -> None:
     with closing(children.spawner()) as spawner:  # whose standard error is that of this test
         spawner.start(Process("one", "tests.deploy.processes.children:print_and_report", reports=True))
-        texts = [news.text for news in until_exit(spawner) if isinstance(news, Report)]
+        texts = [news.text for news in until_exit(spawner) if isinstance(news, ProcessReport)]
         assert texts == ["reported"]
         printed = capfd.readouterr()
         assert (printed.out, printed.err) == ("", "printed\n")

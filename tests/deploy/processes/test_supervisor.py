@@ -10,7 +10,7 @@ import psutil
 import pytest
 
 from deploy.processes.spawn import Process
-from deploy.processes.supervisor import STEADY, Backoff, Exit, Life, Supervisor
+from deploy.processes.supervisor import STEADY, Backoff, Exit, ProcessLife, Supervisor
 from deploy.processes.table import router
 from protocol.bus.bus import Presence
 from protocol.bus.connection import Connection
@@ -151,14 +151,14 @@ def test_a_process_that_says_nothing_is_named(supervisor: Supervisor) -> None:
 
 
 def test_reports_that_nobody_asks_for_do_not_pile_up() -> None:
-    life = Life(Process("router-left", "m:f", reports=True), 1)
+    life = ProcessLife(Process("router-left", "m:f", reports=True), 1)
     life.hear("tcp/10.0.0.2:7447")
     for number in range(40):
         life.hear(str(number) * (1 << 20))
     assert life.report == "tcp/10.0.0.2:7447"
     assert sum(map(len, life.unheard)) <= 1 << 24
     assert life.unheard[-1][:2] == "39"
-    mute = Life(Process("robot-3", "m:f"), 2)
+    mute = ProcessLife(Process("robot-3", "m:f"), 2)
     mute.hear("a lie")
     assert (mute.report, mute.unheard) == (None, [])
 

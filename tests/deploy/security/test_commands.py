@@ -10,7 +10,7 @@ import pytest
 
 from deploy.cli.setup import keys as make
 from deploy.library.load import load
-from deploy.security.membership import Membership
+from deploy.security.membership import KeyRing
 from deploy.security.roster import read, robot_role
 from protocol.bus.connection import Connection
 from protocol.errors import UsageError
@@ -37,7 +37,7 @@ def test_keys_are_for_robots_that_orders_add_too(tmp_path: Path) -> None:
     file.write_text(write_toml(replace(load("head-on"), orders=(Order(1.0, add=guest),))))
     make(keys, str(file), run="yard")
     assert read(keys).robots == (1, 2, 7)
-    assert Membership(keys).client(robot_role(7), ("tls/127.0.0.1:7447",)).credentials is not None
+    assert KeyRing(keys).client(robot_role(7), ("tls/127.0.0.1:7447",)).credentials is not None
 
 
 @pytest.mark.slow
@@ -71,12 +71,12 @@ def test_print_config_is_the_whole_of_the_rules(disknav: Forks, tmp_path: Path) 
 
 
 def test_an_endpoint_need_not_say_the_protocol_of_its_network(tmp_path: Path) -> None:
-    assert Membership().endpoint("localhost:7611") == "tcp/localhost:7611"
-    assert Membership(tmp_path).endpoint("10.0.0.1") == "tls/10.0.0.1:7447"
+    assert KeyRing().endpoint("localhost:7611") == "tcp/localhost:7611"
+    assert KeyRing(tmp_path).endpoint("10.0.0.1") == "tls/10.0.0.1:7447"
     with pytest.raises(UsageError, match="give --secure DIR"):
-        Membership().endpoint("tls/10.0.0.1:7447")
+        KeyRing().endpoint("tls/10.0.0.1:7447")
     with pytest.raises(UsageError, match="with --secure, use tls/"):
-        Membership(tmp_path).endpoint("tcp/10.0.0.1:7447")
+        KeyRing(tmp_path).endpoint("tcp/10.0.0.1:7447")
 
 
 @pytest.mark.slow

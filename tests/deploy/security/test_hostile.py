@@ -20,8 +20,8 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.result import unjudged
 from deploy.security.keystore import create
-from deploy.security.membership import Membership
-from deploy.security.roster import OPERATOR, Roster
+from deploy.security.membership import KeyRing
+from deploy.security.roster import OPERATOR, KeyRoster
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
@@ -43,7 +43,7 @@ Lie = tuple[str, str, bytes]  # stream, key, payload
 @pytest.fixture(scope="module")
 def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
     directory = tmp_path_factory.mktemp("hostile") / "keys"
-    create(directory, Roster(RUN, SCENARIO.ids))
+    create(directory, KeyRoster(RUN, SCENARIO.ids))
     return directory
 
 
@@ -126,7 +126,7 @@ class LiedTo(Fleet):
         observer = self.topology.observer()
         if self._options.secure is None:
             return observer
-        return Membership(self._options.secure).client(role, observer.connect)
+        return KeyRing(self._options.secure).client(role, observer.connect)
 
     def __exit__(self, *details: object) -> None:
         for liar in self.liars:
@@ -148,16 +148,16 @@ def test_lies_of_those_who_may_not_change_nothing(keys: Path) -> None:
 def test_an_operator_gives_orders_and_says_nothing_in_anothers_name(keys: Path) -> None:
     """Orders are what the role is for: the world carries them out."""
     with Supervisor() as supervisor, ExitStack() as stack:
-        supervisor.start([table.router(Membership(keys).router())])
+        supervisor.start([table.router(KeyRing(keys).router())])
         endpoint = supervisor.report(table.ROUTER, 20.0)
         spy, operator, world = (
-            stack.enter_context(closing(ZenohBus(Membership(keys).client(role, (endpoint,)))))
+            stack.enter_context(closing(ZenohBus(KeyRing(keys).client(role, (endpoint,)))))
             for role in ("monitor", OPERATOR, "world")
         )
         for stream, key, _ in lies(SCENARIO, 1, None):
             if stream in ("state", "clock", "truth", "result", "health"):
                 spy.subscribe(key)
-        liar = Liar(Membership(keys).client(OPERATOR, (endpoint,)), None)
+        liar = Liar(KeyRing(keys).client(OPERATOR, (endpoint,)), None)
         stack.enter_context(closing(liar.bus))
         liar.lie(1)
         last = encode(Clock(7, 0.0, (), (), ""))
@@ -182,14 +182,14 @@ def test_without_keys_the_same_lies_are_believed() -> None:
 def test_half_open_links_keep_nobody_out(keys: Path) -> None:
     """Connections that say nothing, or begin a handshake and stop."""
     with Supervisor() as supervisor, ExitStack() as stack:
-        supervisor.start([table.router(Membership(keys).router())])
+        supervisor.start([table.router(KeyRing(keys).router())])
         endpoint = supervisor.report(table.ROUTER, 20.0)
         host, _, port = endpoint.partition("/")[2].rpartition(":")
         for n in range(400):
             link = stack.enter_context(socket.create_connection((host, int(port))))
             if n % 2:
                 link.send(b"\x16\x03\x01\x02\x00\x01\x00")
-        ZenohBus(Membership(keys).client("robot-1", (endpoint,))).close()
+        ZenohBus(KeyRing(keys).client("robot-1", (endpoint,))).close()
 
 
 @pytest.mark.long(12)
@@ -197,7 +197,7 @@ def test_certificates_that_expire_during_the_run_end_it_standing(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     slow = load("swap-4", ["control.speed=0.002"])
-    create(tmp_path / "keys", Roster(RUN, slow.ids), days=_LIFE / 86400.0)
+    create(tmp_path / "keys", KeyRoster(RUN, slow.ids), days=_LIFE / 86400.0)
     options = RunOptions(mode="realtime", run=RUN, secure=tmp_path / "keys")
     with Fleet(slow, options) as fleet:
         began = time.monotonic()

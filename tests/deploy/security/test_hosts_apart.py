@@ -14,8 +14,8 @@ import pytest
 from deploy.processes import table
 from deploy.processes.supervisor import Supervisor
 from deploy.security.keystore import create
-from deploy.security.membership import Membership
-from deploy.security.roster import Home, Roster
+from deploy.security.membership import KeyRing
+from deploy.security.roster import Home, KeyRoster
 from protocol.bus.bus import Presence, Request, Sample
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
@@ -28,7 +28,7 @@ pytestmark = [pytest.mark.process, pytest.mark.timeout(90)]
 
 RUN, HERE = "apart", "127.0.0.1"
 HOMES = {"a": Home((HERE,), (1,)), "b": Home((HERE,), (2,)), "c": Home((HERE,), (3, 4))}
-ROSTER = Roster(RUN, (1, 2, 3, 4), HOMES, "a")
+ROSTER = KeyRoster(RUN, (1, 2, 3, 4), HOMES, "a")
 STATES, ALL = f"disknav/{RUN}/robot/*/state", everything(RUN)
 OWN = {"robot/3", "robot/4"}
 
@@ -97,11 +97,11 @@ class Field:
 
     def client(self, role: str, host: str) -> ZenohBus:
         """A session with a role's credentials at a host's router."""
-        return self._open(Membership(self._keys).client(role, (self.endpoints[host],), timeout=5.0))
+        return self._open(KeyRing(self._keys).client(role, (self.endpoints[host],), timeout=5.0))
 
     def _router(self, host: str, before: tuple[str, ...], *, guarded: bool) -> Connection:
         others = [self.endpoints[each] for each in before]
-        connection = Membership(self._keys).router((self.endpoints[host],), others, host)
+        connection = KeyRing(self._keys).router((self.endpoints[host],), others, host)
         return connection if guarded else replace(connection, access=None)
 
     def _open(self, connection: Connection) -> ZenohBus:
@@ -209,9 +209,9 @@ def test_a_host_needs_its_own_keys_only(keys: Path, tmp_path: Path) -> None:
     for name in ("ca.pem", "roster.json", "router-c.pem", "router-c.key"):
         (given / name).write_bytes((keys / name).read_bytes())
         (given / name).chmod(0o600)
-    found = Membership(given).router()
-    assert found.credentials == Membership(given).router(host="c").credentials
+    found = KeyRing(given).router()
+    assert found.credentials == KeyRing(given).router(host="c").credentials
     with pytest.raises(CertificateError, match="no certificate for router-a"):
-        Membership(given).router(host="a")
+        KeyRing(given).router(host="a")
     with pytest.raises(UsageError, match="name the host, one of a, b, c"):
-        Membership(keys).router()
+        KeyRing(keys).router()

@@ -12,12 +12,12 @@ from cryptography import x509
 from cryptography.x509.oid import ExtendedKeyUsageOID
 
 from deploy.security.keystore import Authority, create, inspect
-from deploy.security.membership import Membership
-from deploy.security.roster import MONITOR, OPERATOR, Roster, read
+from deploy.security.membership import KeyRing
+from deploy.security.roster import MONITOR, OPERATOR, KeyRoster, read
 from protocol.bus.connection import credentials, key_file
 from protocol.errors import CertificateError, UsageError
 
-ROSTER = Roster("demo", (1, 2, 7))
+ROSTER = KeyRoster("demo", (1, 2, 7))
 
 
 @pytest.fixture
@@ -76,7 +76,7 @@ def test_keys_are_replaced_only_by_force_and_then_all_of_them(keys: Path) -> Non
     with pytest.raises(UsageError, match="--force"):
         create(keys, ROSTER)
     assert {path.name: path.read_bytes() for path in keys.iterdir()} == before
-    create(keys, Roster("demo", (1,)), force=True)
+    create(keys, KeyRoster("demo", (1,)), force=True)
     assert not (keys / "robot-7.key").exists()
     assert (keys / "ca.pem").read_bytes() != before["ca.pem"]
 
@@ -101,13 +101,13 @@ def test_a_failure_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.Mon
 def test_an_exposed_key_is_refused(keys: Path) -> None:
     (keys / "robot-1.key").chmod(0o644)
     with pytest.raises(CertificateError, match="others can reach"):
-        Membership(keys).client("robot-1", ["tls/127.0.0.1:7447"])
+        KeyRing(keys).client("robot-1", ["tls/127.0.0.1:7447"])
 
 
 def test_what_does_not_fit_together_is_named(keys: Path, tmp_path: Path) -> None:
     other = tmp_path / "other"
     create(other, ROSTER)
-    membership, router = Membership(keys), ["tls/127.0.0.1:7447"]
+    membership, router = KeyRing(keys), ["tls/127.0.0.1:7447"]
 
     def swap(source: Path, target: str) -> None:
         shutil.copy(source, keys / target)
@@ -128,27 +128,27 @@ def test_what_does_not_fit_together_is_named(keys: Path, tmp_path: Path) -> None
 def test_expired_certificates_are_named(tmp_path: Path) -> None:
     create(tmp_path / "keys", ROSTER, days=1e-9)
     with pytest.raises(CertificateError, match=r"valid from .* to .* UTC"):
-        Membership(tmp_path / "keys").client("robot-1", ["tls/127.0.0.1:7447"])
+        KeyRing(tmp_path / "keys").client("robot-1", ["tls/127.0.0.1:7447"])
 
 
 def test_keys_are_for_one_run_and_for_tls(keys: Path) -> None:
-    membership = Membership(keys)
+    membership = KeyRing(keys)
     assert membership.run(None) == membership.run("demo") == "demo"
     with pytest.raises(CertificateError, match="for the run demo, not other"):
         membership.run("other")
     with pytest.raises(UsageError, match="not protected"):
         membership.client("robot-1", ["tcp/127.0.0.1:7447"])
     with pytest.raises(UsageError, match="--secure"):
-        Membership().client("robot-1", ["tls/127.0.0.1:7447"])
+        KeyRing().client("robot-1", ["tls/127.0.0.1:7447"])
 
 
 def test_a_directory_without_keys_says_how_to_make_them(tmp_path: Path) -> None:
     with pytest.raises(CertificateError, match="disknav setup keys"):
-        Membership(tmp_path).run(None)
+        KeyRing(tmp_path).run(None)
 
 
 def test_a_page_gives_orders_only_where_the_operators_key_is(tmp_path: Path) -> None:
-    assert Membership().viewer == OPERATOR
-    assert Membership(tmp_path).viewer == MONITOR
+    assert KeyRing().viewer == OPERATOR
+    assert KeyRing(tmp_path).viewer == MONITOR
     (tmp_path / key_file(OPERATOR)).touch()
-    assert Membership(tmp_path).viewer == OPERATOR
+    assert KeyRing(tmp_path).viewer == OPERATOR

@@ -10,13 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deploy.processes.router import router_config
-from deploy.security.roster import Home, Roster, access_control
+from deploy.security.roster import Home, KeyRoster, access_control
 from protocol.bus.connection import Connection
 from protocol.errors import CertificateError
 from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, parse, robot_key, robot_token, world_key, world_token
 from protocol.streams import STREAMS
 
-ROSTER = Roster("demo", (1, 2, 3))
+ROSTER = KeyRoster("demo", (1, 2, 3))
 RULES = access_control(ROSTER)
 
 
@@ -103,7 +103,7 @@ def test_subjects_are_common_names_and_each_has_one_policy() -> None:
     assert len(RULES["policies"]) == len(ROSTER.roles) - 1
 
 
-HOSTS = Roster(
+HOSTS = KeyRoster(
     "demo", (1, 2, 3), {"a": Home(("a",), (1,)), "b": Home(("b",), (2, 3)), "c": Home(("c",))}, "a"
 )
 MESSAGES = RULES["rules"][0]["messages"]

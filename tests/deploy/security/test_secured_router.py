@@ -14,8 +14,8 @@ from deploy.processes import table
 from deploy.processes.router import main
 from deploy.processes.supervisor import Supervisor
 from deploy.security.keystore import create
-from deploy.security.membership import Membership
-from deploy.security.roster import Roster
+from deploy.security.membership import KeyRing
+from deploy.security.roster import KeyRoster
 from protocol.bus.bus import Sample
 from protocol.bus.connection import Connection, Credentials, credentials
 from protocol.bus.zenoh import ZenohBus
@@ -26,7 +26,7 @@ from protocol.streams import STREAMS
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90)]
 
-ROSTER = Roster("guarded", (1, 2, 3, 4, 5, 6))
+ROSTER = KeyRoster("guarded", (1, 2, 3, 4, 5, 6))
 ROGUE = b"rogue"
 
 
@@ -47,13 +47,13 @@ def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def endpoint(keys: Path) -> Iterator[str]:
     with Supervisor() as supervisor:
-        supervisor.start([table.router(Membership(keys).router())])
+        supervisor.start([table.router(KeyRing(keys).router())])
         yield supervisor.report("router", 20.0)
 
 
 def member(keys: Path, role: str, endpoint: str, timeout: float = 5.0) -> ZenohBus:
     """A session with a role's own credentials."""
-    return ZenohBus(Membership(keys).client(role, (endpoint,), timeout=timeout))
+    return ZenohBus(KeyRing(keys).client(role, (endpoint,), timeout=timeout))
 
 
 def stranger(endpoint: str, proof: Credentials | None, timeout: float = 5.0) -> ZenohBus:

@@ -12,10 +12,10 @@ import pytest
 from rich.console import Console
 
 from deploy.software import provenance
-from deploy.studies.conditions import Conditions, arrival, crowd, robustness, room
+from deploy.studies.conditions import LinkConditions, arrival, crowd, robustness, room
 from deploy.studies.execution import RunLog, execute
 from deploy.studies.experiments import PERIOD, TOLERANCE, paper_flow, scale, tuning
-from deploy.studies.perform import Request, perform, table
+from deploy.studies.perform import StudyRequest, perform, table
 from deploy.studies.study import Shard, Study, error, growth
 from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.model import Workspace
@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 
 PROMISED = {"tight", "k", "nrl_mean", "nrl_std", "arrived", "runs"}
 SMALL: dict[str, Callable[[], Study]] = {
-    "robustness": lambda: robustness(1, conditions=[Conditions(), Conditions(noise=0.001)]),
+    "robustness": lambda: robustness(1, conditions=[LinkConditions(), LinkConditions(noise=0.001)]),
     "arrival": lambda: arrival(1),
     "scale": lambda: scale(1, robots=(3, 4), transports=("local",)),
 }
@@ -44,7 +44,7 @@ def test_a_small_study_from_runs_to_table(name: str) -> None:
     assert all(line in text.getvalue() for line in study.summary(result.rows))
 
 
-def _request(**changes: object) -> Request:
+def _request(**changes: object) -> StudyRequest:
     usual = {
         "name": "tightness",
         "runs": 2,
@@ -57,7 +57,7 @@ def _request(**changes: object) -> Request:
         "fresh": False,
         "quiet": True,
     }
-    return Request(**{**usual, **changes})  # type: ignore[arg-type]
+    return StudyRequest(**{**usual, **changes})  # type: ignore[arg-type]
 
 
 def test_the_document_has_what_is_promised(tmp_path: Path) -> None:
@@ -93,7 +93,7 @@ def test_the_papers_flow_is_bare() -> None:
 
 
 def test_a_collision_under_the_filter_is_not_sound() -> None:
-    study = robustness(1, conditions=[Conditions()])
+    study = robustness(1, conditions=[LinkConditions()])
     kept, bare = ({"filter": filter_, "collisions": 1} for filter_ in ("separating-lines", "none"))
     assert study.sound([bare])
     assert not study.sound([kept, bare])

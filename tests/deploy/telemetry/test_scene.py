@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 from rosbags.typesys import Stores, get_typestore
 
-from deploy.telemetry.scene import TF, TOPICS, FleetScene, Frames, Picture
+from deploy.telemetry.scene import TF, TOPICS, FleetScene, Picture, TransformFrames
 from protocol import messages
 from protocol.messages import Clock, GoalStatus, Health, Member, Roster, Standing, Tick, Truth
 from protocol.scenario.model import Obstacle, Order, RobotSpec, Scenario
@@ -181,7 +181,7 @@ def test_strangers_and_times_that_nobody_can_tell_change_nothing() -> None:
     ),
 )
 def test_transforms_are_read_by_ros_as_written(time: int, places: dict[str, tuple[float, float]]) -> None:
-    message = STORE.deserialize_cdr(Frames("world", [*places]).message(time, places.values()), TF)
+    message = STORE.deserialize_cdr(TransformFrames("world", [*places]).message(time, places.values()), TF)
     read = {each.child_frame_id: each for each in message.transforms}  # type: ignore[attr-defined]
     found = {
         name: (each.transform.translation.x, each.transform.translation.y) for name, each in read.items()

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from deploy.theory.function import Array, Problem, beta_pairs
+from deploy.theory.function import Array, FleetProblem, beta_pairs
 
 
-def neighbours(problem: Problem, b: Array, eps: float) -> NDArray[np.bool_]:
+def neighbours(problem: FleetProblem, b: Array, eps: float) -> NDArray[np.bool_]:
     """N_eps(b, i) as rows of a (p, p) matrix: 0 < beta_ij <= eps, eps in m^2."""
     beta = beta_pairs(problem, b)
     return np.asarray((beta > 0.0) & (beta <= eps))
 
 
-def clusters(problem: Problem, b: Array, eps: float) -> tuple[tuple[int, ...], ...]:
+def clusters(problem: FleetProblem, b: Array, eps: float) -> tuple[tuple[int, ...], ...]:
     """The partition P_1..P_s of robot indices (from 0), sorted, ordered by smallest member (Lemma B.3)."""
     near = neighbours(problem, b, eps)
     left, cells = set(range(problem.p)), []

@@ -9,7 +9,7 @@ import numpy as np
 
 from deploy.theory.function import (
     Array,
-    Problem,
+    FleetProblem,
     beta_boundary,
     beta_pairs,
     gamma,
@@ -27,12 +27,12 @@ def _log(values: Array) -> Array:
         return np.asarray(np.log(values))
 
 
-def log_beta(problem: Problem, b: Array) -> float:
+def log_beta(problem: FleetProblem, b: Array) -> float:
     """log beta, the sum over all pairs; -inf on the boundary of free space, nan outside it."""
     return float(_log(obstacle_functions(problem, b)).sum())
 
 
-def _log_gamma_k(problem: Problem, b: Array) -> float:
+def _log_gamma_k(problem: FleetProblem, b: Array) -> float:
     """k log gamma; -inf at the goal."""
     return float(problem.k * _log(np.array(gamma(problem, b))))
 
@@ -43,12 +43,12 @@ def log_sum_exp(x: float, y: float) -> float:
         return float(np.logaddexp(x, y))
 
 
-def log_ratio(problem: Problem, b: Array) -> float:
+def log_ratio(problem: FleetProblem, b: Array) -> float:
     """log phi_hat = k log gamma - log beta, equation (5); -inf at the goal, +inf on the boundary."""
     return _log_gamma_k(problem, b) - log_beta(problem, b)
 
 
-def phi(problem: Problem, b: Array) -> float:
+def phi(problem: FleetProblem, b: Array) -> float:
     """phi = (gamma^k / (gamma^k + beta))^(1/k), equation (9).
 
     Exactly 0 at the goal, exactly 1 on the boundary of free space, nan outside it.
@@ -56,13 +56,13 @@ def phi(problem: Problem, b: Array) -> float:
     return float(np.exp(-log_sum_exp(0.0, -log_ratio(problem, b)) / problem.k))
 
 
-def log_scale(problem: Problem, b: Array) -> float:
+def log_scale(problem: FleetProblem, b: Array) -> float:
     """log c, where grad phi = c D: log beta - (1 + 1/k) log(gamma^k + beta)."""
     total = log_beta(problem, b)
     return total - (1.0 + 1.0 / problem.k) * log_sum_exp(_log_gamma_k(problem, b), total)
 
 
-def gradient(problem: Problem, b: Array) -> Array:
+def gradient(problem: FleetProblem, b: Array) -> Array:
     """grad phi, (p, 2) 1/m, in the interior of free space and at its goal; nan elsewhere.
 
     Deep in the repulsive layer c underflows and the gradient is a true zero to double precision: use
@@ -71,7 +71,7 @@ def gradient(problem: Problem, b: Array) -> Array:
     return np.asarray(np.exp(log_scale(problem, b)) * reduced_gradient(problem, b))
 
 
-def boundary_gradient(problem: Problem, b: Array) -> Array:
+def boundary_gradient(problem: FleetProblem, b: Array) -> Array:
     """grad phi where at least one obstacle function is exactly zero, (p, 2) 1/m.
 
     Lemma E.4: -(1 / (k gamma^k)) grad beta. Its printed second form, a sum of beta_ij grad beta_ij, lacks
@@ -90,7 +90,7 @@ def boundary_gradient(problem: Problem, b: Array) -> Array:
     return -weighted_obstacle_gradient(b, pairs + pairs.T, weights[: problem.p])
 
 
-def hessian(problem: Problem, b: Array) -> Array:
+def hessian(problem: FleetProblem, b: Array) -> Array:
     """D^2 phi = c (dD/db + D (grad log c)^T) in the interior of free space, (2p, 2p) 1/m^2.
 
     At the goal this is Proposition D.1, 2 beta(g)^(-1/k) I, which finite differences confirm.
@@ -109,6 +109,6 @@ def hessian(problem: Problem, b: Array) -> Array:
     return np.asarray(scale * (reduced_jacobian(problem, b) + np.outer(reduced, slope)))
 
 
-def n2_at(problem: Problem, b: Array) -> float:
+def n2_at(problem: FleetProblem, b: Array) -> float:
     """gamma lambda_max(L1 L1^T - L0 L0^T) at one configuration: what N2 maximises; unbounded near contact."""
     return float(gamma(problem, b) * np.linalg.eigvalsh(obstacle_curvature(problem, b))[-1] / 2.0)

@@ -16,7 +16,7 @@ from deploy.theory.bounds import (
     smallest_contact,
     stretch,
 )
-from deploy.theory.function import Array, Problem
+from deploy.theory.function import Array, FleetProblem
 from protocol.draws import Purpose, generator
 
 
@@ -25,8 +25,8 @@ def everyone(clusters: Family) -> int:
     return int(np.argmax(clusters.sizes))
 
 
-def problem_of(radii: Array, workspace: float = 200.0) -> Problem:
-    return Problem(np.zeros((len(radii), 2)), radii, workspace, 60.0)
+def problem_of(radii: Array, workspace: float = 200.0) -> FleetProblem:
+    return FleetProblem(np.zeros((len(radii), 2)), radii, workspace, 60.0)
 
 
 def random_cluster(draw: np.random.Generator, radii: Array, eps: float) -> Array | None:

@@ -21,7 +21,7 @@ from deploy.theory.bounds import (
     second_status,
 )
 from deploy.theory.exact_flow import equilibria, swapped_pairs
-from deploy.theory.function import Problem, gamma, obstacle_functions, reduced_gradient
+from deploy.theory.function import FleetProblem, gamma, obstacle_functions, reduced_gradient
 from tests.deploy.theory.clusters import circulation, clusters
 from tests.deploy.theory.problems import SIZES, admissible, crowded, free
 
@@ -87,7 +87,7 @@ def test_no_critical_point_far_from_obstacles_above_k1(p: int) -> None:
 
 def test_close_goals_violate_assumption_1_by_the_pair() -> None:
     goals = np.array([[-5.0, 0.0], [5.0, 0.0], [0.0, 20.0]])
-    problem = Problem(goals, np.full(3, 4.0), 60.0, 60.0)
+    problem = FleetProblem(goals, np.full(3, 4.0), 60.0, 60.0)
     found = margins(problem, 0.0)
     row = next(r for r in range(7) if found.clusters.names(r) == (0, 1))
     assert found.first[row] == pytest.approx(10.0 - 16.0)  # Lambda' = 2 rho_ij for two
@@ -97,7 +97,7 @@ def test_close_goals_violate_assumption_1_by_the_pair() -> None:
 
 
 def test_goals_near_the_rim_violate_assumption_2() -> None:
-    problem = Problem(np.array([[-24.0, 0.0], [24.0, 0.0]]), np.full(2, 4.0), 30.0, 60.0)
+    problem = FleetProblem(np.array([[-24.0, 0.0], [24.0, 0.0]]), np.full(2, 4.0), 30.0, 60.0)
     found = margins(problem, 0.0)
     row = int(np.argmax(found.clusters.sizes))
     assert found.second[row] == pytest.approx(2 * 26.0 - 8.0 - 48.0)
@@ -117,14 +117,14 @@ def test_bounding_rows_are_never_more_optimistic_than_all_subsets(unequal: bool)
 def test_many_robots_use_bounding_rows() -> None:
     problem = crowded(6, False, 60.0)
     goals = np.vstack([problem.goals, problem.goals + 60, problem.goals - 60])[:14]
-    large = Problem(goals, np.full(14, 4.0), 200.0, 60.0)
+    large = FleetProblem(goals, np.full(14, 4.0), 200.0, 60.0)
     assert family(problem).enumerated
     assert not family(large).enumerated
     assert largest_eps(large) is None
 
 
 def test_a_lone_robot_is_polar_for_every_k_above_one_and_a_half() -> None:
-    best = best_bounds(Problem(np.array([[10.0, 0.0]]), np.array([4.0]), 20.0, 60.0))
+    best = best_bounds(FleetProblem(np.array([[10.0, 0.0]]), np.array([4.0]), 20.0, 60.0))
     assert best is not None
     assert best.polar < 1.5
     assert best.k2 == best.k3 == 0.0

@@ -9,7 +9,7 @@ import pytest
 
 from deploy.theory.check import mirrored_triples
 from deploy.theory.exact_flow import classify, find_equilibrium, integrate
-from deploy.theory.function import Array, Problem, obstacle_functions, reduced_jacobian
+from deploy.theory.function import Array, FleetProblem, obstacle_functions, reduced_jacobian
 from deploy.theory.tuning import automatic_k
 from tests.deploy.theory.clusters import circulation
 from tests.deploy.theory.potential import log_ratio
@@ -40,7 +40,7 @@ def test_the_path_ends_where_the_last_robot_arrives() -> None:
 def test_flow_is_the_same_in_any_unit_of_length() -> None:
     problem = crowded(6, False, k=60.0)
     start = free(problem, 2)
-    small = Problem(problem.goals / 128, problem.radii / 128, problem.workspace / 128, 60.0)
+    small = FleetProblem(problem.goals / 128, problem.radii / 128, problem.workspace / 128, 60.0)
     assert integrate(small, start / 128).nrl == pytest.approx(integrate(problem, start).nrl, rel=1e-4)
 
 
@@ -50,7 +50,7 @@ def test_the_same_start_gives_the_same_bits() -> None:
     assert first.tobytes() == second.tobytes()
 
 
-def stuck(problem: Problem) -> Array | None:
+def stuck(problem: FleetProblem) -> Array | None:
     """Where the flow ends other than at the goal, from eight random starts."""
     for seed in range(8):
         flow = integrate(problem, free(problem, seed))
@@ -79,12 +79,12 @@ def test_admissible_goals_are_reached_from_every_random_start_in_practice() -> N
 def test_three_disks_that_cannot_line_up_keep_their_order() -> None:
     angle = 2.0 * np.pi * np.arange(3) / 3
     ring = 6.0 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    problem = Problem(ring[::-1].copy(), np.full(3, 3.5), 10.0, 200.0)
+    problem = FleetProblem(ring[::-1].copy(), np.full(3, 3.5), 10.0, 200.0)
     assert mirrored_triples(problem, ring) == [(0, 1, 2)]
     assert not integrate(problem, ring + 0.01).arrived
-    turned = Problem(np.roll(ring, 1, axis=0), np.full(3, 3.5), 10.0, 200.0)
+    turned = FleetProblem(np.roll(ring, 1, axis=0), np.full(3, 3.5), 10.0, 200.0)
     assert mirrored_triples(turned, ring) == []
-    roomy = Problem(problem.goals, np.full(3, 3.3), 10.0, 200.0)
+    roomy = FleetProblem(problem.goals, np.full(3, 3.3), 10.0, 200.0)
     assert mirrored_triples(roomy, ring) == []
 
 

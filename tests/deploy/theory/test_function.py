@@ -10,7 +10,7 @@ import pytest
 
 from deploy.theory.function import (
     Array,
-    Problem,
+    FleetProblem,
     beta_boundary,
     beta_pairs,
     gamma,
@@ -26,7 +26,7 @@ from tests.deploy.theory.problems import SIZES, crowded, free
 H = 1e-5  # for differences
 
 
-def difference(problem: Problem, b: Array) -> Array:
+def difference(problem: FleetProblem, b: Array) -> Array:
     """Central differences of phi, (p, 2)."""
     steps = (H * np.eye(b.size)).reshape(b.size, *b.shape)
     return np.array([(phi(problem, b + s) - phi(problem, b - s)) / (2 * H) for s in steps]).reshape(b.shape)
@@ -44,7 +44,7 @@ def test_gradient_is_the_derivative_of_phi(p: int, unequal: bool, seed: int) -> 
 
 
 def test_phi_and_gradient_agree_with_their_definition_in_fifty_digits() -> None:
-    problem = Problem(np.array([[5.0, 1.0], [-4.0, 2.0]]), np.array([1.0, 2.0]), 9.0, 3.0)
+    problem = FleetProblem(np.array([[5.0, 1.0], [-4.0, 2.0]]), np.array([1.0, 2.0]), 9.0, 3.0)
     b = np.array([[-3.0, 4.0], [3.0, -2.5]])
 
     def exact(*x: mpmath.mpf) -> mpmath.mpf:
@@ -65,7 +65,7 @@ def test_two_hundred_robots_at_k_ten_thousand_stay_finite_and_right() -> None:
     p, workspace = 200, 60.0
     side = np.arange(-8, 9) * 4.2
     grid = np.array([(x, y) for x in side for y in side if np.hypot(x, y) < 50.0])[:p]
-    problem = Problem(grid[::-1] * 1.01, np.full(p, 1.5), workspace, 10_000.0)
+    problem = FleetProblem(grid[::-1] * 1.01, np.full(p, 1.5), workspace, 10_000.0)
     b = grid + 0.1
     assert in_free_space(problem, b)
     assert 0.0 < phi(problem, b) < 1.0
@@ -78,14 +78,14 @@ def test_two_hundred_robots_at_k_ten_thousand_stay_finite_and_right() -> None:
     np.testing.assert_allclose(reduced.ravel()[:20], expected, rtol=1e-4, atol=1e-3)
 
 
-def k_log(problem: Problem, b: Array) -> float:
+def k_log(problem: FleetProblem, b: Array) -> float:
     """log phi_hat, written independently of the code under test."""
     return float(problem.k * np.log(((b - problem.goals) ** 2).sum())) - log_beta(problem, b)
 
 
 @pytest.mark.parametrize("k", [1.0, 20.0, 10_000.0])
 def test_phi_is_zero_at_the_goal_one_on_the_boundary_and_nan_outside(k: float) -> None:
-    problem = Problem(np.array([[2.0, 0.0], [-2.0, 0.0]]), np.array([0.5, 0.5]), 4.0, k)
+    problem = FleetProblem(np.array([[2.0, 0.0], [-2.0, 0.0]]), np.array([0.5, 0.5]), 4.0, k)
     assert phi(problem, problem.goals) == 0.0
     assert (gradient(problem, problem.goals) == 0.0).all()
     touching = np.array([[0.5, 0.0], [-0.5, 0.0]])
@@ -98,7 +98,7 @@ def test_phi_is_zero_at_the_goal_one_on_the_boundary_and_nan_outside(k: float) -
 
 
 def test_two_negative_obstacle_functions_do_not_cancel() -> None:
-    problem = Problem(np.array([[2.0, 0.0], [-2.0, 0.0]]), np.array([0.5, 0.5]), 4.0, 10.0)
+    problem = FleetProblem(np.array([[2.0, 0.0], [-2.0, 0.0]]), np.array([0.5, 0.5]), 4.0, 10.0)
     both = np.array([[3.8, 0.0], [3.8, 0.5]])
     assert (
         np.prod(obstacle_functions(problem, both)) < 0.0 or (obstacle_functions(problem, both) < 0).sum() > 1
@@ -107,11 +107,11 @@ def test_two_negative_obstacle_functions_do_not_cancel() -> None:
 
 
 def test_a_disk_larger_than_the_workspace_is_never_free() -> None:
-    problem = Problem(np.zeros((1, 2)), np.array([5.0]), 4.0, 10.0)
+    problem = FleetProblem(np.zeros((1, 2)), np.array([5.0]), 4.0, 10.0)
     assert not in_free_space(problem, np.zeros((1, 2)))
 
 
-def contacts(p: int, unequal: bool) -> tuple[Problem, Array]:
+def contacts(p: int, unequal: bool) -> tuple[FleetProblem, Array]:
     """A configuration in which robots 0 and 1 touch exactly, along the x axis, and no others."""
     problem = crowded(p, unequal, k=1.5)
     for seed in range(50):
@@ -161,7 +161,7 @@ def test_the_printed_sum_of_lemma_e4_lacks_a_bar(p: int) -> None:
 def test_two_contacts_are_critical_and_maximal() -> None:
     """Proposition C.2."""
     goals = np.array([[3.0, 3.0], [-3.0, 3.0], [0.0, -4.0]])
-    problem = Problem(goals, np.ones(3), 8.0, 1.5)
+    problem = FleetProblem(goals, np.ones(3), 8.0, 1.5)
     row = np.array([[-2.0, 0.0], [0.0, 0.0], [2.0, 0.0]])
     assert (obstacle_functions(problem, row) == 0.0).sum() == 2
     assert phi(problem, row) == 1.0

@@ -10,7 +10,7 @@ import pytest
 from deploy.theory.exact_flow import classify, equilibria, swapped_pairs
 from deploy.theory.function import (
     Array,
-    Problem,
+    FleetProblem,
     beta_boundary,
     beta_pairs,
     gamma,
@@ -28,7 +28,7 @@ CASES = [(p, unequal) for p in SIZES for unequal in (False, True)]
 
 
 @cache
-def saddles(p: int, unequal: bool) -> tuple[Problem, tuple[Array, ...]]:
+def saddles(p: int, unequal: bool) -> tuple[FleetProblem, tuple[Array, ...]]:
     """A crowded problem at k = 60 and its interior critical points other than the goal."""
     problem = crowded(p, unequal, k=60.0)
     starts = swapped_pairs(problem) + [free(problem, seed) for seed in range(4 if p == 6 else 12)]
@@ -47,7 +47,7 @@ def stacked(b: Array) -> Array:
     return b.T.ravel()
 
 
-def factors(problem: Problem, b: Array) -> tuple[Array, Array, Array, Array]:
+def factors(problem: FleetProblem, b: Array) -> tuple[Array, Array, Array, Array]:
     """L0, L1, M, o of appendix E, built literally from their definitions."""
     p, unit = problem.p, np.eye(problem.p)
     pair, rim = beta_pairs(problem, b), beta_boundary(problem, b)
@@ -154,6 +154,6 @@ def test_n2_of_proposition_d2_exceeds_k_at_every_saddle(p: int, unequal: bool) -
     assert values[2] > 50.0 * values[1] > 2500.0 * values[0]
 
 
-def pair_of(problem: Problem) -> Problem:
+def pair_of(problem: FleetProblem) -> FleetProblem:
     """The same problem with its first two robots only."""
-    return Problem(problem.goals[:2], problem.radii[:2], problem.workspace, problem.k)
+    return FleetProblem(problem.goals[:2], problem.radii[:2], problem.workspace, problem.k)

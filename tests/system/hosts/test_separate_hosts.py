@@ -12,7 +12,7 @@ import pytest
 
 from deploy.library.load import load
 from deploy.security.keystore import create
-from deploy.security.roster import Home, Roster
+from deploy.security.roster import Home, KeyRoster
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import Scenario
 from tests.system.hosts.testbed.network import Hosts, needs_hosts
@@ -36,7 +36,7 @@ class Field:
             )
             for host in (1, 2, 3)
         }
-        create(self._keys, Roster(RUN, scenario.ids, homes, "host-1"))
+        create(self._keys, KeyRoster(RUN, scenario.ids, homes, "host-1"))
         (folder / "scenario.toml").write_text(write_toml(scenario))
         for host in (1, 2, 3):
             before = [word for other in range(1, host) for word in ("--connect", self._router(other))]

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from deploy.processes.spawn import Exited, News, Process, Report, Start, Started, Store, decode_news
+from deploy.processes.spawn import Exited, News, Process, ProcessReport, Start, Started, Store, decode_news
 from deploy.software import SOFTWARE, code_digest
 from tests.deploy.processes.test_spawn import gone
 from tests.system.hosts.testbed.ssh_server import ROOT
@@ -41,7 +41,7 @@ class FarEnd(NamedTuple):
         self.requests.send(Start(1, Process("one", f"{_CHILDREN}:{function}", arguments, reports=True)))
         started, report = self.news(), self.news()
         assert isinstance(started, Started)
-        assert isinstance(report, Report)
+        assert isinstance(report, ProcessReport)
         return started.pid
 
 

@@ -19,7 +19,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deploy.processes.hosts.ssh import Frames, Relay, SshSpawner
+from deploy.processes.hosts.ssh import FramedMessages, Relay, SshSpawner
 from deploy.processes.hosts.table import Host
 from deploy.processes.spawn import MAX_NEWS, Exited, Started, decode_news, encode_news
 from protocol.errors import ProcessError
@@ -34,7 +34,7 @@ class Line:
     def __init__(self) -> None:
         self.reading, self.writing = os.pipe()
         self.clock = Stopwatch()
-        self.frames = Frames(self.reading, 1000, PATIENCE, self.clock)
+        self.frames = FramedMessages(self.reading, 1000, PATIENCE, self.clock)
 
     def arrives(self, payload: bytes) -> list[bytes]:
         os.write(self.writing, payload)
@@ -132,7 +132,7 @@ class Heard(SshSpawner):
 
     def __init__(self, descriptor: int) -> None:
         self.host, self._beat = Host("left", "127.0.0.1", ssh="left"), inf
-        self._frames = Frames(descriptor, MAX_NEWS, 5.0)
+        self._frames = FramedMessages(descriptor, MAX_NEWS, 5.0)
 
 
 def test_why_a_process_ended_is_for_the_launcher_to_say() -> None:

@@ -12,7 +12,7 @@ from deploy.processes.hosts.spawners import HostSpawners
 from deploy.processes.hosts.table import parse_hosts, read_hosts, roster_of
 from deploy.run.assembly import MultiHost, places
 from deploy.run.options import RunOptions
-from deploy.security.membership import Membership
+from deploy.security.membership import KeyRing
 from protocol.errors import HostsError, UsageError
 
 GOOD = """
@@ -57,7 +57,7 @@ def test_what_runs_where() -> None:
 def test_a_robot_that_was_added_is_on_no_host() -> None:
     hosts = parse_hosts(tomllib.loads(GOOD), (1, 2, 3))
     with pytest.raises(UsageError, match=r"\(base, left\) has robot 7: `disknav node robot 7 --run"):
-        MultiHost(hosts, Membership(None), cast(HostSpawners, None)).robot(7)
+        MultiHost(hosts, KeyRing(None), cast(HostSpawners, None)).robot(7)
 
 
 def test_robots_that_orders_add_may_be_on_a_host() -> None:

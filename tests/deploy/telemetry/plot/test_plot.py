@@ -13,7 +13,7 @@ from PIL import Image
 from deploy.telemetry.plot.draw import check, draw, until
 from deploy.telemetry.plot.figure import Heard, measurement_ages
 from deploy.telemetry.plot.workspace import COLOURS, colour, dash
-from deploy.telemetry.recording.reader import Recording, read
+from deploy.telemetry.recording.reader import RecordedRun, read
 from protocol.errors import UsageError
 from protocol.scenario.model import Sensing
 from protocol.scenario.network import Link, Partition
@@ -25,14 +25,14 @@ STEP = 0.05
 
 
 @pytest.fixture(scope="module")
-def recording(tmp_path_factory) -> Recording:
+def recording(tmp_path_factory) -> RecordedRun:
     path = tmp_path_factory.mktemp("plot") / "three.mcap"
     record(path)
     return read(path)
 
 
 @pytest.fixture(scope="module")
-def faulty(tmp_path_factory) -> Recording:
+def faulty(tmp_path_factory) -> RecordedRun:
     """Measurements two ticks late, States three ticks late and two in five lost."""
     path = tmp_path_factory.mktemp("plot") / "faulty.mcap"
     record(path, sensing=(Sensing(delay=0.1),), link=Link(delay=0.15, loss=0.4))

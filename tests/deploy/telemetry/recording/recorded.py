@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from deploy.run.local import LocalFleet
-from deploy.telemetry.recording.reader import Recording
+from deploy.telemetry.recording.reader import RecordedRun
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time
 
 ROBOTS = (
@@ -27,6 +27,6 @@ def record(path: Path, **changes: Any) -> dict[str, Any]:
         return fleet.execute()
 
 
-def said_by(recording: Recording, kind: type[Any], robot: int) -> list[Any]:
+def said_by(recording: RecordedRun, kind: type[Any], robot: int) -> list[Any]:
     """What one robot said, or was told, in messages of a kind."""
     return [message for message in recording.said(kind) if message.robot == robot]

@@ -11,7 +11,7 @@ from mcap.writer import Writer
 
 from deploy.cli.recording import info, replay
 from deploy.processes.router import listening
-from deploy.telemetry.recording.reader import Contents, Recording, Truths, read
+from deploy.telemetry.recording.reader import Contents, RecordedRun, Truths, read
 from deploy.telemetry.recording.replay import publish, published, verify
 from protocol.bus.bus import Sample
 from protocol.bus.connection import Connection
@@ -31,7 +31,7 @@ def path(tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def recording(path) -> Recording:
+def recording(path) -> RecordedRun:
     return read(path)
 
 
@@ -65,7 +65,7 @@ def test_one_changed_digit_is_an_error(path, recording, tmp_path):
         verify(altered)
 
 
-def _without_truths(recording: Recording, lost: set[int]) -> Recording:
+def _without_truths(recording: RecordedRun, lost: set[int]) -> RecordedRun:
     truths = recording.truths
     keep = ~np.isin(truths.ticks, list(lost))
     columns = (truths.ticks, truths.positions, truths.clearance, truths.phi, truths.log_potential)

@@ -13,7 +13,7 @@ from mcap.reader import make_reader
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.telemetry.plot.draw import until
-from deploy.telemetry.recording.reader import Recording, Truths, read
+from deploy.telemetry.recording.reader import RecordedRun, Truths, read
 from deploy.telemetry.recording.replay import participants, verify
 from protocol.errors import RecordingError
 from protocol.messages import State
@@ -42,17 +42,17 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def recording(path: Path) -> Recording:
+def recording(path: Path) -> RecordedRun:
     return read(path)
 
 
-def there(recording: Recording, robot: int) -> list[int]:
+def there(recording: RecordedRun, robot: int) -> list[int]:
     """Ticks in which its disk was there."""
     index = recording.truths.robots.tolist().index(robot)
     return recording.truths.ticks[~np.isnan(recording.truths.positions[:, index, 0])].tolist()
 
 
-def test_each_is_where_it_was_while_it_was_there(recording: Recording) -> None:
+def test_each_is_where_it_was_while_it_was_there(recording: RecordedRun) -> None:
     last = int(recording.truths.ticks[-1])
     assert recording.truths.robots.tolist() == [1, 2, 3, 5]
     assert there(recording, 1) == list(range(last + 1))
@@ -62,13 +62,13 @@ def test_each_is_where_it_was_while_it_was_there(recording: Recording) -> None:
     assert said_by(recording, State, 5)
 
 
-def without(recording: Recording, lost: int) -> Recording:
+def without(recording: RecordedRun, lost: int) -> RecordedRun:
     truths, keep = recording.truths, recording.truths.ticks != lost
     columns = (truths.ticks, truths.positions, truths.clearance, truths.phi, truths.log_potential)
     return replace(recording, truths=Truths(truths.robots, *(column[keep] for column in columns)))
 
 
-def test_a_lost_truth_is_worked_out_unless_somebody_came_or_went(recording: Recording) -> None:
+def test_a_lost_truth_is_worked_out_unless_somebody_came_or_went(recording: RecordedRun) -> None:
     found = verify(without(recording, 30))
     assert found is not None
     assert (found.sha256, found.restored) == (recording.result["trajectory_sha256"], 1)
@@ -84,7 +84,7 @@ def test_a_robot_that_takes_up_a_part_leaves_the_trajectory_the_results(tmp_path
     assert found.sha256 == recording.result["trajectory_sha256"]
 
 
-def test_participants_have_what_is_known_of_them(recording: Recording) -> None:
+def test_participants_have_what_is_known_of_them(recording: RecordedRun) -> None:
     found = {each.robot: each for each in participants(recording)}
     assert (found[5].radius, found[5].goal) == (GUEST.radius, GUEST.goal)
     assert found[5].known[0] == pytest.approx(GUEST.start)

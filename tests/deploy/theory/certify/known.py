@@ -16,7 +16,7 @@ from deploy.theory.exact_flow import (
     random_configuration,
     swapped_pairs,
 )
-from deploy.theory.function import Array, Problem, gamma, obstacle_functions
+from deploy.theory.function import Array, FleetProblem, gamma, obstacle_functions
 from protocol.draws import Purpose, generator
 
 WORKSPACE = 0.3
@@ -27,7 +27,7 @@ FIGURE_2 = np.array([(0.0, 0.049), (-0.0425, -0.0245), (0.0425, -0.0245)])
 class Known:
     """A critical point other than the goal."""
 
-    problem: Problem
+    problem: FleetProblem
     point: CriticalPoint
 
     @property
@@ -39,7 +39,7 @@ class Known:
         return np.concatenate([b.ravel(), weights, [1.0 / problem.k]])
 
 
-def random_problem(seed: int) -> Problem:
+def random_problem(seed: int) -> FleetProblem:
     """2 to 4 robots of equal or unequal radii; crowded goals and a low k every third time, for minima."""
     draw = generator(seed, Purpose.STUDY)
     p = 2 + seed % 3
@@ -48,7 +48,7 @@ def random_problem(seed: int) -> Problem:
     goals = random_configuration(draw, radii, (0.13 + 0.02 * p) if crowded else WORKSPACE)
     assert goals is not None
     k = draw.uniform(1.5, 4.0) if crowded else np.exp(draw.uniform(np.log(1.5), np.log(300.0)))
-    return Problem(goals, radii, WORKSPACE, float(k))
+    return FleetProblem(goals, radii, WORKSPACE, float(k))
 
 
 @cache
@@ -60,7 +60,7 @@ def known(seed: int, starts: int = 4) -> tuple[Known, ...]:
     return tuple(_found(problem, [*(b for b in places if b is not None), *swapped_pairs(problem)]))
 
 
-def _found(problem: Problem, starts: list[Array]) -> Iterator[Known]:
+def _found(problem: FleetProblem, starts: list[Array]) -> Iterator[Known]:
     for start in starts:
         b = find_equilibrium(problem, start)
         if b is not None and gamma(problem, b) > 1e-8:
@@ -69,7 +69,7 @@ def _found(problem: Problem, starts: list[Array]) -> Iterator[Known]:
 
 def blockade(k: float) -> Known:
     """Figure 2's first robot below the two others, all on the wrong side: a minimum for k = 1.6 to 2.4."""
-    problem = Problem(FIGURE_2, np.full(3, 0.04), WORKSPACE, k)
+    problem = FleetProblem(FIGURE_2, np.full(3, 0.04), WORKSPACE, k)
     rest = integrate(problem, np.array([(0.0, -0.12), (-0.148, 0.055), (0.148, 0.055)])).path[-1]
     (found,) = _found(problem, [rest])
     assert found.point.kind == "minimum"
@@ -86,7 +86,7 @@ def forever(equal: bool) -> Known:
         goals = np.array([(0.0511, 0.0201), (0.0019, 0.0039), (-0.002, 0.0564)])
         place = np.array([(0.0166, 0.0459), (0.0, 0.0), (0.0345, 0.0345)])
         radii = np.array([0.0106, 0.0382, 0.0106])
-    problem = Problem(goals, radii, WORKSPACE, 1e5)
+    problem = FleetProblem(goals, radii, WORKSPACE, 1e5)
     start = 1.001 * (place - place.mean(axis=0)) + place.mean(axis=0)
     (found,) = _found(problem, [integrate(problem, start).path[-1]])
     assert found.point.kind == "minimum"

@@ -10,7 +10,7 @@ import pytest
 
 from deploy.library.load import read
 from deploy.theory.certify.boxes import scene_of
-from deploy.theory.certify.certificate import Certificate, Goals, ProofError, Slab, fetch, path_for, store
+from deploy.theory.certify.certificate import Certificate, GoalSet, ProofError, Slab, fetch, path_for, store
 from deploy.theory.certify.prove import ladder, prove
 from deploy.theory.certify.replay import replay
 from deploy.theory.certify.search import Search
@@ -19,11 +19,11 @@ from protocol.scenario.model import Scenario
 
 pytestmark = pytest.mark.slow
 
-PAIR = Goals(((0.05, 0.0), (-0.045, 0.01)), (0.04, 0.05), 0.3)
-TRIPLE = Goals.of(read("figure-2"))
+PAIR = GoalSet(((0.05, 0.0), (-0.045, 0.01)), (0.04, 0.05), 0.3)
+TRIPLE = GoalSet.of(read("figure-2"))
 
 
-def proven(goals: Goals, k: float) -> Certificate:
+def proven(goals: GoalSet, k: float) -> Certificate:
     certificate = Certificate(goals, "test")
     prove(certificate, k, lambda _: True)
     return certificate
@@ -141,7 +141,7 @@ def _with(certificate: Certificate, nodes: bytes) -> Certificate:
 
 def test_goals_that_touch_have_no_certificate() -> None:
     with pytest.raises(UsageError, match="touch"):
-        prove(Certificate(Goals(((0.0, 0.0), (0.08, 0.0)), (0.04, 0.04), 0.3)), 10.0, lambda _: True)
+        prove(Certificate(GoalSet(((0.0, 0.0), (0.08, 0.0)), (0.04, 0.04), 0.3)), 10.0, lambda _: True)
 
 
 def test_a_certificate_lies_beside_its_scenario(tmp_path: Path) -> None:
@@ -152,8 +152,8 @@ def test_a_certificate_lies_beside_its_scenario(tmp_path: Path) -> None:
 
 def test_goals_are_told_apart_by_what_they_are() -> None:
     scenario: Scenario = read("figure-2")
-    assert Goals.of(scenario).digest == Goals.of(replace(scenario, name="other", seed=5)).digest
-    assert Goals.of(scenario).digest != PAIR.digest
+    assert GoalSet.of(scenario).digest == GoalSet.of(replace(scenario, name="other", seed=5)).digest
+    assert GoalSet.of(scenario).digest != PAIR.digest
 
 
 def test_the_file_is_json_for_anybody(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from deploy.theory.certify.boxes import scene_of
 from deploy.theory.exact_flow import classify
-from deploy.theory.function import Array, Problem, gamma, obstacle_functions, reduced_jacobian
+from deploy.theory.function import Array, FleetProblem, gamma, obstacle_functions, reduced_jacobian
 from protocol.draws import Purpose, generator
 from tests.deploy.theory.certify.forms import J, half_form
 from tests.deploy.theory.certify.known import Known, known
@@ -95,7 +95,7 @@ def test_result_b_turning_the_displacement_or_the_fleet() -> None:
 def test_result_c_two_robots_without_a_wall(k: float) -> None:
     """Along the line through the goals: lambda > 1/2, and turning the pair descends, for every k > 1."""
     rho, far = 0.08, 0.09
-    wide = Problem(np.array([(far / 2, 0.0), (-far / 2, 0.0)]), np.full(2, rho / 2), 1e6, k)
+    wide = FleetProblem(np.array([(far / 2, 0.0), (-far / 2, 0.0)]), np.full(2, rho / 2), 1e6, k)
     kappa = 1.0 / k
     # (1 - 2 l) d = far, d^2 (1 - 2 kappa l) = rho^2 with d < 0: one l > 1/2, by bisection.
     low, high = 0.5 + 1e-12, 0.5 / kappa

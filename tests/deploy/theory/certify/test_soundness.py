@@ -7,8 +7,8 @@ import pytest
 from flint import arb
 
 from deploy.theory.certify.boxes import derived, scene_of
-from deploy.theory.certify.certificate import EMPTY, FALLS, Goals
-from deploy.theory.certify.conditions import Conditions
+from deploy.theory.certify.certificate import EMPTY, FALLS, GoalSet
+from deploy.theory.certify.conditions import BoxConditions
 from deploy.theory.certify.replay import Walk
 from deploy.theory.certify.search import OPEN, Search, contract, contract_newton, settle
 from tests.deploy.theory.certify.known import Known, blockade, boxes, forever, holds, known
@@ -76,10 +76,10 @@ def test_goals_that_have_a_minimum_at_every_large_k_never_certify(equal: bool) -
     assert any(holds(box, found.row) for box in search.open)
 
 
-def goals_of(found: Known) -> Goals:
+def goals_of(found: Known) -> GoalSet:
     problem = found.problem
     goals = tuple((float(x), float(y)) for x, y in problem.goals)
-    return Goals(goals, tuple(problem.radii.tolist()), problem.workspace)
+    return GoalSet(goals, tuple(problem.radii.tolist()), problem.workspace)
 
 
 def test_the_verifier_keeps_known_critical_points_and_settles_no_minimum() -> None:
@@ -90,7 +90,7 @@ def test_the_verifier_keeps_known_critical_points_and_settles_no_minimum() -> No
         walk = Walk(goals_of(found), b"", lambda _: None)
         for box in boxes(found, 4, number):
             rows = [[arb(low), arb(high)] for low, high in box.tolist()]
-            conditions = Conditions(goals_of(found), rows)
+            conditions = BoxConditions(goals_of(found), rows)
             settled = walk.settled(conditions) if found.point.kind == "minimum" else False
             assert not settled, found.point
             if found.point.kind != "minimum":

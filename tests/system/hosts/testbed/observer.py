@@ -6,7 +6,7 @@ import json
 import sys
 from pathlib import Path
 
-from deploy.security.membership import Membership
+from deploy.security.membership import KeyRing
 from protocol.bus.bus import Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
@@ -16,7 +16,7 @@ from protocol.messages import Result, Truth
 
 def main(endpoint: str, run: str, keys: str | None = None) -> None:
     """Tell every truth, and at last the result."""
-    membership = Membership(None if keys is None else Path(keys))
+    membership = KeyRing(None if keys is None else Path(keys))
     bus = ZenohBus(membership.client("monitor", (endpoint,)))
     for stream in ("truth", "result"):
         bus.subscribe(world_key(run, stream))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from deploy.telemetry.monitor import snapshot as telling
-from deploy.telemetry.monitor.live import View
+from deploy.telemetry.monitor.live import FleetView
 from protocol.messages import Clock, Health, Standing, Truth
 from protocol.scenario.model import RobotSpec, Scenario, Time
 
@@ -14,8 +14,8 @@ SCENARIO = Scenario(
 )
 
 
-def view(*, alive: bool = True, lockstep: bool = True) -> View:
-    it = View("r")
+def view(*, alive: bool = True, lockstep: bool = True) -> FleetView:
+    it = FleetView("r")
     it.begin(SCENARIO, lockstep)
     for robot in (None, 1, 2, 3):
         it.present(robot, alive)
@@ -39,14 +39,14 @@ def health(
     return Health(robot, life, tick, 0.001, published, 9, rejected, heard, ((2, 1.0, 0.0, 0.1),))
 
 
-def rows(it: View, now: float) -> dict[int, dict[str, object]]:
+def rows(it: FleetView, now: float) -> dict[int, dict[str, object]]:
     return {row["id"]: row for row in telling.snapshot(it, now)["robots"]}
 
 
-def statuses(it: View, now: float) -> list[object]:
+def statuses(it: FleetView, now: float) -> list[object]:
     return [row["status"] for row in rows(it, now).values()]
 
 
-def run_to(it: View, tick: int, now: float, active: tuple[int, ...] = (1, 2, 3)) -> None:
+def run_to(it: FleetView, tick: int, now: float, active: tuple[int, ...] = (1, 2, 3)) -> None:
     it.on_message(clock(tick - 1, active), now)
     it.on_message(truth(tick, y=0.001 * tick), now)

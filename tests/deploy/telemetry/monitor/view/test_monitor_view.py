@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from deploy.telemetry.monitor import snapshot as telling
-from deploy.telemetry.monitor.live import View
+from deploy.telemetry.monitor.live import FleetView
 from protocol.messages import Clock, Errand, GoalStatus, Message, PartPlace, Standing, Truth
 from protocol.scenario.model import Order, Part, RobotSpec
 from tests.deploy.telemetry.monitor.view.heard import SCENARIO, clock, health, rows, run_to, truth, view
@@ -48,7 +48,7 @@ def test_goals_follow_orders_and_an_older_word_changes_nothing() -> None:
 
 
 def test_who_comes_late_is_told_where_robots_were_sent() -> None:
-    it = View("r")
+    it = FleetView("r")
     it.begin(SCENARIO, True, (goal(4, 90),))
     assert rows(it, 0.0)[1]["goal"] == (0.2, 0.0)
 
@@ -125,7 +125,7 @@ def test_whatever_is_heard_can_be_told_as_json(events: list[Message | tuple[int 
 
 
 def test_before_the_scenario_is_known_there_is_nothing_but_the_name() -> None:
-    it = View("r")
+    it = FleetView("r")
     it.present(1, True)
     it.on_message(truth(1), 0.0)
     assert telling.overview(it)["scenario"] is None
@@ -137,7 +137,7 @@ def test_before_the_scenario_is_known_there_is_nothing_but_the_name() -> None:
 
 def test_who_comes_is_a_robot_like_the_others_and_who_leaves_is_none() -> None:
     guest = RobotSpec(5, 0.02, (0.0, 0.2), (0.1, 0.2))
-    it = View("r")
+    it = FleetView("r")
     it.begin(
         replace(SCENARIO, orders=(Order(0.1, add=guest),), parts=(Part(0.035, (0.2, 0.2), (0.2, 0.1)),)), True
     )
