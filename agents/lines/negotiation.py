@@ -8,10 +8,6 @@ is said when a proposal was heard, in the States of the next few ticks. That suf
 unanswered proposal needs no answer; one that has any repeats the newest for ever, so if every answer so far
 was lost, the next repetition that arrives brings about another, and that settles all older ones.
 
-The first line knows nothing of where the two want to go, and stays if one of them is lost. So an owner
-replaces it once although neither is near, a few pairs a tick: all at once, a large fleet would begin with
-messages ten times their usual size.
-
 An owner proposes anew every tick, without waiting for the answers to earlier proposals: under delay
 that halves the age of the lines, and the arrival times with it.
 """
@@ -40,7 +36,6 @@ _NEED: Final = 4.0 * ROUNDING  # gap that a line takes, m
 _MOST: Final = 0.99  # of a gap, that is kept as standoffs
 ANSWER_TICKS: Final = 3  # an answer stands in this many States after the proposal was last heard
 OUTSTANDING: Final = 32  # most unanswered proposals of one pair
-RENEWALS: Final = 5  # first lines that an owner replaces in a tick although no peer is near
 FOLLOWED: Final = 3.0  # periods for which a follower's way is kept free from when it adopts a line
 UNCHANGED: Final = 1e-2  # of what a robot moves in a tick: a line that differs by less is not proposed
 
@@ -286,11 +281,10 @@ class Negotiation:
         """
         proposals: list[Proposal] = []
         answers: list[Answer] = []
-        renewals = RENEWALS
         for bond in bonds:
             lines = bond.bound.lines
             if isinstance(lines, Owner):
-                renewals -= self._consider(tick, bond, lines, me, kernel, standing, renewals)
+                self._consider(tick, bond, lines, me, kernel, standing)
                 if lines.open:
                     number, line = lines.open[-1]  # an answer to it settles all before it
                     proposals.append(
@@ -309,33 +303,24 @@ class Negotiation:
         me: Disk,
         kernel: Robot[Region, Line, Cover],
         standing: bool,
-        renewals: int,
-    ) -> int:
-        """Propose a new line if the pair needs one; an end that cannot move needs none of the gap.
-
-        Returns 1 if it is one of the `renewals`, else 0.
-        """
+    ) -> None:
+        """Propose a new line if the pair needs one; an end that cannot move needs none of the gap."""
         state = bond.state
-        if state is None or not state.placed or bond.bound.state != LINES:
-            return 0
+        if state is None or not state.placed or bond.bound.state != LINES or len(lines.open) >= OUTSTANDING:
+            return
         ticks = max(0, tick - state.tick) + 2
         apart = 2.0 * ticks * self._max_step
         # A pair is left alone if neither comes near the line before a new one could be agreed.
         mine, theirs = apart + me.radius, apart + state.radius + state.bound
-        if len(lines.open) >= OUTSTANDING:
-            return 0
-        newest, renewal = (lines.open[-1][1] if lines.open else lines.held), 0
+        newest = lines.open[-1][1] if lines.open else lines.held
         if newest.gap(me.x, me.y) > mine and -newest.gap(state.x, state.y) > theirs:
-            if lines.number > 0 or renewals == 0:
-                return 0
-            renewal = 1
+            return
         line = self._fit_line(tick, bond, me, state, standing)
         if line is None or not kernel.fits(bond.bound, line):
-            return 0
+            return
         if not is_same(line, newest, UNCHANGED * self._max_step):
             lines.propose(line, True)
             bond.renew()
-        return renewal
 
     def _fit_line(self, tick: int, bond: Bond, me: Disk, state: PeerState, standing: bool) -> Line | None:
         """The line that lets both do what they want, as far as can be told from the peer's State."""

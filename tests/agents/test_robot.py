@@ -92,7 +92,8 @@ def test_a_peer_is_the_disk_that_its_tick_says_whichever_comes_first(
     members = tuple(
         replace(each, radius=0.02) if each.robot == peer else each for each in first.roster.members
     )
-    put_down = replace(second, roster=replace(first.roster, version=2, members=members))
+    newer = replace(first.roster, version=first.roster.version + 1, members=members)
+    put_down = replace(second, roster=newer)
     said_now = [
         heard(replace(later[each], claim=Claim(1, 0.0, claimed) if claimed else None)) for each in OTHERS
     ]
