@@ -79,7 +79,7 @@ collect: $(READY)  # once: else each process of pytest-xdist rewrites what all t
 fast: $(READY)  ## the part of the suite that takes about a minute
 	$(BIN)/python -m pytest -n auto -m 'not slow and not process and not browser and not alone and not campaign'
 
-test: $(READY)  ## lint, types, import contracts, and the whole suite from the sources; some six minutes on two cores
+test: $(READY)  ## lint, types, import contracts, and the whole suite from the sources; some minutes
 	@find protocol agents world deploy -name '*.so' -delete; rm -f *__mypyc*.so $(COMPILED)
 	@$(MAKE) --no-print-directory --jobs=2 $(KERNEL) check collect
 	$(BIN)/python -m pytest -n 3 --dist worksteal --durations=20 -m 'not alone and not campaign'  # many wait for real time

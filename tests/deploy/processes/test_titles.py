@@ -110,6 +110,7 @@ def test_titles_are_whole_and_the_same_after_a_restart() -> None:
         assert title(server) == f"disknav fork server (run {run})"
 
 
+@pytest.mark.campaign
 def test_processes_that_are_started_alone() -> None:
     """In an environment that leaves little room for titles."""
     run, endpoint = fresh_run_name(), f"tcp/127.0.0.1:{free_ports(1)[0]}"

@@ -167,6 +167,7 @@ def assert_logged(folder: Path) -> None:
         assert ended == {None, *robots}
 
 
+@pytest.mark.campaign
 def test_scheduled_faults_reach_other_hosts(server: Server, disknav: Forks, tmp_path: Path) -> None:
     scenario = tmp_path / "scenario.toml"
     scenario.write_text(write_toml(replace(SCENARIO, process=(ProcessFault(3, 0.5, "restart"),))))

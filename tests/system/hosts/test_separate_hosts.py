@@ -81,7 +81,7 @@ class Field:
         self._hosts.start(host, [*DISKNAV, *command, *connection, "--secure", str(self._keys)])
 
 
-@pytest.mark.long(23)
+@pytest.mark.campaign
 def test_a_cable_pulled_for_seconds(tmp_path: Path) -> None:
     with Hosts(3, tmp_path / "log") as hosts:
         _pull(hosts, Field(hosts, tmp_path, SCENARIO))

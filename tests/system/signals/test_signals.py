@@ -44,9 +44,7 @@ def test_a_run_that_is_interrupted_leaves_what_is_promised(seed: int, folder: Pa
     assert outcome.faults == [], f"seed {seed}"
 
 
-@pytest.mark.parametrize(
-    "seed", [*range(2), *(pytest.param(seed, marks=pytest.mark.campaign) for seed in (2, 3))]
-)
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in (1, 2, 3))])
 def test_single_processes_end_whatever_they_are_doing(seed: int, folder: Path) -> None:
     """Alone and in a run, which may not have begun, and whose router or world may have ended before them."""
     dice = Random(seed)

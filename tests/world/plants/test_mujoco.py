@@ -31,7 +31,7 @@ def test_robots_that_take_their_bodies_for_points_touch_and_the_engine_agrees() 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("setting", [pytest.param(HARD, marks=pytest.mark.campaign), SLOW])
+@pytest.mark.parametrize("setting", [HARD, pytest.param(SLOW, marks=pytest.mark.campaign)])
 def test_robots_that_know_their_bodies_do_not(setting: Setting) -> None:
     report = drive(setting)
     assert report["verdict"] == "arrived" or setting == SLOW
@@ -39,7 +39,7 @@ def test_robots_that_know_their_bodies_do_not(setting: Setting) -> None:
     assert (report["plant"]["kind"], report["plant"]["contacts"]) == ("mujoco", [])
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_same_run_twice_is_the_same() -> None:
     setting = Setting(robots=4, noise=0.003, heading=0.03, dropped=0.1, seed=3)
     one, other = drive(setting), drive(setting)

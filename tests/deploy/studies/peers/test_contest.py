@@ -59,7 +59,7 @@ def test_the_best_setting_arrives_most_then_touches_least_then_is_quickest() -> 
     assert best(rows) is rows[-1]
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_every_setting_meets_the_same_scenarios_and_stays_in_the_row(tmp_path: Path) -> None:
     study = peers(1, 5, {"pair": partial(swap, 2, 0.01)}, (0.0, 0.1))
     with RunLog(tmp_path / "runs.jsonl") as log:

@@ -70,6 +70,7 @@ def test_nothing_is_wider_than_the_screen(browser: Browser) -> None:
             assert it.page.locator("#workspace").bounding_box()["width"] >= 0.4 * viewport["width"]
 
 
+@pytest.mark.campaign
 def test_light_and_dark_follow_the_system_until_chosen(browser: Browser) -> None:
     with shown(browser, ring(6), color_scheme="dark") as it:
         background = "getComputedStyle(document.body).backgroundColor"

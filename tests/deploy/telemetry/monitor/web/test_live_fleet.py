@@ -102,6 +102,7 @@ def test_of_many_robots_alarms_and_the_selected_one_are_shown(browser: Browser) 
         assert it.overflow() <= 0
 
 
+@pytest.mark.campaign
 def test_the_layers_of_the_picture_can_be_chosen(browser: Browser) -> None:
     with shown(browser, ring(12), speed=0.4) as it:  # close enough to each other for lines
         it.wait_for_tick(12)
