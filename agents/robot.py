@@ -27,6 +27,7 @@ from protocol.messages import (
     Command,
     Handling,
     Health,
+    Line,
     Proposal,
     Report,
     Roster,
@@ -54,6 +55,7 @@ class Robot:
     Attributes:
         goal: where to go, m; nothing else of a robot keeps it, and every Tick may set another.
         hearing: takes what peers say.
+        stopped: whether it has to stand, besides an emergency stop of all.
     """
 
     def __init__(
@@ -75,7 +77,7 @@ class Robot:
         self._reports = scenario.is_external
         self._desired = self._moved = STILL
         self._blind = True  # whether nothing is known of how far it went in the last tick
-        self._halted = False  # an emergency stop is in force
+        self._halted = self.stopped = False  # an emergency stop is in force
 
     # -- phase 1: sense, follow the roster, hear what was late, say where it is
 
@@ -137,7 +139,7 @@ class Robot:
 
     def _state(self) -> State:
         """What this robot says of itself."""
-        position, bound = self._known_place()
+        position, bound = self.place
         proposals: tuple[Proposal, ...] = ()
         answers: tuple[Answer, ...] = ()
         gamma = slice_norm = 0.0
@@ -161,7 +163,8 @@ class Robot:
             None if self._mover is None else self._mover.claim,
         )
 
-    def _known_place(self) -> tuple[Vector | None, float]:
+    @property
+    def place(self) -> tuple[Vector | None, float]:
         """Where this robot is, m, and the error bound, m; no place if all that is known is implausible."""
         position, bound = self._estimate.position, self._estimate.bound
         if position is None or not self._plausible.locates(position, bound):
@@ -184,7 +187,7 @@ class Robot:
             self.hearing.look_afar(position, filter_.radius)
         if self._mover is not None:
             handles = self._fit_to_load(self._mover, filter_)
-        if position is not None and not self._halted:
+        if position is not None and not (self._halted or self.stopped):
             self._desired = self._wish(position)
             velocity = filter_.velocity(self._desired, self._estimate)
         lines = filter_.lines
@@ -236,7 +239,7 @@ class Robot:
     def _report(self) -> Report | None:
         """Where this robot was as the tick began; None in a tick without odometry: its base may have moved
         since the one before."""
-        position, bound = self._known_place()
+        position, bound = self.place
         if position is None or self._blind or self._estimate.lost:
             return None
         return Report(position, bound)
@@ -301,6 +304,16 @@ class Robot:
         return self._scenario
 
     @property
+    def radius(self) -> float:
+        """Of the own disk, m."""
+        return self._filter.radius
+
+    @property
+    def lines(self) -> tuple[Line, ...]:
+        """Separating lines that this robot obeys."""
+        return self._filter.lines.obeyed_lines() if self._filter.obeyed else ()
+
+    @property
     def lost(self) -> bool:
         """Whether the robot stands because its measurements contradict the stated bounds."""
         return self._estimate.lost
@@ -322,9 +335,7 @@ class Robot:
     def health(self, published: int, received: int, rejected: dict[str, int]) -> Health:
         """What a monitor may want to know."""
         heard = tuple(sorted((state.robot, state.tick) for state in self.hearing.neighbours.heard()))
-        _, bound = self._known_place()
-        filter_ = self._filter
-        lines = filter_.lines.obeyed_lines() if filter_.obeyed else ()
+        _, bound = self.place
         return Health(
             self.robot,
             self.incarnation,
@@ -334,7 +345,7 @@ class Robot:
             received,
             rejected,
             heard,
-            lines,
+            self.lines,
             self.note,
         )
 

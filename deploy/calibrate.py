@@ -13,6 +13,8 @@ from itertools import pairwise
 from statistics import fmean
 from typing import Final, NamedTuple
 
+from agents.bases import dialects as ros
+from agents.bases.dialects import Topic
 from agents.bases.ros_messages import (
     NANO,
     Header,
@@ -25,7 +27,8 @@ from agents.bases.ros_messages import (
     header_at,
 )
 from agents.bases.senses import planar_yaw, wrapped
-from protocol.bus.bus import Bus, Event, Sample
+from agents.shell.ros_link import RosLink
+from protocol.bus.bus import Bus, Event, Foreign
 from protocol.errors import BusError
 from protocol.scenario.body import Base
 
@@ -81,36 +84,39 @@ class Driver:
         moves: what to do, once odometry and a pose have come.
 
     Attributes:
-        keys: under which it wants to hear.
-        tells: the key under which it sends.
+        base: its topics and frames, of this robot.
+        hears: topics that it wants to hear.
+        tells: the topic that it publishes.
         due: when `wake` wants to be called, s.
         finished: whether it is over.
     """
 
     def __init__(self, base: Base, robot: int, moves: list[Manoeuvre]) -> None:
         base = base.of(robot)
-        self._odometry, self._pose = base.key(base.odometry), base.key(base.pose)
-        self.keys = (self._odometry, self._pose)
-        self.tells = base.key(base.velocity)
+        self._odometry = Topic(base.topic(base.odometry), ros.ODOMETRY)
+        self._pose = Topic(base.topic(base.pose), ros.STAMPED_POSE)
+        self.hears = (self._odometry, self._pose)
+        twist = ros.STAMPED_TWIST if base.stamped else ros.TWIST
+        self.tells = Topic(base.topic(base.velocity), twist)
         self.due = 0.0
         self.finished = False
         self.log = Log([], [], [])
-        self._base, self._ahead = base, list(reversed(moves))
+        self.base, self._ahead = base, list(reversed(moves))
         self._until = math.inf
 
     @property
     def waits_for(self) -> str:
         """What has not come yet; "" if all is there."""
-        missing = [key for key, rows in zip(self.keys, self.log[1:], strict=True) if not rows]
+        missing = [topic.name for topic, rows in zip(self.hears, self.log[1:], strict=True) if not rows]
         return " and ".join(missing)
 
-    def hear(self, key: str, payload: bytes, now: float) -> None:
-        """Something arrived; raises MessageError if it is not what it should be."""
-        if key == self._odometry:
+    def hear(self, topic: Topic, payload: bytes, now: float) -> None:
+        """A message arrived; raises MessageError if it is not what it should be."""
+        if topic == self._odometry:
             message = decode(Odometry, payload)
             ahead, rate = message.velocity.linear[0], message.velocity.angular[2]
             self._note(self.log.odometry, now, message.header, message.pose, ahead, rate)
-        elif key == self._pose:
+        elif topic == self._pose:
             located = decode(StampedPose, payload)
             self._note(self.log.poses, now, located.header, located.pose)
 
@@ -139,8 +145,8 @@ class Driver:
 
     def _message(self, ahead: float, rate: float, now: float) -> bytes:
         velocity = Velocity([ahead, 0.0, 0.0], [0.0, 0.0, rate])
-        if self._base.stamped:
-            header = header_at(round(now * NANO), self._base.base_frame)
+        if self.base.stamped:
+            header = header_at(round(now * NANO), self.base.base_frame)
             return StampedVelocity(header, velocity).serialize()
         return velocity.serialize()
 
@@ -160,9 +166,10 @@ class Calibration:
 
     def __init__(self, bus: Bus, driver: Driver, wait: float) -> None:
         self._driver = driver
-        self._tell = bus.foreign(driver.tells)
+        self._link = RosLink(bus, driver.base)
+        self._tell = self._link.publisher(driver.tells)
         self._given_up = time.monotonic() + wait
-        bus.subscribe(*driver.keys)
+        self._link.subscribe(*driver.hears)
 
     @property
     def finished(self) -> bool:
@@ -176,15 +183,16 @@ class Calibration:
 
     def handle(self, event: Event) -> None:
         """Something arrived."""
-        if isinstance(event, Sample):
-            self._driver.hear(event.key, event.payload, time.monotonic())
+        if isinstance(event, Foreign):
+            self._driver.hear(self._link.topic_of(event), event.payload, time.monotonic())
 
     def wake(self, now: float) -> None:
         """Tell the base what it is to do by now."""
         missing = self._driver.waits_for
         if missing and now > self._given_up:
             raise BusError(
-                f"nothing came under {missing}: does the bridge run, with that namespace, on the same router?"
+                f"nothing came on {missing}: do their publishers, or the bridge with that namespace, "
+                "run on the same router?"
             )
         for payload in self._driver.wake(now):
             self._tell(payload)

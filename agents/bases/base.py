@@ -1,68 +1,21 @@
-"""What a robot needs of whatever moves it, if it is not simulated; and which base a scenario gives it."""
+"""What a scenario gives a robot of ROS 2: a base, if it is not simulated, and topics for tools."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import replace
 from importlib.util import find_spec
-from typing import Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from protocol.errors import JoinError, UsageError
-from protocol.messages import Command, Sense, Tick, Vector
+from protocol.messages import Line, Vector
+from protocol.scenario.body import Base
 from protocol.scenario.model import Scenario
 from protocol.scenario.places import SHARE, room_at_start
 
-
-class Base(Protocol):
-    """A base and a localisation outside. Sans-I/O: it is told what arrives, and says what is to be sent.
-
-    Attributes:
-        keys: under which it wants to hear.
-        tells: the key under which it sends.
-        due: when `wake` wants to be called, s.
-    """
-
-    keys: tuple[str, ...]
-    tells: str
-    due: float
-
-    @property
-    def note(self) -> str:
-        """Why nothing can be relied on, so that the robot stands; "" if all is well."""
-        ...
-
-    def hear(self, key: str, payload: bytes, now: float) -> Vector | None:
-        """Something arrived under one of `keys`; the wish for a law from outside that it is, m/s, or None.
-
-        Raises:
-            MessageError: it is no wish that can be read.
-        """
-
-    def place(self) -> tuple[Vector, float] | None:
-        """Where the robot is, m, and by how much that may be off, m; None if that is not known."""
-        ...
-
-    def begin(self, tick: Tick, now: float) -> Sense | None:
-        """A tick begins: what is known of the robot; None if nothing can be relied on."""
-        ...
-
-    def begins_anew(self) -> bool:
-        """Whether all is well after it was not, so that what was known before is void; says so once."""
-        ...
-
-    def obey(self, command: Command, now: float) -> None:
-        """Carry out the Command of the tick that began last; to be called before it is sent."""
-
-    def doubt(self, why: str) -> None:
-        """The robot found out that what it was told cannot be true: rely on nothing so far."""
-
-    def stand(self, now: float) -> None:
-        """Brake: no tick goes on."""
-
-    def wake(self, now: float) -> Iterable[bytes]:
-        """What is to be sent under `tells` by now."""
-        ...
+if TYPE_CHECKING:
+    from agents.bases.ros2 import Ros2Base
+    from agents.bases.tools import RosTools
 
 
 def require() -> None:
@@ -75,8 +28,28 @@ def require() -> None:
         raise UsageError('a base outside needs pycdr2, which is not installed: pip install "disknav[ros2]"')
 
 
-def base_of(scenario: Scenario, robot: int, namespace: str | None = None) -> Base | None:
-    """What moves a robot; None if it is simulated.
+class Shown(NamedTuple):
+    """A robot as people are shown it."""
+
+    position: Vector  # m, in the map
+    bound: float  # m, largest error of the position
+    heading: float  # rad
+    velocity: Vector  # m/s, in the map
+    radius: float  # m
+    goal: Vector  # m
+    lines: tuple[Line, ...]  # that it obeys
+
+
+class Ros(NamedTuple):
+    """What a robot has to do with ROS 2."""
+
+    table: Base  # names of topics and frames, for this robot
+    base: Ros2Base | None  # None: it is simulated
+    tools: RosTools | None  # None: it serves no tools
+
+
+def ros_of(scenario: Scenario, robot: int, namespace: str | None = None) -> Ros | None:
+    """A robot's base and what it serves to tools; None if it has neither.
 
     Args:
         scenario: the run.
@@ -87,18 +60,24 @@ def base_of(scenario: Scenario, robot: int, namespace: str | None = None) -> Bas
         JoinError: it must have a base, and the fleet is simulated.
         UsageError: what reads ROS 2 messages is not installed.
     """
-    table = scenario.base_of(robot) if scenario.is_external else None
-    if table is not None:
-        require()
-        from agents.bases.ros2 import Ros2Base  # only a robot that is not simulated needs it
-
-        return Ros2Base(scenario, robot, replace(table, namespace=namespace) if namespace else table)
-    if namespace is not None:
+    if namespace is not None and not scenario.is_external:
         raise JoinError(
             f"robot {robot} was given a base, and scenario {scenario.name!r} is simulated: "
             'set world.plant = "external" where the world is started'
         )
-    return None
+    table = scenario.base_of(robot)
+    if table is None or not (scenario.is_external or table.tools):
+        return None
+    require()
+    from agents.bases.ros2 import Ros2Base  # only a robot with topics of ROS needs these
+    from agents.bases.tools import RosTools
+
+    table = (replace(table, namespace=namespace) if namespace else table).of(robot)
+    return Ros(
+        table,
+        Ros2Base(scenario, robot, table) if scenario.is_external else None,
+        RosTools(table, robot) if table.tools else None,
+    )
 
 
 def misplaced(scenario: Scenario, robot: int, place: Vector, bound: float) -> str:

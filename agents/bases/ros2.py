@@ -1,7 +1,4 @@
-"""A base that speaks ROS 2 as zenoh-bridge-ros2dds carries it: keys are `<namespace>/<topic>`, payloads CDR.
-
-Nothing here knows ROS; it takes the four messages of `agents.bases.ros_messages`.
-"""
+"""A base that speaks ROS 2: topics of velocity, odometry, pose and wishes, with payloads in CDR."""
 
 from __future__ import annotations
 
@@ -10,6 +7,8 @@ import time
 from collections.abc import Callable, Iterable
 from typing import Final
 
+from agents.bases import dialects as ros
+from agents.bases.dialects import Topic
 from agents.bases.drive import Drive, Lease
 from agents.bases.ros_messages import StampedVelocity, Velocity, decode, header_at
 from agents.bases.senses import Senses
@@ -24,27 +23,30 @@ _STILL: Vector = (0.0, 0.0)
 
 
 class Ros2Base:
-    """Implements `agents.bases.base.Base`.
+    """A base and a localisation outside. Sans-I/O: it is told what arrives, and says what is to be sent.
 
     Args:
         scenario: the run.
         robot: own id.
         base: its table.
         clock: wall-clock time for the stamps of velocities, ns.
+
+    Attributes:
+        hears: topics that it wants to hear.
+        tells: the topic that it publishes.
+        due: when `wake` wants to be called, s.
     """
 
     def __init__(
         self, scenario: Scenario, robot: int, base: Base, clock: Callable[[], int] = time.time_ns
     ) -> None:
         body, base = scenario.body_of(robot), base.of(robot)
-        self._odometry, self._pose = base.key(base.odometry), base.key(base.pose)
-        wishes = scenario.control.law == "external"
-        self.keys: tuple[str, ...] = (
-            self._odometry,
-            self._pose,
-            *([base.key(base.desired)] if wishes else []),
-        )
-        self.tells = base.key(base.velocity)
+        twist = ros.STAMPED_TWIST if base.stamped else ros.TWIST
+        self._odometry = Topic(base.topic(base.odometry), ros.ODOMETRY)
+        self._pose = Topic(base.topic(base.pose), ros.STAMPED_POSE)
+        wishes = [Topic(base.topic(base.desired), twist)] if scenario.control.law == "external" else []
+        self.hears: tuple[Topic, ...] = (self._odometry, self._pose, *wishes)
+        self.tells = Topic(base.topic(base.velocity), twist)
         self.due = 0.0
         self._base, self._offset = base, body.offset
         self._clock = clock
@@ -58,13 +60,23 @@ class Ros2Base:
 
     @property
     def note(self) -> str:
-        """Why nothing can be relied on."""
+        """Why nothing can be relied on, so that the robot stands; "" if all is well."""
         return self._senses.note
 
-    def hear(self, key: str, payload: bytes, now: float) -> Vector | None:
-        if key == self._odometry:
+    @property
+    def heading(self) -> float:
+        """Which way the robot faces in the map, rad; 0 if that is not known."""
+        return self._senses.heading()
+
+    def hear(self, topic: Topic, payload: bytes, now: float) -> Vector | None:
+        """A message of one of `hears` arrived; the wish for a law from outside that it is, m/s, or None.
+
+        Raises:
+            MessageError: it is no wish that can be read.
+        """
+        if topic == self._odometry:
             self._senses.on_odometry(payload, now)
-        elif key == self._pose:
+        elif topic == self._pose:
             self._senses.on_pose(payload)
         else:
             return self._wish(payload)
@@ -81,9 +93,11 @@ class Ros2Base:
         return turned(ahead, aside, self._senses.heading()) if self._senses.sound else None
 
     def place(self) -> tuple[Vector, float] | None:
+        """Where the robot is, m, and by how much that may be off, m; None if that is not known."""
         return self._senses.place()
 
     def begin(self, tick: Tick, now: float) -> Sense | None:
+        """A tick begins: what is known of the robot; None if nothing can be relied on."""
         if tick.incarnation != self._life:
             self._lease, self._life = Lease(self._duration), tick.incarnation
         self._lease.heard(tick.heard)
@@ -95,10 +109,12 @@ class Ros2Base:
         return sense
 
     def begins_anew(self) -> bool:
+        """Whether all is well after it was not, so that what was known before is void; says so once."""
         anew, self._senses.anew = self._senses.anew, False
         return anew
 
     def obey(self, command: Command, now: float) -> None:
+        """Carry out the Command of the tick that began last; to be called before it is sent."""
         if command.may_move:  # else the coordinator may take its robot for static at once
             self._lease.sent(command.tick, now)
         velocity = _STILL if self._blind else command.velocity
@@ -106,13 +122,16 @@ class Ros2Base:
         self.due = now
 
     def doubt(self, why: str) -> None:
+        """The robot found out that what it was told cannot be true: rely on nothing so far."""
         self._senses.doubt(why)
 
     def stand(self, now: float) -> None:
+        """Brake: no tick goes on."""
         self._drive.command(_STILL, self._heading, now, now)
         self.due = now
 
     def wake(self, now: float) -> Iterable[bytes]:
+        """Payloads to be published by now."""
         self._senses.look(now)
         if not self._senses.sound and self._drive.told != _STILL and not self._blind:
             self._blind = True

@@ -1,20 +1,22 @@
-"""The four ROS 2 messages of a base on wheels, as `geometry_msgs` and `nav_msgs` define them: Twist and
-TwistStamped are written for it, PoseStamped and Odometry are read.
+"""The ROS 2 messages that a robot reads or writes, as `geometry_msgs`, `nav_msgs`, `std_msgs`, `tf2_msgs` and
+`visualization_msgs` define them.
 
 CDR knows no bounds between a message and those in it, so three doubles in a row are a vector. SI units; a
 quaternion is (x, y, z, w).
 """
 
 import struct
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, TypeVar
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Final, TypeVar, cast
 
 from pycdr2 import IdlStruct
-from pycdr2.types import array, float64, int32, uint32
+from pycdr2._support import Buffer  # which alone says how much of a payload a message took
+from pycdr2.types import array, float32, float64, int32, uint8, uint32
 
 from protocol.errors import MessageError
 
 NANO: Final = 1_000_000_000
+_PADDING: Final = 3  # bytes, at most, that may follow a message: some fill up the last word
 
 M = TypeVar("M", bound=IdlStruct)
 
@@ -22,8 +24,12 @@ if TYPE_CHECKING:  # which knows nothing of arrays of a size
     Vector3 = list[float]
     Quaternion = list[float]
     Covariance = list[float]
+    Color = list[float]
+    sequence = list
 else:
     Vector3, Quaternion, Covariance = array[float64, 3], array[float64, 4], array[float64, 36]
+    Color = array[float32, 4]
+    from pycdr2.types import sequence
 
 
 @dataclass
@@ -84,6 +90,66 @@ class Odometry(IdlStruct):
     velocity_covariance: Covariance
 
 
+@dataclass
+class Flag(IdlStruct):
+    """`std_msgs/msg/Bool`."""
+
+    data: bool
+
+
+@dataclass
+class Transform(IdlStruct):
+    """`geometry_msgs/msg/TransformStamped`: where the frame `child` is in that of the header."""
+
+    header: Header
+    child: str
+    translation: Vector3
+    rotation: Quaternion
+
+
+@dataclass
+class Transforms(IdlStruct):
+    """`tf2_msgs/msg/TFMessage`."""
+
+    transforms: sequence[Transform]
+
+
+@dataclass
+class Marker(IdlStruct):
+    """`visualization_msgs/msg/Marker`; what belongs to textures, texts and meshes stays empty."""
+
+    header: Header
+    namespace: str
+    id: int32
+    type: int32  # 2 sphere, 3 cylinder, 5 list of lines
+    action: int32  # 0 draws it, or draws it anew
+    pose: Pose
+    scale: Vector3
+    color: Color
+    lifetime_sec: int32
+    lifetime_nanosec: uint32
+    frame_locked: bool
+    points: sequence[Vector3] = field(default_factory=list)
+    colors: sequence[uint32] = field(default_factory=list)
+    texture_resource: str = ""
+    texture_header: Header = field(default_factory=lambda: Header(0, 0, ""))
+    texture_format: str = ""
+    texture_data: sequence[uint8] = field(default_factory=list)
+    uv_coordinates: sequence[uint32] = field(default_factory=list)
+    text: str = ""
+    mesh_resource: str = ""
+    mesh_filename: str = ""
+    mesh_data: sequence[uint8] = field(default_factory=list)
+    mesh_use_embedded_materials: bool = False
+
+
+@dataclass
+class Markers(IdlStruct):
+    """`visualization_msgs/msg/MarkerArray`."""
+
+    markers: sequence[Marker]
+
+
 def header_at(stamp: int, frame: str) -> Header:
     """The header of a time, ns."""
     return Header(*divmod(stamp, NANO), frame)
@@ -93,11 +159,16 @@ def decode(kind: type[M], payload: bytes) -> M:
     """Read a message.
 
     Raises:
-        MessageError: the payload is no CDR, too short, or has a text that is no UTF-8.
+        MessageError: the payload is no CDR, too short or too long, or has a text that is no UTF-8.
     """
     if len(payload) < 4 or payload[0] != 0 or payload[1] not in (0, 1):
         raise MessageError("shape", "no CDR: the first two bytes are neither 0 0 nor 0 1")
+    buffer = Buffer(payload, align_offset=4)
     try:
-        return kind.deserialize(payload)
+        message = kind.deserialize(cast(bytes, buffer))  # which it takes, too
     except (struct.error, ValueError) as error:
         raise MessageError("shape", f"no {kind.__name__} in CDR: {error}") from None
+    if not 0 <= len(payload) - buffer.tell() <= _PADDING:
+        text = f"no {kind.__name__} in CDR: {len(payload)} bytes, of which it would have {buffer.tell()}"
+        raise MessageError("shape", text)
+    return message

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
-from agents.bases.base import Base, misplaced
+from agents.bases.base import misplaced
+from agents.bases.dialects import Topic
 from agents.robot import Robot
-from protocol.bus.bus import Bus
+from agents.shell.ros_link import RosLink
 from protocol.messages import Command, Sense, Tick, Vector
+
+if TYPE_CHECKING:
+    from agents.bases.ros2 import Ros2Base
 
 _BOOT = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
 
@@ -25,34 +30,43 @@ class AttachedBase:
 
     Args:
         base: the base.
-        bus: the process's own connection.
+        link: carries its topics.
         say: takes what a person should know.
         clock: time for the base, s.
 
     Attributes:
-        keys: under which it is heard.
+        hears: topics that it wants to hear.
         trouble: what was said last to be wrong with it; "" if nothing.
         in_place: whether all was well with it, and the robot where it may begin, at least once.
     """
 
     def __init__(
-        self, base: Base, bus: Bus, say: Callable[[str], None], clock: Callable[[], float] = since_boot
+        self,
+        base: Ros2Base,
+        link: RosLink,
+        say: Callable[[str], None],
+        clock: Callable[[], float] = since_boot,
     ) -> None:
-        self.keys = base.keys
+        self.hears = base.hears
         self.trouble = ""
         self.in_place = False
         self._base, self._say, self._clock = base, say, clock
-        bus.subscribe(*base.keys)
-        self._tell = bus.foreign(base.tells)
+        link.subscribe(*base.hears)
+        self._tell = link.publisher(base.tells)
 
     @property
     def due(self) -> float:
         """When `wake` wants to be called next, s, monotonic."""
         return time.monotonic() + self._base.due - self._clock()
 
-    def hear(self, key: str, payload: bytes) -> Vector | None:
-        """Something arrived under one of its keys; as `Base.hear`."""
-        return self._base.hear(key, payload, self._clock())
+    @property
+    def heading(self) -> float:
+        """Which way the robot faces in the map, rad; 0 if that is not known."""
+        return self._base.heading
+
+    def hear(self, topic: Topic, payload: bytes) -> Vector | None:
+        """A message of one of its topics arrived; as `Ros2Base.hear`."""
+        return self._base.hear(topic, payload, self._clock())
 
     def begin(self, core: Robot, tick: Tick) -> Sense | None:
         """What base and localisation say as a tick begins; the core is told if they begin anew."""

@@ -16,14 +16,15 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from agents.bases.base import base_of
+from agents.bases.base import ros_of
 from agents.peers.far import read_summary
 from agents.robot import Robot
 from agents.shell.attached_base import AttachedBase
+from agents.shell.ros_link import AttachedTools, RosLink
 from agents.shell.subscriptions import Subscriptions
 from agents.shell.world_session import PATIENCE, RETRY, WorldSession
 from protocol import joining
-from protocol.bus.bus import Bus, Event, Presence, Sample
+from protocol.bus.bus import Bus, Event, Foreign, Presence, Sample
 from protocol.codec import decode, encode
 from protocol.errors import BusError, KeyGrammarError, MessageError
 from protocol.keys import parse, robot_key, robot_token, world_key, world_tokens
@@ -74,7 +75,9 @@ class RobotNode:
         self._world = WorldSession(bus, run, robot, patience, wait, say, read)
         self._peers = Subscriptions(bus, run, robot)
         self._summary, self._health_key = world_key(run, "summary"), robot_key(run, robot, "health")
+        self._link: RosLink | None = None
         self._base: AttachedBase | None = None
+        self._tools: AttachedTools | None = None
         self._lockstep = True
         self._founded = False  # whether the run had begun when this robot was admitted
         self._declared = self._announced = False
@@ -156,12 +159,22 @@ class RobotNode:
         self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
         self._tell_command = bus.publisher(STREAMS["command"], robot_key(run, robot, "command"))
         self._tell_health = bus.publisher(STREAMS["health"], self._health_key)
-        base = base_of(core.scenario, robot, self._namespace)
-        if base is None:
+        self._declare_topics(core)
+        if self._base is None:
             self._announce()
-        else:
-            self._base = AttachedBase(base, bus, self._say)
         self._declared = True
+
+    def _declare_topics(self, core: Robot) -> None:
+        """Topics of ROS, of a robot that has any."""
+        ros = ros_of(core.scenario, self._robot, self._namespace)
+        if ros is None:
+            return
+        link = self._link = RosLink(self._bus, ros.table)
+        if ros.base is not None:
+            self._base = AttachedBase(ros.base, link, self._say)
+        if ros.tools is not None:
+            operations = world_key(self._run, "operation")
+            self._tools = AttachedTools(ros.tools, link, self._bus, operations, self._say)
 
     def _announce(self) -> None:
         self._bus.announce(robot_token(self._run, self._robot, self._world.session))
@@ -174,6 +187,13 @@ class RobotNode:
             self._on_sample(event.key, event.payload)
         elif isinstance(event, Presence):
             self._on_presence(event)
+        elif isinstance(event, Foreign) and self._link is not None:
+            try:
+                self._on_foreign(self._link, event)
+            except MessageError as error:
+                self._rejected[error.reason] += 1
+                if self._rejected[error.reason] == 1:
+                    self._say(f"ignores what is no message of its topics: {error}")
 
     def _on_presence(self, event: Presence) -> None:
         """A world's token came or went."""
@@ -191,10 +211,6 @@ class RobotNode:
             self._due = time.monotonic()
 
     def _on_sample(self, key: str, payload: bytes) -> None:
-        base = self._base
-        if base is not None and key in base.keys:
-            self._on_base(base, key, payload)
-            return
         try:
             peer = self._peers.readers.get(key)
             heard = None if peer is None else peer.read(payload)
@@ -212,14 +228,20 @@ class RobotNode:
             core.hearing.on_state(heard)
             self._command_if_complete(core)
 
-    def _on_base(self, base: AttachedBase, key: str, payload: bytes) -> None:
-        try:
-            wish = base.hear(key, payload)
-        except MessageError as error:
-            self._rejected[error.reason] += 1
+    def _on_foreign(self, link: RosLink, event: Foreign) -> None:
+        """A message of ROS, or the world's reply to what one asked for; raises MessageError."""
+        base, tools, core = self._base, self._tools, self.core
+        if tools is not None and tools.is_reply(event):
             return
-        if wish is not None and self.core is not None:
-            self.core.tell(wish)
+        topic = link.topic_of(event)
+        if base is not None and topic in base.hears:
+            wish = base.hear(topic, event.payload)
+            if wish is not None and core is not None:
+                core.tell(wish)
+        elif tools is not None:
+            tools.hear(topic, event.payload)
+            if tools.stopped and base is not None and core is not None:
+                base.stand(core, founded=self._founded)
 
     def _decode(self, key: str, payload: bytes) -> AnyMessage:
         return read_summary(key, payload) if key == self._summary else decode(key, payload)
@@ -269,6 +291,7 @@ class RobotNode:
         if tick.grants is not None and core.scenario.hears_near:
             self._peers.attend({each.peer for each in tick.grants.bindings if each.peer > 0})
         sense = None if self._base is None else self._base.begin(core, tick)
+        core.stopped = self._tools is not None and self._tools.stopped
         self._said_state = encode(core.begin(tick, sense))
         if len(core.troubles) > self._noted:
             self._noted = len(core.troubles)
@@ -289,6 +312,8 @@ class RobotNode:
             self._base.obey(command)
         self._said_command = encode(command)
         self._tell_command(self._said_command)
+        if self._tools is not None:
+            self._tools.tell(core, command, 0.0 if self._base is None else self._base.heading)
         self._published += 1
         self._commanded = True
         self._peers.tend(core.tick)

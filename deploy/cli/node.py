@@ -112,7 +112,7 @@ def world(
     membership = KeyRing(secure)
     settings = [*(setting or []), *([] if plant is None else [f"world.plant={plant}"])]
     loaded = load(scenario, settings, seed)
-    if loaded.is_external:
+    if loaded.has_topics:
         options.refuse_bases(secure)
     connection = membership.client(WORLD, (router or membership.default_router,), timeout=wait)
     run_name = membership.named_run(run)

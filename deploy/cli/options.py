@@ -127,10 +127,10 @@ def refuse(options: Mapping[str, object], reason: str) -> None:
 
 
 def refuse_bases(secure: Path | None) -> None:
-    """Refuse keys where messages of bases outside have to pass.
+    """Refuse keys where messages of ROS 2 have to pass.
 
     Raises:
         UsageError: keys were given.
     """
-    reason = "rules of a secured router let the messages of the fleet pass, and none from or to bases"
+    reason = "rules of a secured router let the messages of the fleet pass, and none of ROS 2"
     refuse({"--secure": secure}, f"{reason}; use a router without keys, on a network of the fleet's own")

@@ -97,7 +97,7 @@ def run(
     clock: Mode = mode or ("realtime" if keep else "lockstep")
     _check_options({**locals(), "mode": clock})
     loaded = load(scenario, [*(setting or []), *(["time.endless=true"] if keep else [])], seed)
-    if loaded.is_external:
+    if loaded.has_topics:
         options.refuse_bases(secure)
     membership = KeyRing(secure)
     asked = membership.run(None if name is None else checked_run(name))

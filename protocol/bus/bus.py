@@ -47,6 +47,14 @@ class Sample:
         return hash((self.key, self.payload))
 
 
+class Foreign(NamedTuple):
+    """Something was published outside this fleet's streams, or replied to a `post`, under `key`."""
+
+    key: str
+    payload: bytes
+    attachment: bytes = b""
+
+
 class Presence(NamedTuple):
     """A liveliness token appeared or went."""
 
@@ -64,7 +72,7 @@ class Request:
         self.key, self.payload, self.reply = key, payload, reply
 
 
-Event = Sample | Presence | Request
+Event = Sample | Foreign | Presence | Request
 
 
 class Bus(Protocol):
@@ -73,8 +81,16 @@ class Bus(Protocol):
     def publisher(self, stream: Stream, key: str) -> Publish:
         """Declare a publication; the returned function publishes one payload. No bus hears itself."""
 
-    def foreign(self, key: str) -> Publish:
-        """The same for a key outside this fleet; what cannot be sent at once is dropped."""
+    @property
+    def identity(self) -> str:
+        """What tells this connection from all others, as one chunk of a key."""
+
+    def foreign(self, key: str, attach: Callable[[], bytes] | None = None) -> Publish:
+        """The same for a key outside this fleet; what cannot be sent at once is dropped. `attach` gives what
+        accompanies each payload."""
+
+    def listen(self, key_expression: str) -> None:
+        """Ask for what others publish under a key expression outside this fleet, with its attachments."""
 
     def is_heard(self, key: str) -> bool:
         """Whether `key` may have a subscriber; True where that is not known."""
@@ -100,6 +116,9 @@ class Bus(Protocol):
     def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
         """Request, and wait for the replies of all that serve `key`; raises BusError after `timeout` seconds
         without one."""
+
+    def post(self, key: str, payload: bytes) -> None:
+        """Request, and do not wait: replies are events."""
 
     def tokens(self, key_expression: str) -> list[str]:
         """Keys of the liveliness tokens that are there now, those of this participant included."""

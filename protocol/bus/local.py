@@ -10,8 +10,9 @@ import re
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
+from functools import partial
 
-from protocol.bus.bus import Event, Node, Presence, Publish, Request, Sample
+from protocol.bus.bus import Event, Foreign, Node, Presence, Publish, Request, Sample
 from protocol.errors import BusError
 from protocol.streams import Stream
 
@@ -116,9 +117,17 @@ class LocalBus:
         self._watches: list[re.Pattern[str]] = []
 
     def publisher(self, stream: Stream, key: str) -> Publish:  # noqa: ARG002
-        return self.foreign(key)
+        return self._publish(key, partial(Sample, key))
 
-    def foreign(self, key: str) -> Publish:
+    @property
+    def identity(self) -> str:
+        return f"{id(self):x}"
+
+    def foreign(self, key: str, attach: Callable[[], bytes] | None = None) -> Publish:
+        beside = bytes if attach is None else attach
+        return self._publish(key, lambda payload: Foreign(key, payload, beside()))
+
+    def _publish(self, key: str, event: Callable[[bytes], Event]) -> Publish:
         network = self.network
         route, watchers = network.route(key), list[LocalBus]()
         generation = -1
@@ -127,7 +136,7 @@ class LocalBus:
             nonlocal watchers, generation
             if generation != network.generation:
                 watchers, generation = network.watchers(key), network.generation
-            sample = Sample(key, payload)
+            sample = event(payload)
             for bus in route:
                 if bus is not self:
                     bus.put(sample)
@@ -150,6 +159,9 @@ class LocalBus:
             elif self not in (route := self.network.route(each)):
                 route.append(self)
                 self.keys.add(each)
+
+    def listen(self, key_expression: str) -> None:
+        self.subscribe(key_expression)
 
     def unsubscribe(self, key: str) -> None:
         if key in self.keys:
@@ -180,6 +192,11 @@ class LocalBus:
         if not replies:
             raise BusError(f"no answer under {key}")
         return replies
+
+    def post(self, key: str, payload: bytes) -> None:
+        for server in self.network.servers(key):
+            if server.node is not None:
+                server.node.handle(Request(key, payload, lambda reply: self.put(Foreign(key, reply))))
 
     def tokens(self, key_expression: str) -> list[str]:
         pattern = _pattern(key_expression)

@@ -26,7 +26,7 @@ os.environ.setdefault(
 
 import zenoh
 
-from protocol.bus.bus import Event, Presence, Publish, Request, Sample
+from protocol.bus.bus import Event, Foreign, Presence, Publish, Request, Sample
 from protocol.bus.connection import Connection, configuration
 from protocol.errors import BusError, CertificateError, ListenError
 from protocol.process.signals import STOP, Stopped
@@ -44,7 +44,7 @@ _ROUTER_LOG = "error,zenoh_link_tls=warn"  # unless RUST_LOG says otherwise: ref
 _CAPACITY: Final = 1 << 16
 
 _KEPT: set[int] = set()  # threads of zenoh that Python keeps
-_Arrived = zenoh.Sample | zenoh.Query | Presence | None  # None: a signal came
+_Arrived = zenoh.Sample | zenoh.Query | Foreign | Presence | None  # None: a signal came
 _ZenohSample: Final = zenoh.Sample
 
 
@@ -72,7 +72,7 @@ class ZenohBus:
         self._there = 0  # events that were waiting when it was last asked, without those taken since
         self._declared: list[object] = []  # zenoh withdraws what is no longer referenced
         self._subscribed: dict[str, zenoh.Subscriber[None]] = {}  # by key expression
-        self._connection = connection
+        self._connection, self._awaited = connection, False
         if connection.mode == "router":
             _prepare_router(connection)
         self._session = _open(connection)
@@ -92,7 +92,11 @@ class ZenohBus:
         self._declared.append(publisher)
         return publisher.put
 
-    def foreign(self, key: str) -> Publish:
+    @property
+    def identity(self) -> str:
+        return str(self._session.info.zid())
+
+    def foreign(self, key: str, attach: Callable[[], bytes] | None = None) -> Publish:
         publisher = self._session.declare_publisher(
             key,
             congestion_control=zenoh.CongestionControl.DROP,
@@ -100,7 +104,9 @@ class ZenohBus:
             allowed_destination=zenoh.Locality.REMOTE,
         )
         self._declared.append(publisher)
-        return publisher.put
+        if attach is None:
+            return publisher.put
+        return lambda payload: publisher.put(payload, attachment=attach())
 
     def is_heard(self, key: str) -> bool:  # noqa: ARG002
         return True
@@ -110,6 +116,10 @@ class ZenohBus:
         for each in key_expressions:
             handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
             self._subscribed[each] = self._session.declare_subscriber(each, handler)
+
+    def listen(self, key_expression: str) -> None:
+        handler = zenoh.handlers.Callback(self._foreign, indirect=False)
+        self._declared.append(self._session.declare_subscriber(key_expression, handler))
 
     def unsubscribe(self, key: str) -> None:
         subscriber = self._subscribed.pop(key, None)
@@ -145,8 +155,9 @@ class ZenohBus:
 
     def announce(self, key: str) -> None:
         # Without a router in between, what is published before a link is up is lost to that peer.
-        if self._connection.mode == "peer":
+        if self._connection.mode == "peer" and not self._awaited:
             self._await_links()
+            self._awaited = True
         self._declared.append(self._session.liveliness().declare_token(key))
 
     def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
@@ -180,6 +191,10 @@ class ZenohBus:
                     replies.append(reply.ok.payload.to_bytes())
         STOP.check()
         return replies
+
+    def post(self, key: str, payload: bytes) -> None:
+        handler = zenoh.handlers.Callback(self._on_reply, indirect=False)
+        self._session.get(key, handler, payload=payload, timeout=_LINKING, target=zenoh.QueryTarget.ALL)
 
     def tokens(self, key_expression: str) -> list[str]:
         replies = self._session.liveliness().get(key_expression, timeout=_TOKENS)
@@ -244,6 +259,17 @@ class ZenohBus:
             self._take()
         self.dropped += excess
         return waiting - excess
+
+    def _foreign(self, sample: zenoh.Sample) -> None:
+        _keep_thread_state()
+        attachment = sample.attachment
+        beside = b"" if attachment is None else attachment.to_bytes()
+        self._queue.put(Foreign(str(sample.key_expr), sample.payload.to_bytes(), beside))
+
+    def _on_reply(self, reply: zenoh.Reply) -> None:
+        _keep_thread_state()
+        if reply.ok is not None:
+            self._foreign(reply.ok)
 
     def _presence(self, sample: zenoh.Sample) -> None:
         _keep_thread_state()

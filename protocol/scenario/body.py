@@ -114,12 +114,15 @@ _Text = Annotated[str, Meta(max_length=200, description="of at most 200 characte
 class Base:
     """What moves a robot of a fleet that is not simulated, and tells it where it is.
 
-    ros2: by ROS 2 messages over zenoh, under the keys of zenoh-bridge-ros2dds, `<namespace>/<topic>`: a Twist
-    or TwistStamped to the base; Odometry from it, and a PoseStamped from a localisation; where the law is
+    ros2: by ROS 2 messages over zenoh, in the dialect of zenoh-bridge-ros2dds or of rmw_zenoh: a Twist or
+    TwistStamped to the base; Odometry from it, and a PoseStamped from a localisation; where the law is
     "external", another Twist or TwistStamped from a planner. In every text, `{id}` stands for the robot's id.
     """
 
     kind: Literal["ros2"] = "ros2"
+    dialect: Literal["ros2dds", "rmw_zenoh"] = "ros2dds"
+    domain: Annotated[int, Meta(ge=0, le=232)] = 0  # ROS_DOMAIN_ID, of rmw_zenoh
+    tools: bool = False  # whether the robot serves tools of ROS such as RViz, simulated or not
     namespace: _Text = "/bot{id}"  # "/" for a robot that has none
     velocity: _Text = "cmd_vel"
     stamped: bool = False  # whether velocities are TwistStamped, else Twist
@@ -146,9 +149,13 @@ class Base:
         named: dict[str, Any] = {name: getattr(self, name).replace("{id}", str(robot)) for name in names}
         return replace(self, **named)
 
-    def key(self, topic: str) -> str:
-        """The key of a topic."""
-        return f"{self.namespace.strip('/')}/{topic.strip('/')}".lstrip("/")
+    def topic(self, name: str) -> str:
+        """The full name of a topic, without its first slash.
+
+        A name that begins with a slash is in no namespace, but for the bridge, which puts all names into its.
+        """
+        is_full = self.dialect == "rmw_zenoh" and name.startswith("/")
+        return f"{'' if is_full else self.namespace.strip('/')}/{name.strip('/')}".lstrip("/")
 
 
 @dataclass(frozen=True, slots=True)

@@ -225,7 +225,7 @@ def _bases(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
         if base is None and not external:
             continue
         body = _body(scenario, sound, steps, spec)
-        if body is not None and body.kind == "point":
+        if external and body is not None and body.kind == "point":
             text = 'a base outside cannot stop at once: say which body it is, such as "turtlebot3-burger"'
             yield (*steps, "body"), text
         if spec.id and sound("base") and sound(*steps, "base"):
@@ -255,7 +255,7 @@ def _shared(robot: Steps, base: Base, topics: Iterable[str], seen: dict[str, Ste
     """Keys that two topics have, of one robot or of two; `seen` are those of robots before this one."""
     keys: dict[str, str] = {}
     for topic in topics:
-        key = base.key(getattr(base, topic))
+        key = base.topic(getattr(base, topic))
         if keys.setdefault(key, topic) != topic:
             text = f"`{keys[key]}` and `{topic}` are both {key}: give each topic a name of its own"
             yield (*robot, "base"), text

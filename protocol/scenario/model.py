@@ -368,7 +368,7 @@ class Scenario:
         own = self.spec(robot).body
         body = self.body if own is None else own
         plain, base = PRESETS[body] if isinstance(body, str) else body, self.base_of(robot)
-        return plain if base is None else base.carries(plain)
+        return plain if base is None or plain.kind == "point" else base.carries(plain)
 
     def base_of(self, robot: int) -> Base | None:
         """What moves a robot that is not simulated."""
@@ -380,6 +380,12 @@ class Scenario:
     def is_external(self) -> bool:
         """Whether the fleet is not simulated."""
         return self.world.plant == "external"
+
+    @property
+    def has_topics(self) -> bool:
+        """Whether robots have topics of ROS 2."""
+        bases = (self.base, *(spec.base for spec in self.robots))
+        return self.is_external or any(base is not None and base.tools for base in bases)
 
     def sensing_of(self, robot: int) -> Sensing:
         """How this robot is measured: the last entry that names it, or that names no robot."""

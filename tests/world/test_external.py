@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from agents.bases.base import base_of
+from agents.bases.base import ros_of
 from agents.bases.drive import Drive
 from deploy.library.load import load
 from protocol.messages import Command, Report, Tick
@@ -76,7 +76,7 @@ def test_a_robot_whose_lease_may_run_is_not_taken_for_static(monkeypatch: pytest
     monkeypatch.setattr(Drive, "command", lambda *told: leases.append(told[-1]))
     scenario = load("turtlebots-2", ["world.plant=external"], 1)
     robot = scenario.ids[0]
-    base, outside = base_of(scenario, robot), External(scenario)
+    base, outside = ros_of(scenario, robot).base, External(scenario)
     assert base is not None
     waits = Command(robot, 1, 4, (0.0, 0.0), report=Report(scenario.spec(robot).start, 2e-3))
     moves = Command(robot, 1, 5, (0.1, 0.0), region=7)

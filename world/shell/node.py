@@ -171,7 +171,7 @@ class WorldNode:
             self._on_command(event.key, event.payload)
         elif isinstance(event, Presence):
             self._on_presence(event)
-        else:
+        elif isinstance(event, Request):
             reply = self._reply(event)
             self._save()
             event.reply(reply)

@@ -149,18 +149,18 @@ class Floor:
             None if crew.wheels.dead else self._odometry(robot, self.now, crew.wheels.odometry(self.now))
         )
         if message is not None:
-            self._to_robot(crew, lambda payload=message.serialize(): self._hear(crew, "odom", payload))
+            self._to_robot(crew, lambda payload=message.serialize(): self._hear(crew, 0, payload))
         self._later(0.02, lambda: self._speak(robot))
 
     def _locate(self, robot: int) -> None:
         crew = self.crews[robot]
         message = self._pose(robot, self.now, crew.wheels.pose(self.now))
         if message is not None:
-            self._to_robot(crew, lambda payload=message.serialize(): self._hear(crew, "pose", payload))
+            self._to_robot(crew, lambda payload=message.serialize(): self._hear(crew, 1, payload))
         self._later(0.05, lambda: self._locate(robot))
 
-    def _hear(self, crew: Crew, topic: str, payload: bytes) -> None:
-        crew.base.hear(f"bot{crew.core.robot}/{topic}", payload, self.now)
+    def _hear(self, crew: Crew, number: int, payload: bytes) -> None:
+        crew.base.hear(crew.base.hears[number], payload, self.now)
 
     def _to_robot(self, crew: Crew, event: Event) -> None:
         table = self.scenario.base_of(crew.core.robot)

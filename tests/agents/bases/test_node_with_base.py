@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from agents.bases.base import base_of
+from agents.bases.base import ros_of
 from agents.shell.node import RobotNode
 from deploy.library.load import load
-from protocol.bus.bus import Event, Sample
+from protocol.bus.bus import Event, Foreign
 from protocol.bus.local import LocalNetwork
 from protocol.errors import JoinError
 from tests.agents.bases.wheels import STEP, Wheels
@@ -36,10 +36,11 @@ class Floor:
             for robot in self.wheels
             for what in ("odom", "pose")
         }
-        bus.subscribe(*[f"bot{robot}/cmd_vel" for robot in self.wheels])
+        for robot in self.wheels:
+            bus.listen(f"bot{robot}/cmd_vel")
 
     def handle(self, event: Event) -> None:
-        if isinstance(event, Sample):
+        if isinstance(event, Foreign):
             self.wheels[int(event.key[3])].hear(event.payload, self._steps * STEP)
 
     def wake(self, now: float) -> None:
@@ -152,4 +153,4 @@ def test_a_robot_that_does_not_stand_at_its_start_keeps_the_run_from_beginning()
 
 def test_a_base_for_a_robot_that_is_simulated_is_refused():
     with pytest.raises(JoinError, match=r'set world\.plant = "external"'):
-        base_of(load("turtlebots-2"), 1, "/bot1")
+        ros_of(load("turtlebots-2"), 1, "/bot1")

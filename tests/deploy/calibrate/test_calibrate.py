@@ -36,9 +36,9 @@ def measured(scale: float = 1.0, seed: int = 0) -> MeasuredBounds:
             driver.hear(key, payload, now)
         wheels.roll(now)
         if step % 4 == 0:
-            heard.append((now + LATENCY, driver.keys[0], wheels.odometry(now).serialize()))
+            heard.append((now + LATENCY, driver.hears[0], wheels.odometry(now).serialize()))
         if step % 10 == 0:
-            heard.append((now + LATENCY, driver.keys[1], wheels.pose(now).serialize()))
+            heard.append((now + LATENCY, driver.hears[1], wheels.pose(now).serialize()))
         if now >= driver.due:
             sent += [(now + LATENCY, payload) for payload in driver.wake(now)]
         if driver.finished:
@@ -89,6 +89,7 @@ def test_what_is_to_be_stated_is_toml_and_has_a_margin(found):
         ("node", "robot", "1", "--run", "yard", "--base", "ros2"),
         ("node", "world", "turtlebots-2", "--set", "world.plant=external"),
         ("run", "turtlebots-2", "--keep", "--set", "world.plant=external"),
+        ("run", "turtlebots-2", "--set", "base.tools=true"),
     ],
     ids=" ".join,
 )

@@ -59,7 +59,7 @@ def test_in_a_drawn_order_each_key_is_heard_in_its_own() -> None:
     ears, mouth = network.connect(), network.connect()
     ears.subscribe("a", "b")
     ears.node = listener = Listener()
-    say = [mouth.foreign(key) for key in ("a", "b")]
+    say = [mouth.publisher(STREAMS["state"], key) for key in ("a", "b")]
     for number in range(20):
         for each in say:
             each(bytes([number]))

@@ -93,21 +93,21 @@ def test_each_robot_has_its_own_base_or_the_one_for_all():
     scenario = pair(base="[base]\nstamped = true", two='base = {namespace = "left", timeout = 0.4}')
     assert scenario.base_of(1) == Base(stamped=True)
     assert scenario.base_of(2) == Base(namespace="left", timeout=0.4)
-    assert scenario.base_of(1).of(1).key("cmd_vel") == "bot1/cmd_vel"
-    assert scenario.base_of(2).of(2).key("/odom") == "left/odom"
+    assert scenario.base_of(1).of(1).topic("cmd_vel") == "bot1/cmd_vel"
+    assert scenario.base_of(2).of(2).topic("/odom") == "left/odom"
     assert parse_document(document_of(scenario)) == scenario
 
 
 def test_the_id_stands_in_every_name():
     base = pair(base='[base]\nnamespace = ""\npose = "vicon/r{id}/pose"\nbase_frame = "r{id}/base"\n'
                 'velocity = "r{id}/v"\nodometry = "r{id}/o"').base_of(2)  # fmt: skip
-    assert base.of(2).key(base.of(2).pose) == "vicon/r2/pose"
+    assert base.of(2).topic(base.of(2).pose) == "vicon/r2/pose"
     assert base.of(2).base_frame == "r2/base"
 
 
 @pytest.mark.parametrize("namespace", ["", "/"])
 def test_a_single_robot_needs_no_namespace(namespace):
-    assert Base(namespace=namespace).of(1).key("/odom") == "odom"
+    assert Base(namespace=namespace).of(1).topic("/odom") == "odom"
 
 
 def test_a_fleet_outside_has_bases_without_being_told():
