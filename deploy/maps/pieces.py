@@ -28,7 +28,7 @@ _Corner = tuple[int, int]
 _Point = TypeVar("_Point", _Corner, Point)
 
 
-class FloorPlan(NamedTuple):
+class PlanOfPieces(NamedTuple):
     """What a map is for robots: the rectangle around the free space they fit into (corners, m), the convex
     obstacles in it (corners, m), and which cells are part of that free space."""
 
@@ -39,7 +39,7 @@ class FloorPlan(NamedTuple):
 
 def floor_plan(
     grid: Occupancy, error: float, radius: float = 0.0, *, unknown_is_free: bool = False
-) -> FloorPlan:
+) -> PlanOfPieces:
     """Obstacles that cover all that is not free, and reach at most `error` (m) into what is.
 
     Args:
@@ -51,7 +51,7 @@ def floor_plan(
     solid = grid.occupied if unknown_is_free else grid.occupied | grid.unknown
     free = _roomy(~solid, radius / grid.resolution)
     if not free.any():
-        return FloorPlan((), [], free)
+        return PlanOfPieces((), [], free)
     rows, columns = (np.flatnonzero(free.any(axis=axis)) for axis in (1, 0))
     bottom, top, left, right = int(rows[0]), int(rows[-1]) + 1, int(columns[0]), int(columns[-1]) + 1
     inside = free[bottom:top, left:right]
@@ -62,7 +62,7 @@ def floor_plan(
         for piece in _pieces(edges, _Forbidden(allowed))
     ]
     around = ((left, bottom), (right, bottom), (right, top), (left, top))
-    return FloorPlan(tuple(grid.place(*corner) for corner in around), pieces, free)
+    return PlanOfPieces(tuple(grid.place(*corner) for corner in around), pieces, free)
 
 
 def _roomy(free: Mask, radius: float) -> Mask:
