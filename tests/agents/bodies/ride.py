@@ -37,7 +37,7 @@ _MODULES = (
     "protocol.bodies.kinematics",
     "protocol.bodies.sweep",
     *(f"protocol.{name}" for name in ("line", "kernel.records", "kernel.pair", "kernel.robot", "region")),
-    *(f"agents.lines.{name}" for name in ("own_set", "boundary", "tangent", "bond", "negotiation")),
+    *(f"agents.lines.{name}" for name in ("own_set", "boundary", "negotiation")),
     "agents.lines.separating_lines",
     "agents.lines.safe_velocity",
     "agents.bodies",

@@ -23,7 +23,7 @@ def test_a_body_never_leaves_what_it_must_obey(kind: str) -> None:
 def test_and_does_not_keep_to_it_by_standing(kind: str) -> None:
     """Of the way that it would go if nothing were in the way, some share; standing would give none."""
     product, way, most = Product(), 0.0, 0.0
-    for seed in range(RIDES):
+    for seed in range(10):  # of fewer, some hardly have room to go anywhere
         ride = Ride(seed, kind, product, period=0.1)
         for _ in range(100):
             x, y = ride.x, ride.y

@@ -57,14 +57,20 @@ MUTANTS = (
     Mutant(
         "stands-at-its-size",
         "the roster says how large the disk is before anybody can be told that it stands",
-        (Edit(_PARTS, "self._lives.resize(robot, self._scenario.loaded_radius(robot, place.part))", "pass"),),
+        (
+            Edit(
+                _PARTS,
+                "self._lives.roster.alter(robot, radius=self._scenario.loaded_radius(robot, place.part))",
+                "pass",
+            ),
+        ),
     ),
     Mutant(
         "lines-of-the-larger-disk",
         "half-planes are those of the disk that it is",
         (
             Edit(
-                "agents.lines.separating_lines",
+                "agents.lines.negotiation",
                 "            self.own_radius = own_radius\n",
                 "            pass\n",
             ),
