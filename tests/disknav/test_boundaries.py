@@ -111,7 +111,8 @@ def test_a_name_that_is_taken_makes_a_key_of_zenoh(namespace: str, topic: str, r
     }
     robots = [{"id": robot, "start": [0, 0], "goal": [1, 1]}]
     if not refused(parse_document, {**document, "robots": robots}):
-        key = Base(namespace=namespace, velocity=topic).of(robot).key(topic.replace("{id}", str(robot)))
+        base = Base(namespace=namespace, velocity=topic).of(robot)
+        key = base.topic(base.velocity)
         assert all(key.split("/"))
         assert not set(key) & set("*?#$ {}")
 
