@@ -70,7 +70,7 @@ class Limits:
         return found
 
 
-class Body(Protocol):
+class BodyModel(Protocol):
     """One body from tick to tick.
 
     Attributes:
@@ -92,7 +92,7 @@ class Body(Protocol):
         ...
 
 
-def body_of(scenario: Scenario, robot: int) -> Body:
+def body_of(scenario: Scenario, robot: int) -> BodyModel:
     """The body of one robot of a scenario."""
     body, speed, period = scenario.body_of(robot), scenario.control.speed, scenario.time.step
     longest = 2.0 * scenario.workspace.shape.around.radius  # no way inside the workspace leads farther

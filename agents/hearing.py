@@ -10,7 +10,7 @@ from typing import Final
 
 from agents.lines.separating_lines import SeparatingLines
 from agents.peers.far import Arrivals, places_of
-from agents.peers.link import Link
+from agents.peers.link import StateLink
 from agents.peers.neighbours import Neighbours, fleet_of
 from agents.peers.state import PeerState
 from protocol.messages import Summary, Tick, Vector
@@ -36,7 +36,7 @@ class PeerInbox:
         self.neighbours = Neighbours(fleet_of(scenario.robots).radii, everybody=not scenario.hears_near)
         self._lines = lines
         self._robot, self._tick, self._lockstep = robot, -1, lockstep
-        self._link = Link(scenario, robot)
+        self._link = StateLink(scenario, robot)
         self._far = Arrivals(scenario, robot) if scenario.hears_near else None
         self._since: dict[int, int] = {}  # first tick of whose States count, by peer that is heard
         self._active: tuple[int, ...] = ()  # as the tick before named them

@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import inf
 from typing import Final, final
 
-from agents.bodies import Body, Limits
+from agents.bodies import BodyModel, Limits
 from agents.estimate import Estimate
 from agents.lines.boundary import BothBoundaries, Boundary, RoundBoundary, boundary_of
 from agents.lines.own_set import Polygon
@@ -37,7 +37,7 @@ class SafetyFilter:
         obeyed: whether the scenario has its robots keep to all this.
     """
 
-    def __init__(self, scenario: Scenario, robot: int, radius: float, body: Body) -> None:
+    def __init__(self, scenario: Scenario, robot: int, radius: float, body: BodyModel) -> None:
         self.obeyed = scenario.control.filter == "separating-lines"
         self.radius = radius
         self.lines = SeparatingLines(

@@ -29,7 +29,7 @@ from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
 
 
-class Request(msgspec.Struct, frozen=True):
+class JoinRequest(msgspec.Struct, frozen=True):
     """What a robot says under its `join` key. `session` tells two processes with one id apart."""
 
     session: Annotated[str, Meta(pattern=f"^{SESSION}$")]
@@ -90,13 +90,13 @@ Reply = Admission | Refusal | Wait | Finished | Overview
 LIMIT = 2 * STREAMS["health"].limit  # bytes of a request
 
 _encode = msgspec.msgpack.encode
-_request = msgspec.msgpack.Decoder(Request)
+_request = msgspec.msgpack.Decoder(JoinRequest)
 _reply: msgspec.msgpack.Decoder[Reply] = msgspec.msgpack.Decoder(Reply)
 
 
 def encode_request(join: Join) -> bytes:
     """Payload of a request."""
-    return _encode(Request(join.session, join.health))
+    return _encode(JoinRequest(join.session, join.health))
 
 
 def decode_request(robot: Id, payload: bytes) -> Join:

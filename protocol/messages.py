@@ -72,7 +72,7 @@ class FirstLine(msgspec.Struct, frozen=True, array_like=True, gc=False):
     offset: Real  # m, as of a Proposal
 
 
-class Binding(msgspec.Struct, frozen=True, array_like=True, gc=False):
+class ListedBinding(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """A binding in force, as the ledger tells it to the life at one end."""
 
     number: Count  # version of the ledger that began it
@@ -101,7 +101,7 @@ class Grants(msgspec.Struct, frozen=True, array_like=True, gc=False):
     version: Count  # of the ledger
     number: Count  # of the newest region granted
     region: Round | None  # m, the disk in which to stay; None: anywhere
-    bindings: tuple[Binding, ...]  # all that are in force and concern this life
+    bindings: tuple[ListedBinding, ...]  # all that are in force and concern this life
 
 
 class Standing(msgspec.Struct, frozen=True, array_like=True, gc=False):

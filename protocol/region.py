@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from protocol.geometry import Disk, Shape
 from protocol.kernel.records import GONE, Held
-from protocol.kernel.records import Disk as Disk_
+from protocol.kernel.records import DiskRecord as Disk_
 from protocol.line import ROUNDING, SURE, Line
 
 

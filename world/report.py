@@ -10,10 +10,10 @@ from protocol.scenario.model import Order, Scenario
 from world.coordinator.lives import Lives
 from world.judge.measures import normalised_length, tight
 from world.judge.record import Contact
-from world.world import World
+from world.world import WorldCore
 
 
-def result_of(world: World) -> dict[str, Any]:
+def result_of(world: WorldCore) -> dict[str, Any]:
     """Result fields: SI units, times in s of simulated time; None where a measure has no meaning.
 
     Of contacts, process faults and fences the first `LISTED` each; `collisions` counts all contacts.

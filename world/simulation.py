@@ -16,7 +16,7 @@ from protocol.draws import Purpose
 from protocol.messages import BaseMotion, Command, Sense, Vector
 from protocol.scenario.model import Scenario, Sensing
 from world.plants.integrator import STANDING
-from world.plants.plant import PastDisks, Report, Uniforms, plant_of, truncated_normal
+from world.plants.plant import BaseReport, PastDisks, Uniforms, plant_of, truncated_normal
 
 
 class Sensor:
@@ -90,7 +90,7 @@ def _noise_bound(sensing: Sensing) -> float:
 _INSIDE = 1.0 - 1e-9  # keeps rounding from carrying an error past its bound
 
 
-class Odometer:
+class OdometrySensor:
     """What one robot's base reports, with errors up to those that the scenario states.
 
     A base steers by the direction that it believes it has, so whatever it says, and all that it is told, is
@@ -109,7 +109,7 @@ class Odometer:
         self.ideal = body.ideal and self._share == self._drift == 0.0
         self._draws = Uniforms(scenario.seed, Purpose.ODOMETRY, robot, 3)
 
-    def read(self, report: Report, tick: int) -> tuple[Vector, float, BaseMotion | None]:
+    def read(self, report: BaseReport, tick: int) -> tuple[Vector, float, BaseMotion | None]:
         """Displacement in the tick before, its error bound (m), and what the base says that it does."""
         displacement = report.displacement
         if self.ideal:
@@ -140,7 +140,7 @@ class Odometer:
         return self._heading * (2.0 * self._draws.at(tick)[2] - 1.0) if self._heading > 0.0 else 0.0
 
 
-class Simulation:
+class SimulatedFleet:
     """Every robot's disk, where it really is, and what the robot is told of that.
 
     Args:
@@ -162,7 +162,7 @@ class Simulation:
         self.largest_bound: float | None = None
         self.plant = plant_of(scenario)
         self.sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
-        self._odometers = {robot: Odometer(scenario, robot, self.plant.slips) for robot in scenario.ids}
+        self._odometers = {robot: OdometrySensor(scenario, robot, self.plant.slips) for robot in scenario.ids}
         # Path lengths in earlier worlds, and of robots that left, m.
         self._before = {} if past is None else past.ways
         self._turn = any(not scenario.body_of(robot).ideal for robot in scenario.ids)
@@ -242,6 +242,6 @@ class Simulation:
         plant.set_fleet(scenario)
         self.sensors = {robot: self.sensors.get(robot) or Sensor(scenario, robot) for robot in scenario.ids}
         self._odometers = {
-            robot: self._odometers.get(robot) or Odometer(scenario, robot, plant.slips)
+            robot: self._odometers.get(robot) or OdometrySensor(scenario, robot, plant.slips)
             for robot in scenario.ids
         }

@@ -15,7 +15,7 @@ from world.coordinator.coordinator import Coordinator, PastCoordinator
 from world.external import External
 from world.judge.verdict import PastReferee, Referee
 from world.plants.plant import PastDisks
-from world.simulation import Simulation
+from world.simulation import SimulatedFleet
 
 
 class Past(msgspec.Struct, frozen=True):
@@ -29,7 +29,7 @@ class Past(msgspec.Struct, frozen=True):
     referee: PastReferee | None = None
 
 
-class World:
+class WorldCore:
     """One run of a scenario.
 
     Args:
@@ -47,11 +47,11 @@ class World:
     def __init__(self, scenario: Scenario, past: Past = Past(), *, returning: float = 0.0) -> None:
         coordinator = self.coordinator = Coordinator(scenario, returning, past.coordinator)
         fleet, obstacles = coordinator.scenario, coordinator.lives.obstacles.standing
-        self.simulation: External | Simulation
+        self.simulation: External | SimulatedFleet
         if fleet.is_external:
             self.simulation = External(fleet, past.disks, self.tick)
         else:
-            self.simulation = Simulation(fleet, past.disks)
+            self.simulation = SimulatedFleet(fleet, past.disks)
         plant, loaded = self.simulation.plant, coordinator.parts.loaded(fleet)
         self.referee = Referee(loaded, plant.positions, plant.parts, past.referee, obstacles)
         if past.coordinator.founded:

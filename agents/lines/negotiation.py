@@ -24,7 +24,7 @@ from agents.lines.own_set import Cover
 from agents.peers.state import PeerState
 from protocol.geometry import Shape
 from protocol.kernel.pair import Follower, Owner
-from protocol.kernel.robot import ASKED, LINES, Bound, Robot
+from protocol.kernel.robot import ASKED, LINES, Bound, RobotLife
 from protocol.line import ROUNDING, SURE, HalfPlane, Line
 from protocol.messages import Answer, Proposal, Vector
 from protocol.region import Region
@@ -42,7 +42,7 @@ UNCHANGED: Final = 1e-2  # of what a robot moves in a tick: a line that differs 
 
 @final
 @mypyc_attr(acyclic=True)
-class Disk:
+class MovingDisk:
     """One robot as the owner of a line sees it: centre, radius and error bound (m), desired velocity, and the
     one that it was last seen to have."""
 
@@ -72,8 +72,8 @@ def is_same(one: Line, other: Line, tolerance: float) -> bool:
 
 
 def fit_line(
-    owner: Disk,
-    follower: Disk,
+    owner: MovingDisk,
+    follower: MovingDisk,
     *,
     ahead: float = 0.0,
     begin: float = 0.0,
@@ -136,7 +136,7 @@ def _length(span: Span) -> float:
     return math.hypot(span[1][0] - span[0][0], span[1][1] - span[0][1])
 
 
-def _closest(one: Disk, other: Disk, ahead: float, begin: float, end: float) -> Span:
+def _closest(one: MovingDisk, other: MovingDisk, ahead: float, begin: float, end: float) -> Span:
     """Closest points of the paths that the two centres take, as of `fit_line`."""
     px, py, ux, uy = one.x, one.y, one.vx * ahead, one.vy * ahead
     qx, qy = other.x + other.ux * begin, other.y + other.uy * begin
@@ -265,8 +265,8 @@ class Negotiation:
         self,
         tick: int,
         bonds: Iterable[Bond],
-        me: Disk,
-        kernel: Robot[Region, Line, Cover],
+        me: MovingDisk,
+        kernel: RobotLife[Region, Line, Cover],
         *,
         standing: bool,
     ) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
@@ -300,8 +300,8 @@ class Negotiation:
         tick: int,
         bond: Bond,
         lines: Owner[Line],
-        me: Disk,
-        kernel: Robot[Region, Line, Cover],
+        me: MovingDisk,
+        kernel: RobotLife[Region, Line, Cover],
         standing: bool,
     ) -> None:
         """Propose a new line if the pair needs one; an end that cannot move needs none of the gap."""
@@ -322,12 +322,14 @@ class Negotiation:
             lines.propose(line, True)
             bond.renew()
 
-    def _fit_line(self, tick: int, bond: Bond, me: Disk, state: PeerState, standing: bool) -> Line | None:
+    def _fit_line(
+        self, tick: int, bond: Bond, me: MovingDisk, state: PeerState, standing: bool
+    ) -> Line | None:
         """The line that lets both do what they want, as far as can be told from the peer's State."""
         halted = bond.bound.place is not None
         # While States are lost, a peer is reckoned to go on as it did for at most its radius.
         age = max(0, min(tick - state.tick, state.transit + math.ceil(state.radius / self._max_step)))
-        peer = Disk(state.x, state.y, state.radius + state.bound)
+        peer = MovingDisk(state.x, state.y, state.radius + state.bound)
         if not halted:
             (peer.vx, peer.vy), (peer.ux, peer.uy) = state.desired, self._seen_velocity(state)
         # The follower holds a line from when it has come, as late as its State came here, until the next has.

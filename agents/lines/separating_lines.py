@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from agents.lines.negotiation import ANSWER_TICKS, Bond, Disk, Negotiation, deficit, tangent
+from agents.lines.negotiation import ANSWER_TICKS, Bond, MovingDisk, Negotiation, deficit, tangent
 from agents.lines.own_set import Cover, CoverGeometry, OwnSet, Polygon
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
@@ -17,7 +17,7 @@ from protocol.bodies.sweep import Sweep
 from protocol.geometry import Disk as Circle
 from protocol.kernel.pair import Follower, Owner
 from protocol.kernel.records import NO, Listed, Told
-from protocol.kernel.robot import HALF, Robot
+from protocol.kernel.robot import HALF, RobotLife
 from protocol.line import ROUNDING, HalfPlane, Line
 from protocol.messages import Answer, FirstLine, Grants, Proposal, Vector
 from protocol.region import EVERYWHERE, Region
@@ -56,7 +56,7 @@ class SeparatingLines:
         reach: float = 0.0,
         standoff: float = 0.0,
     ) -> None:
-        self.kernel: Robot[Region, Line, Cover] | None = None
+        self.kernel: RobotLife[Region, Line, Cover] | None = None
         self.wanted = 0.0
         self.part = NO
         self._robot, self._radius, self._small = robot, radius, radius
@@ -78,7 +78,7 @@ class SeparatingLines:
         kernel = self.kernel
         if kernel is None:
             cover = Cover(self._own, self._radius)
-            kernel = self.kernel = Robot(self._robot, grants.life, cover, CoverGeometry())
+            kernel = self.kernel = RobotLife(self._robot, grants.life, cover, CoverGeometry())
         if grants.life != kernel.life or grants.version <= kernel.version:
             return
         kernel.hear(_told(grants))
@@ -158,11 +158,11 @@ class SeparatingLines:
         if is_new and offered is not None and CoverGeometry().inside(kernel.body, offered):
             kernel.adopt()
 
-    def _cover(self, kernel: Robot[Region, Line, Cover]) -> None:
+    def _cover(self, kernel: RobotLife[Region, Line, Cover]) -> None:
         body = Cover(self._own, self._radius)
         kernel.locate(body, body if self._small == self._radius else Cover(self._own, self._small))
 
-    def _turn(self, kernel: Robot[Region, Line, Cover], bond: Bond) -> None:
+    def _turn(self, kernel: RobotLife[Region, Line, Cover], bond: Bond) -> None:
         """Face what stands, or find the first line towards it."""
         own, bound = self._own, bond.bound
         if bound.place is None or not (bond.is_asked or bound.static):
@@ -235,7 +235,7 @@ class SeparatingLines:
             self._on_proposals(kernel, bond, lines, state)
 
     def _on_proposals(
-        self, kernel: Robot[Region, Line, Cover], bond: Bond, lines: Follower[Line], state: PeerState
+        self, kernel: RobotLife[Region, Line, Cover], bond: Bond, lines: Follower[Line], state: PeerState
     ) -> None:
         for offer in state.proposals:
             if offer.binding != bond.bound.number:
@@ -255,14 +255,14 @@ class SeparatingLines:
         me = self._own_disk((0.0, 0.0) if standing else desired)
         return self._negotiation.entries(self._tick, self._lines.values(), me, kernel, standing=standing)
 
-    def _own_disk(self, velocity: Vector) -> Disk:
+    def _own_disk(self, velocity: Vector) -> MovingDisk:
         """Own disk, with all that its centre may pass before commands that are out have ended."""
         own = self._own
-        me = Disk(own.x, own.y, max(self._radius, self.wanted) + own.bound, *velocity)
+        me = MovingDisk(own.x, own.y, max(self._radius, self.wanted) + own.bound, *velocity)
         if own.swept is None:
             return me
         mx, my = own.swept.middle
-        return Disk(me.x + mx, me.y + my, me.radius + own.swept.spread, *velocity)
+        return MovingDisk(me.x + mx, me.y + my, me.radius + own.swept.spread, *velocity)
 
     # -- what follows
 

@@ -272,7 +272,7 @@ class Layout:
         return replace(self, parts=_without(self.parts, part), held=_without(self.held, part))
 
 
-class Places:
+class GridPlaces:
     """Places for robots of one radius.
 
     Args:

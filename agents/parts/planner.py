@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Final
 
-from agents.parts.grid import MARGIN, Grid, Layout, Places, Reach, Reals
+from agents.parts.grid import MARGIN, Grid, GridPlaces, Layout, Reach, Reals
 from agents.parts.perception import Perception
 from protocol.geometry import Disk
 from protocol.messages import Vector
@@ -27,10 +27,10 @@ MOST: Final = 2000  # times that one search looks where a robot gets by bringing
 _KEPT: Final = 20_000  # states whose outcome is remembered
 
 
-class Orders:
+class PartOrders:
     """Orders for robots of one radius."""
 
-    def __init__(self, places: Places, reach: Reach) -> None:
+    def __init__(self, places: GridPlaces, reach: Reach) -> None:
         self._places, self._reach = places, reach
         self._known: dict[_State, bool] = {}
 
@@ -164,8 +164,8 @@ class Planner:
     def __init__(self, scenario: Scenario, radius: float) -> None:
         smallest = min([radius, *(part.radius for part in scenario.parts)])
         self.grid = Grid(scenario.workspace.shape, smallest / CELLS)
-        self._places = Places(scenario, radius, self.grid)
-        self.orders = Orders(self._places, Reach(self.grid))
+        self._places = GridPlaces(scenario, radius, self.grid)
+        self.orders = PartOrders(self._places, Reach(self.grid))
         self._parts, self.loaded = self._places.parts, self._places.loaded
         self._homes = [Disk(*robot.goal, robot.radius) for robot in scenario.robots]
 

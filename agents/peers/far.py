@@ -31,7 +31,7 @@ def read_summary(key: str, payload: bytes) -> AnyMessage:
 
 @final
 @mypyc_attr(acyclic=True)
-class Places:
+class SummaryPlaces:
     """What one summary says, for whoever reads it; nobody changes it.
 
     Args:
@@ -81,11 +81,11 @@ class Places:
         return self._sizes
 
 
-places_of = lru_cache(maxsize=1)(Places)
+places_of = lru_cache(maxsize=1)(SummaryPlaces)
 
 
 @lru_cache(maxsize=16)
-def drift(before: Places, after: Places) -> tuple[Array, Array]:
+def drift(before: SummaryPlaces, after: SummaryPlaces) -> tuple[Array, Array]:
     """By how much everybody went on in a tick since a summary before, m; zero if not all are in both."""
     ticks = after.tick - before.tick
     if before.runs != after.runs or ticks <= 0:
@@ -107,7 +107,9 @@ class FarPicture:
         said: by the summary.
     """
 
-    def __init__(self, said: Places, radii: Mapping[int, float], before: FarPicture | None = None) -> None:
+    def __init__(
+        self, said: SummaryPlaces, radii: Mapping[int, float], before: FarPicture | None = None
+    ) -> None:
         self.tick, self.said, self._radii = said.tick, said, radii
         self._before = said if before is None else before.said
         self._sizes: Array
@@ -145,7 +147,7 @@ class Arrivals:
         self._period, self._turn = period(scenario), turn(scenario, robot)
         self._said = self._due = -1  # tick of the newest summary; of that which has to be there
         self._take = 0  # from that tick on, the summary of `_said` has to be there
-        self._arrived: dict[int, Places] = {}
+        self._arrived: dict[int, SummaryPlaces] = {}
         self._picture: FarPicture | None = None  # taken in last
 
     def open(self, tick: int) -> None:
@@ -156,7 +158,7 @@ class Arrivals:
         if tick % self._period == 0:
             self._said, self._take = tick, tick + LEAD + self._turn
 
-    def on_summary(self, places: Places) -> None:
+    def on_summary(self, places: SummaryPlaces) -> None:
         """One has arrived."""
         if places.tick <= self._taken or places.tick < self._due:
             return

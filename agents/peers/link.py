@@ -100,7 +100,7 @@ _KEPT = 8  # ticks of draws and places that are remembered; any other can be dra
 _DRAWS = 6  # for each State, and as many again where the network is wireless
 
 
-class Link:
+class StateLink:
     """States on their way to one robot.
 
     Attributes:

@@ -76,7 +76,7 @@ def has_ended(roster: Roster, robot: int, incarnation: int) -> bool:
     return False
 
 
-class Fleet(NamedTuple):
+class FleetRadii(NamedTuple):
     """Who is in it, by id; it is never changed.
 
     Attributes:
@@ -89,10 +89,10 @@ class Fleet(NamedTuple):
 
 
 @keeps_newest
-def fleet_of(robots: tuple[RobotSpec, ...]) -> Fleet:
+def fleet_of(robots: tuple[RobotSpec, ...]) -> FleetRadii:
     """The fleet of a scenario's robots."""
     radii = {robot.id: robot.radius for robot in robots}
-    return Fleet(frozenset(radii), radii)
+    return FleetRadii(frozenset(radii), radii)
 
 
 class Neighbours:

@@ -18,7 +18,7 @@ from protocol.messages import Clock
 from protocol.scenario.model import Scenario
 from world.judge.verdict import VERDICTS
 from world.report import result_of
-from world.world import World
+from world.world import WorldCore
 
 Report = dict[str, Any]
 Result = dict[str, Any]
@@ -58,7 +58,7 @@ def unjudged(scenario: Scenario, last: Clock | None, wall_time: float) -> Report
         last: newest Clock that the launcher heard, if any.
         wall_time: s since the fleet was started.
     """
-    report = result_of(World(scenario))
+    report = result_of(WorldCore(scenario))
     report.update(dict.fromkeys(_UNKNOWN))
     report.update({name: {} for name in _PER_ROBOT})
     report.update(messages={"published": 0, "received": 0, "rejected": {}}, wall_time=wall_time)

@@ -192,7 +192,7 @@ def measures(truth: Truth) -> Json:
     return {"clearance": truth.clearance, "phi": truth.phi, "log_potential": truth.log_potential}
 
 
-class Topic(NamedTuple):
+class SceneTopic(NamedTuple):
     """How the messages of a topic are to be read."""
 
     encoding: str
@@ -209,14 +209,14 @@ class Picture(NamedTuple):
     data: bytes
 
 
-def _json(name: str, example: Json) -> Topic:
-    return Topic("json", name, "jsonschema", schema(name, example))
+def _json(name: str, example: Json) -> SceneTopic:
+    return SceneTopic("json", name, "jsonschema", schema(name, example))
 
 
 _BEFORE = Truth(0, (), (), 0.0, 1.0)
 _SCENE = _json("foxglove.SceneUpdate", example())
 TOPICS = {
-    "/tf": Topic("cdr", TF, "ros2msg", TF_DEFINITION),
+    "/tf": SceneTopic("cdr", TF, "ros2msg", TF_DEFINITION),
     "/measures": _json("disknav.Measures", measures(_BEFORE)),
     **dict.fromkeys(
         ("/scene/room", "/scene/robots", "/scene/goals", "/scene/lines", "/scene/trails"), _SCENE

@@ -63,7 +63,7 @@ class Presence(NamedTuple):
 
 
 @final
-class Request:
+class Query:
     """A request under `key`; exactly one `reply` is expected."""
 
     __slots__ = ("key", "payload", "reply")
@@ -72,7 +72,7 @@ class Request:
         self.key, self.payload, self.reply = key, payload, reply
 
 
-Event = Sample | Foreign | Presence | Request
+Event = Sample | Foreign | Presence | Query
 
 
 class Bus(Protocol):

@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from functools import partial
 
-from protocol.bus.bus import Event, Foreign, Node, Presence, Publish, Request, Sample
+from protocol.bus.bus import Event, Foreign, Node, Presence, Publish, Query, Sample
 from protocol.errors import BusError
 from protocol.streams import Stream
 
@@ -188,7 +188,7 @@ class LocalBus:
         replies: list[bytes] = []
         for server in self.network.servers(key):
             if server.node is not None:
-                server.node.handle(Request(key, payload, replies.append))
+                server.node.handle(Query(key, payload, replies.append))
         if not replies:
             raise BusError(f"no answer under {key}")
         return replies
@@ -196,7 +196,7 @@ class LocalBus:
     def post(self, key: str, payload: bytes) -> None:
         for server in self.network.servers(key):
             if server.node is not None:
-                server.node.handle(Request(key, payload, lambda reply: self.put(Foreign(key, reply))))
+                server.node.handle(Query(key, payload, lambda reply: self.put(Foreign(key, reply))))
 
     def tokens(self, key_expression: str) -> list[str]:
         pattern = _pattern(key_expression)

@@ -26,7 +26,7 @@ os.environ.setdefault(
 
 import zenoh
 
-from protocol.bus.bus import Event, Foreign, Presence, Publish, Request, Sample
+from protocol.bus.bus import Event, Foreign, Presence, Publish, Query, Sample
 from protocol.bus.connection import Connection, configuration
 from protocol.errors import BusError, CertificateError, ListenError
 from protocol.process.signals import STOP, Stopped
@@ -291,11 +291,9 @@ def _sample(arrived: zenoh.Sample) -> Sample:
     return Sample(str(arrived.key_expr), arrived.payload.to_bytes())
 
 
-def _request(query: zenoh.Query) -> Request:
+def _request(query: zenoh.Query) -> Query:
     payload = query.payload
-    return Request(
-        str(query.key_expr), b"" if payload is None else payload.to_bytes(), partial(_reply, query)
-    )
+    return Query(str(query.key_expr), b"" if payload is None else payload.to_bytes(), partial(_reply, query))
 
 
 def _reply(query: zenoh.Query, payload: bytes) -> None:

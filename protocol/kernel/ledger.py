@@ -16,7 +16,7 @@ from protocol.kernel.records import (
     NO,
     PRESENT,
     Binding,
-    Disk,
+    DiskRecord,
     End,
     Held,
     L,
@@ -54,7 +54,7 @@ class Ledger(Generic[R, L]):
 
     def __init__(self, version: int, places: dict[int, R], geometry: LedgerGeometry[R, L]) -> None:
         self.version = version
-        self.disks = {name: Disk(name, Held(version, place), PRESENT) for name, place in places.items()}
+        self.disks = {name: DiskRecord(name, Held(version, place), PRESENT) for name, place in places.items()}
         self.pairs: dict[int, dict[int, Pair[L]]] = {name: {} for name in places}
         self._geometry = geometry
         for disk in self.disks.values():
@@ -62,14 +62,14 @@ class Ledger(Generic[R, L]):
 
     # -- lives
 
-    def rejoin(self, disk: Disk[R]) -> None:
+    def rejoin(self, disk: DiskRecord[R]) -> None:
         """A life begins in a disk that stands, only after the one before it is over."""
         require(disk.phase == PRESENT, "rejoin: the disk is present")
         require(disk.life == NO, "rejoin: the life before it is over")
         self.version += 1
         disk.life = self.version
 
-    def fence(self, disk: Disk[R], place: R) -> None:
+    def fence(self, disk: DiskRecord[R], place: R) -> None:
         """A life is over. To be called only once the body stands: from now on it holds that place alone."""
         moved = not disk.still
         if moved:
@@ -83,7 +83,7 @@ class Ledger(Generic[R, L]):
         for pair in self.pairs[disk.name].values():
             self._end(pair, disk, moved)
 
-    def _end(self, pair: Pair[L], disk: Disk[R], moved: bool) -> None:
+    def _end(self, pair: Pair[L], disk: DiskRecord[R], moved: bool) -> None:
         """A life of the disk is over: its line with a peer is one towards the place where it stands."""
         living, static = pair.living, pair.static
         pair.living = None
@@ -96,7 +96,7 @@ class Ledger(Generic[R, L]):
             living.end(disk.name).dead = self.version
             pair.static = living
 
-    def settle(self, disk: Disk[R], place: R) -> None:
+    def settle(self, disk: DiskRecord[R], place: R) -> None:
         """It is known better where a disk without a life stands: it holds that place alone."""
         require(disk.life == NO, "settle: the disk has no life")
         require(self._geometry.within(place, disk.held), "settle: the place is in the one that it holds")
@@ -104,13 +104,13 @@ class Ledger(Generic[R, L]):
         disk.held.stand(self.version, place)
         self._geometry.note(disk)
 
-    def obeys(self, disk: Disk[R], life: int) -> bool:
+    def obeys(self, disk: DiskRecord[R], life: int) -> bool:
         """Whether the base of a disk does what this life commands."""
         return disk.phase == PRESENT and disk.life == life
 
     # -- regions
 
-    def tied(self, disk: Disk[R], other: Disk[R]) -> bool:
+    def tied(self, disk: DiskRecord[R], other: DiskRecord[R]) -> bool:
         """Whether a binding counts that the present life of a disk obeys or takes before its next region,
         and the other disk obeys it too, or stands."""
         pair = self.pairs[disk.name].get(other.name)
@@ -121,7 +121,7 @@ class Ledger(Generic[R, L]):
             return True
         return static is not None and static.told != NO and static.end(disk.name).dead == NO
 
-    def grant(self, disk: Disk[R], region: R) -> None:
+    def grant(self, disk: DiskRecord[R], region: R) -> None:
         """A live disk may be in a region as well. With its first one a life stands no longer."""
         require(disk.life != NO, "grant: the disk has a life")
         begins = disk.still
@@ -141,7 +141,7 @@ class Ledger(Generic[R, L]):
             for pair in self.pairs[disk.name].values():
                 self._begin(pair, disk)
 
-    def _begin(self, pair: Pair[L], disk: Disk[R]) -> None:
+    def _begin(self, pair: Pair[L], disk: DiskRecord[R]) -> None:
         """The disk stands no longer: what a peer kept only towards its place is over."""
         living, static = pair.living, pair.static
         if static is not None and static.end(disk.name).dead != NO:
@@ -149,7 +149,7 @@ class Ledger(Generic[R, L]):
         if living is not None and living.told == NO and living.asked != disk.name:
             pair.living = None
 
-    def acknowledge(self, disk: Disk[R], number: int) -> None:
+    def acknowledge(self, disk: DiskRecord[R], number: int) -> None:
         """A Command says that a life obeys the region of this number; those of earlier lives are no news."""
         require(number > disk.held.acknowledged, "acknowledge: it is news")
         require(number <= disk.held.granted, "acknowledge: it was granted")
@@ -158,7 +158,7 @@ class Ledger(Generic[R, L]):
 
     # -- bindings
 
-    def introduce(self, one: Disk[R], other: Disk[R], line: L) -> None:
+    def introduce(self, one: DiskRecord[R], other: DiskRecord[R], line: L) -> None:
         """Bind two disks by a line with all that the one holds on one side, and all the other holds on the
         other."""
         require(one.name < other.name, "introduce: the low end comes first")
@@ -168,7 +168,7 @@ class Ledger(Generic[R, L]):
         require(self._geometry.beside(other.held, line, False), "introduce: beside the other")
         self._bind(one, other, NO, line)
 
-    def ask(self, disk: Disk[R], other: Disk[R]) -> None:
+    def ask(self, disk: DiskRecord[R], other: DiskRecord[R]) -> None:
         """Ask a live disk for the first line towards one that stands, waits as a new life or is announced."""
         require(disk.life != NO, "ask: the disk has a life")
         require(other.phase != GONE, "ask: the other is there")
@@ -178,7 +178,7 @@ class Ledger(Generic[R, L]):
         else:
             self._bind(other, disk, disk.name, None)
 
-    def _bind(self, low: Disk[R], high: Disk[R], asked: int, first: L | None) -> None:
+    def _bind(self, low: DiskRecord[R], high: DiskRecord[R], asked: int, first: L | None) -> None:
         pair = self.pairs[low.name].get(high.name)
         if pair is None:
             pair = self.pairs[low.name][high.name] = self.pairs[high.name][low.name] = Pair()
@@ -205,29 +205,29 @@ class Ledger(Generic[R, L]):
         self.version += 1
         binding.first, binding.told = line, self.version
 
-    def part(self, one: Disk[R], other: Disk[R]) -> None:
+    def part(self, one: DiskRecord[R], other: DiskRecord[R]) -> None:
         """End what binds two disks, while all that they hold is apart."""
         require(self._geometry.apart(one.held, other.held), "part: what they hold is apart")
         self.version += 1
         self._release(one, other)
 
-    def _release(self, one: Disk[R], other: Disk[R]) -> None:
+    def _release(self, one: DiskRecord[R], other: DiskRecord[R]) -> None:
         self.pairs[one.name].pop(other.name, None)
         self.pairs[other.name].pop(one.name, None)
 
     # -- disks
 
-    def announce(self, name: int, place: R) -> Disk[R]:
+    def announce(self, name: int, place: R) -> DiskRecord[R]:
         """A disk is to appear at a place; nothing is there yet."""
         disk = self.disks.get(name)
         require(disk is None or disk.phase == GONE, "announce: the disk is not there")
         self.version += 1
-        found = self.disks[name] = Disk(name, Held(self.version, place), ANNOUNCED)
+        found = self.disks[name] = DiskRecord(name, Held(self.version, place), ANNOUNCED)
         self.pairs[name] = {}
         self._geometry.note(found)
         return found
 
-    def appear(self, news: Iterable[Disk[R]], instead: Iterable[Disk[R]] = ()) -> None:
+    def appear(self, news: Iterable[DiskRecord[R]], instead: Iterable[DiskRecord[R]] = ()) -> None:
         """Disks that were announced are there, in place of others that stand and have no life."""
         gone, come = list(instead), list(news)
         for disk in gone:
@@ -245,7 +245,7 @@ class Ledger(Generic[R, L]):
         for disk in come:
             disk.phase = PRESENT
 
-    def remove(self, disk: Disk[R]) -> None:
+    def remove(self, disk: DiskRecord[R]) -> None:
         """A disk that has no life is taken away, does not appear after all, or is a part within the body that
         a life has commanded to be."""
         require(disk.phase != GONE, "remove: the disk is there")
@@ -253,7 +253,7 @@ class Ledger(Generic[R, L]):
         self.version += 1
         self._vanish(disk)
 
-    def _vanish(self, disk: Disk[R]) -> None:
+    def _vanish(self, disk: DiskRecord[R]) -> None:
         disk.phase = GONE
         self._geometry.note(disk)
         for peer in list(self.pairs[disk.name]):
@@ -261,7 +261,7 @@ class Ledger(Generic[R, L]):
 
     # -- what is told
 
-    def told(self, disk: Disk[R]) -> Told[R, L]:
+    def told(self, disk: DiskRecord[R]) -> Told[R, L]:
         """Everything that concerns the present life of a disk, as a whole."""
         listed: list[Listed[R, L]] = []
         for peer, pair in self.pairs[disk.name].items():

@@ -79,7 +79,7 @@ class Held(Generic[R]):
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
-class Disk(Generic[R]):
+class DiskRecord(Generic[R]):
     """A robot's disk, an obstacle or a part, as the ledger keeps it.
 
     Args:
@@ -177,10 +177,10 @@ class Told(Generic[R, L]):
 class LedgerGeometry(Protocol[R, L_contra]):
     """What the ledger has to know of regions and lines."""
 
-    def note(self, disk: Disk[R]) -> None:
+    def note(self, disk: DiskRecord[R]) -> None:
         """What a disk holds, or whether it is there, has changed."""
 
-    def around(self, disk: Disk[R], region: R) -> Iterable[int]:
+    def around(self, disk: DiskRecord[R], region: R) -> Iterable[int]:
         """Names of all disks, perhaps but for some that are gone or hold nothing that meets the region, or
         what the disk holds, as it was noted."""
 

@@ -75,7 +75,7 @@ class RobotGeometry(Protocol[R, L, B_contra]):
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
-class Robot(Generic[R, L, B]):
+class RobotLife(Generic[R, L, B]):
     """What one life of a robot obeys.
 
     Args:

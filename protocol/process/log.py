@@ -47,7 +47,7 @@ class Speaker(msgspec.Struct, frozen=True):
         return ": ".join(filter(None, (self.host, named)))
 
 
-class Line(Speaker, frozen=True, kw_only=True):
+class LogLine(Speaker, frozen=True, kw_only=True):
     """One line of a file: the process, its text, and the time by the clock of its host."""
 
     time: Annotated[datetime, msgspec.Meta(tz=True)]

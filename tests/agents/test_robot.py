@@ -13,7 +13,7 @@ from agents.peers.state import PeerState, addressed_to
 from agents.robot import Robot
 from deploy.library.load import load
 from protocol.messages import Claim, Command, Proposal, Sense, State, Tick
-from world.world import World
+from world.world import WorldCore
 
 SCENARIO = load("swap-4")
 IDS = SCENARIO.ids
@@ -22,8 +22,8 @@ TICKS = 12
 orders = st.lists(st.permutations([OWN, *OTHERS]), min_size=TICKS, max_size=TICKS)
 
 
-def robots() -> tuple[World, dict[int, Robot]]:
-    world = World(SCENARIO)
+def robots() -> tuple[WorldCore, dict[int, Robot]]:
+    world = WorldCore(SCENARIO)
     lives = {robot: world.coordinator.join(robot) for robot in IDS}
     return world, {robot: Robot(SCENARIO, robot, life) for robot, life in lives.items()}
 

@@ -19,7 +19,7 @@ from protocol.messages import Command, Tick
 from protocol.scenario.model import Obstacle, Operation, Scenario
 from tests.agents.bases.floor import Crew, Event, Floor
 from tests.campaigns.campaign import Campaign, Dice, Outcome
-from world.world import Past, World
+from world.world import Past, WorldCore
 
 SECONDS = 20.0
 _ROUNDING = 1e-9  # m
@@ -116,7 +116,7 @@ class MortalFloor(Floor):
         """It goes on from what was kept before anything was told; robots join one by one."""
         self._dead = False
         self.epoch += 1
-        self.world = World(self.scenario, msgspec.msgpack.decode(self._saved, type=Past))
+        self.world = WorldCore(self.scenario, msgspec.msgpack.decode(self._saved, type=Past))
         for robot in self.scenario.ids:
             self._later(
                 self.draw.choice((0.0, 0.05, 0.1, 0.5, 1.5)), partial(self._rejoin, robot, self.epoch)

@@ -18,12 +18,12 @@ from protocol.scenario.model import Operation, Scenario
 from protocol.scenario.network import Burst, Distance, Link, Roaming
 from tests.agents.lines.models.skirmishes.skirmish import Skirmish, first_violation
 from tests.campaigns.campaign import Campaign, Dice, Outcome
-from world.world import Past, World
+from world.world import Past, WorldCore
 
 TICKS = 70
 _RATES = (5e-5, 3e-4, 1e-3)  # probability of death at a message
 _OFTEN = 10  # as probable, at whatever happens once a tick
-_PRODUCT: Any = SimpleNamespace(Robot=Robot, World=World)
+_PRODUCT: Any = SimpleNamespace(Robot=Robot, World=WorldCore)
 
 
 class _Death(BaseException):
@@ -33,7 +33,7 @@ class _Death(BaseException):
 class _MortalWorld:
     """A world that may die before and after all that it is asked for, and hears its own epoch only."""
 
-    def __init__(self, world: World, skirmish: MortalSkirmish) -> None:
+    def __init__(self, world: WorldCore, skirmish: MortalSkirmish) -> None:
         self._world, self._skirmish, self._epoch = world, skirmish, skirmish.epoch
 
     def __getattr__(self, name: str) -> Any:
@@ -116,7 +116,7 @@ class MortalSkirmish(Skirmish):
 
     def _succeed(self) -> None:
         self.epoch += 1
-        world = World(self.scenario, msgspec.msgpack.decode(self._saved, type=Past))
+        world = WorldCore(self.scenario, msgspec.msgpack.decode(self._saved, type=Past))
         self.world = _MortalWorld(world, self)
         self.before = list(world.truth.positions)
         self.obstacles = dict(world.coordinator.lives.obstacles.standing)

@@ -23,7 +23,7 @@ from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 from tests.campaigns.campaign import Campaign, Dice, Outcome
 from world.report import result_of
-from world.world import World
+from world.world import WorldCore
 
 SECONDS = 300.0  # of simulated time
 PARTS = 8
@@ -68,7 +68,7 @@ def run(scenario: Scenario, kill: bool = False) -> Ended:
     )
 
 
-def without_order(world: World, dead: int, before: Mapping[int, Vector]) -> str:
+def without_order(world: WorldCore, dead: int, before: Mapping[int, Vector]) -> str:
     """Why survivors cannot bring all parts to their goals, one after another; "" if they can.
 
     Args:
@@ -92,7 +92,7 @@ def without_order(world: World, dead: int, before: Mapping[int, Vector]) -> str:
     return "" if planner.orders.exists(layout, survivors) else NO_ORDER
 
 
-def _standing(world: World) -> dict[int, Vector]:
+def _standing(world: WorldCore) -> dict[int, Vector]:
     """Where the parts are that no robot carries, m."""
     known = world.coordinator.lives.obstacles.standing
     places = world.coordinator.parts.places
@@ -103,7 +103,7 @@ def _standing(world: World) -> dict[int, Vector]:
     }
 
 
-def _left(world: World) -> tuple[int, ...]:
+def _left(world: WorldCore) -> tuple[int, ...]:
     parts = world.coordinator.parts
     return tuple(each.part for each in parts.places if not parts.in_place(each.part))
 

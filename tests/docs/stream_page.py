@@ -81,7 +81,7 @@ _INNER = (
     messages.Proposal,
     messages.Answer,
     messages.FirstLine,
-    messages.Binding,
+    messages.ListedBinding,
     messages.Grants,
     messages.Sense,
     messages.BaseMotion,

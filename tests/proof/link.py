@@ -17,8 +17,8 @@ import z3
 
 from protocol.kernel import pair as pairs
 from protocol.kernel.ledger import Ledger, Pair
-from protocol.kernel.records import NO, Binding, Disk, End
-from protocol.kernel.robot import Bound, Robot
+from protocol.kernel.records import NO, Binding, DiskRecord, End
+from protocol.kernel.robot import Bound, RobotLife
 from tests.proof.prove import GENERAL, TEMPLATE
 
 Record = dict[str, Any]
@@ -28,7 +28,7 @@ _OF_LEDGER = "rejoin fence settle grant acknowledge introduce ask answer part an
 _OF_ROBOT = "hear freeze turn adopt command locate"
 RULES: dict[type, list[str]] = {
     Ledger: _OF_LEDGER.split(),
-    Robot: _OF_ROBOT.split(),
+    RobotLife: _OF_ROBOT.split(),
     pairs.Owner: ["propose", "on_answer"],
     pairs.Follower: ["on_proposal"],
 }
@@ -108,7 +108,7 @@ def broken(s: Record, facts: Facts, ranges: Mapping[str, list[int]]) -> list[str
 
 # -- the record of two disks
 
-Processes = Mapping[tuple[int, int], Robot[Any, Any, Any]]  # by disk and life
+Processes = Mapping[tuple[int, int], RobotLife[Any, Any, Any]]  # by disk and life
 
 
 def record(ledger: Ledger[Any, Any], processes: Processes, low: int, high: int) -> Record:
@@ -202,7 +202,7 @@ class Watch:
     def __init__(self, check: Callable[[Watch, str], list[str]]) -> None:
         self.taken: Counter[str] = Counter()
         self.wrong: list[str] = []
-        self.processes: dict[tuple[int, int], Robot[Any, Any, Any]] = {}
+        self.processes: dict[tuple[int, int], RobotLife[Any, Any, Any]] = {}
         self.ledgers: list[Ledger[Any, Any]] = []
         self._check, self._depth = check, 0
 
@@ -235,7 +235,7 @@ class Watch:
                 self._depth -= 1
             if isinstance(made, Ledger):
                 self.ledgers.append(made)
-            elif isinstance(made, Robot):
+            elif isinstance(made, RobotLife):
                 self.processes[made.name, made.life] = made
 
         return begun
@@ -247,8 +247,8 @@ class Watch:
         object.__setattr__(made, field, value)
 
 
-_OF_LEDGERS = (Ledger, Pair, Disk, Binding, End)
-_KEPT = (*_OF_LEDGERS, Robot, Bound, pairs.Owner, pairs.Follower)
+_OF_LEDGERS = (Ledger, Pair, DiskRecord, Binding, End)
+_KEPT = (*_OF_LEDGERS, RobotLife, Bound, pairs.Owner, pairs.Follower)
 
 
 @contextmanager

@@ -20,7 +20,7 @@ from agents.lines.own_set import OwnSet
 from agents.lines.separating_lines import Cover, CoverGeometry
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.kernel.records import PRESENT, Held
-from protocol.kernel.records import Disk as Kept
+from protocol.kernel.records import DiskRecord as Kept
 from protocol.line import ROUNDING, SURE, Line
 from protocol.region import Region, RegionGeometry, distance, is_beside, parting
 

@@ -16,10 +16,10 @@ from protocol.line import ROUNDING, Line
 from protocol.region import Region, RegionGeometry, support
 from tests.agents.lines.models.skirmishes.skirmish import Skirmish
 from tests.proof.link import Record, Watch, bindings_of, broken, ranges_of, record, watched
-from world.world import World
+from world.world import WorldCore
 
 pytestmark = pytest.mark.skipif(ledgers.__file__.endswith(".so"), reason="only sources can be looked at")
-PRODUCT: Any = SimpleNamespace(Robot=Robot, World=World, Line=Line)
+PRODUCT: Any = SimpleNamespace(Robot=Robot, World=WorldCore, Line=Line)
 
 
 Regions = dict[str, dict[int, Region]]

@@ -18,8 +18,8 @@ from typing import Any, NamedTuple, cast
 
 from protocol.kernel.ledger import Ledger
 from protocol.kernel.pair import Follower, Owner
-from protocol.kernel.records import GONE, NO, PRESENT, Binding, Disk, Held, RefusedError, Told
-from protocol.kernel.robot import ASKED, Bound, Robot
+from protocol.kernel.records import GONE, NO, PRESENT, Binding, DiskRecord, Held, RefusedError, Told
+from protocol.kernel.robot import ASKED, Bound, RobotLife
 from tests.proof.link import Record, bindings_of, broken, ranges_of, record
 
 LENGTH, PART = 24, 4
@@ -50,10 +50,10 @@ class Track:
     def __init__(self) -> None:
         self._noted: dict[int, list[Span]] = {}
 
-    def note(self, disk: Disk[Span]) -> None:
+    def note(self, disk: DiskRecord[Span]) -> None:
         self._noted[disk.name] = [] if disk.phase == GONE else [region for _, region in disk.held.regions]
 
-    def around(self, disk: Disk[Span], region: Span) -> list[int]:
+    def around(self, disk: DiskRecord[Span], region: Span) -> list[int]:
         mine = [*self._noted[disk.name], region]
         return [
             name for name, theirs in self._noted.items() if any(overlap(a, b) for a in mine for b in theirs)
@@ -130,7 +130,7 @@ class TrackFacts:
 class Process:
     """One life's process, and what it has said."""
 
-    def __init__(self, robot: Robot[Span, Line, Span]) -> None:
+    def __init__(self, robot: RobotLife[Span, Line, Span]) -> None:
         self.robot = robot
         self.proposals: list[tuple[int, int, Line]] = []  # binding, number, line
         self.answers: list[tuple[int, int, int]] = []  # binding, held, seen
@@ -178,7 +178,7 @@ class Walk:
             raise RefusedError("nobody is bound")
         return self.random.choice(list(process.robot.bound.values()))
 
-    def line(self, robot: Robot[Span, Line, Span], bound: Bound[Span, Line]) -> Line:
+    def line(self, robot: RobotLife[Span, Line, Span], bound: Bound[Span, Line]) -> Line:
         body = robot.body_towards(bound)
         at, sign = self.random.randint(-2, LENGTH + 2), self.random.choice((-1, 1))
         if self.random.random() < 0.7:  # one that the body touches
@@ -193,7 +193,7 @@ class Walk:
             raise RefusedError("a part has no life")
         self.ledger.rejoin(disk)
         body = self.truth[disk.name]
-        self.processes.append(Process(Robot(disk.name, disk.life, body, Track())))
+        self.processes.append(Process(RobotLife(disk.name, disk.life, body, Track())))
 
     def do_fence(self) -> None:
         disk = self.disk()

@@ -10,7 +10,6 @@ from protocol.messages import (
     LARGEST,
     Answer,
     BaseMotion,
-    Binding,
     Claim,
     Clock,
     Command,
@@ -19,6 +18,7 @@ from protocol.messages import (
     Grants,
     Handling,
     Health,
+    ListedBinding,
     Member,
     Message,
     Proposal,
@@ -65,8 +65,8 @@ states = st.builds(
 disks = st.integers(-999_999_999, 999_999_999)
 lines = st.tuples(cosines, cosines, numbers)
 bindings = several(
-    st.builds(Binding, counts, disks, st.none() | lines)
-    | st.builds(Binding, counts, disks, st.none() | lines, st.tuples(vectors), sizes, st.booleans())
+    st.builds(ListedBinding, counts, disks, st.none() | lines)
+    | st.builds(ListedBinding, counts, disks, st.none() | lines, st.tuples(vectors), sizes, st.booleans())
 )
 grants = st.none() | st.builds(
     Grants, counts, counts, counts, st.none() | st.tuples(numbers, numbers, sizes), bindings
@@ -155,7 +155,7 @@ _GRANTS = Grants(
     9,
     8,
     (0.5, 0.25, 0.1),
-    (Binding(7, 3, (1.0, 0.0, 0.4)), Binding(6, -2, None, ((0.1, 0.2),), 0.05, True)),
+    (ListedBinding(7, 3, (1.0, 0.0, 0.4)), ListedBinding(6, -2, None, ((0.1, 0.2),), 0.05, True)),
 )
 ONE: dict[str, Message] = {
     "tick": Tick(1, 2, 3, (1, 3), sense=Sense(None, 3, 0.01, (0.1, 0.2)), roster=_ROSTER, grants=_GRANTS),

@@ -8,7 +8,7 @@ from protocol.bus.local import LocalNetwork
 from protocol.keys import parse
 from protocol.messages import Command, FirstLine, Tick, Vector
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time
-from world.world import World
+from world.world import WorldCore
 
 STEP = 0.05
 
@@ -29,15 +29,15 @@ def two(**settings: object) -> Scenario:
     return scenario(((-0.1, 0.1), (0.1, 0.1)), ((-0.1, -0.1), (0.1, -0.1)), **settings)
 
 
-def joined(setting: Scenario, robots: Iterable[int] | None = None) -> World:
+def joined(setting: Scenario, robots: Iterable[int] | None = None) -> WorldCore:
     """A world that these robots, or all, have joined."""
-    world = World(setting)
+    world = WorldCore(setting)
     for robot in setting.ids if robots is None else robots:
         world.coordinator.join(robot)
     return world
 
 
-def advance(world: World, velocities: Mapping[int, Vector] | None = None) -> None:
+def advance(world: WorldCore, velocities: Mapping[int, Vector] | None = None) -> None:
     """One tick in which every active robot commands, zero unless told otherwise."""
     told = world.open_tick()
     assert not world.coordinator.lives.awaited
@@ -60,7 +60,7 @@ def obeying(told: Tick, velocity: Vector = (0.0, 0.0), *, clear: bool = True, **
     return Command(told.robot, told.incarnation, told.tick, velocity, roster=version, **said)
 
 
-def toward(world: World, setting: Scenario) -> dict[int, Vector]:
+def toward(world: WorldCore, setting: Scenario) -> dict[int, Vector]:
     """Velocities straight to the goals, at the speed limit or less."""
     velocities = {}
     for robot, (x, y) in zip(world.truth.robots, world.truth.positions, strict=True):
@@ -69,7 +69,7 @@ def toward(world: World, setting: Scenario) -> dict[int, Vector]:
     return velocities
 
 
-def play(setting: Scenario, most: int = 1000) -> World:
+def play(setting: Scenario, most: int = 1000) -> WorldCore:
     """All robots go straight to their goals until a verdict."""
     world = joined(setting)
     while not world.verdict:

@@ -21,11 +21,11 @@ from protocol.line import Line
 from protocol.messages import (
     HIGHEST_ID,
     AnyMessage,
-    Binding,
     Command,
     FirstLine,
     Grants,
     Health,
+    ListedBinding,
     Result,
     Standing,
     State,
@@ -38,7 +38,7 @@ from world.coordinator.lives import note
 from world.coordinator.roster import MOST as MOST_THINGS
 from world.coordinator.roster import Surroundings
 from world.judge.record import LISTED, Contact
-from world.shell.run import Run
+from world.shell.run import JudgedRun
 
 MOST = 1000
 LIFE = 2**40  # nobody will live as often
@@ -73,7 +73,7 @@ def crowd() -> Scenario:
 def bound(ids: tuple[int, ...], robot: int) -> Grants:
     """What a life of one robot is told that is bound to all others."""
     listed = [
-        Binding(LIFE + robot + peer, peer, (1.0, 0.0, 0.0 if robot < peer else -0.1))
+        ListedBinding(LIFE + robot + peer, peer, (1.0, 0.0, 0.0 if robot < peer else -0.1))
         for peer in ids
         if peer != robot
     ]
@@ -145,7 +145,7 @@ def test_a_command_with_all_first_lines_fits() -> None:
 
 
 def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() -> None:
-    run = Run(crowd())
+    run = JudgedRun(crowd())
     for life in run.world.coordinator.lives.of.values():
         life.incarnation = LIFE
     world = run.world
@@ -173,7 +173,7 @@ def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() 
 
 @pytest.mark.slow
 def test_a_roster_of_all_obstacles_that_there_may_be_fits() -> None:
-    run = Run(crowd())
+    run = JudgedRun(crowd())
     for life in run.world.coordinator.lives.of.values():
         life.incarnation = LIFE
     lives = run.world.coordinator.lives
@@ -191,9 +191,9 @@ def test_a_roster_of_all_obstacles_that_there_may_be_fits() -> None:
     assert "corners" in lives.obstacles.refusal(ROUNDISH, wide, [])
     told = run.world.open_tick()[IDS[0]]
     obstacles = [
-        Binding(LIFE + n, -n, (1.0, 0.0, 0.1), ROUNDISH.points, 0.0, True)
+        ListedBinding(LIFE + n, -n, (1.0, 0.0, 0.1), ROUNDISH.points, 0.0, True)
         if n <= 62
-        else Binding(LIFE + n, -n, (1.0, 0.0, 0.1), (POINT,), DISK.radius, True)
+        else ListedBinding(LIFE + n, -n, (1.0, 0.0, 0.1), (POINT,), DISK.radius, True)
         for n in range(1, MOST_THINGS + 1)
     ]
     grants = bound(IDS, IDS[0])
@@ -208,7 +208,7 @@ def test_a_roster_of_all_obstacles_that_there_may_be_fits() -> None:
 def test_a_result_fits_whatever_happened_however_often() -> None:
     apart = tuple(Partition(float(n), n + 1.0, (IDS,)) for n in range(50))  # no more names are accepted
     restarts = tuple(ProcessFault(IDS[0], n / 7.0, "restart") for n in range(10_000))  # nor more faults
-    run = Run(validated(replace(crowd(), link=Link(partition=apart), process=restarts)))
+    run = JudgedRun(validated(replace(crowd(), link=Link(partition=apart), process=restarts)))
     random, world = Random(1), run.world
     totals = world.referee.record.totals
     totals.collisions = 100_000

@@ -15,8 +15,8 @@ from protocol.draws import Purpose, generator
 from protocol.scenario.body import Body
 from protocol.scenario.model import Scenario, Sensing
 from tests.world.driving import STEP, advance, joined, two
-from world.plants.plant import Report, Uniforms, truncated_normal
-from world.simulation import Odometer, Sensor
+from world.plants.plant import BaseReport, Uniforms, truncated_normal
+from world.simulation import OdometrySensor, Sensor
 
 TRUTH = (0.123, -0.0456)
 
@@ -134,16 +134,16 @@ def setting(body: Body = BASE, heading: float = 0.0, seed: int = 0) -> Scenario:
 @given(component, component, st.floats(1.0, 3.0), st.integers(0, 10**6), st.integers(0, 2**63 - 1))
 def test_odometry_is_off_by_no_more_than_it_says(x, y, winding, tick, seed):
     way = winding * math.hypot(x, y)
-    report = Report((x, y), way, (0.1, 0.0), 0.3, (0.01, 0.0))
-    said, bound, _ = Odometer(setting(seed=seed), 1, slips=False).read(report, tick)
+    report = BaseReport((x, y), way, (0.1, 0.0), 0.3, (0.01, 0.0))
+    said, bound, _ = OdometrySensor(setting(seed=seed), 1, slips=False).read(report, tick)
     assert math.dist(said, (x, y)) <= bound
     assert math.dist(said, (x, y)) <= BASE.odometry * way + BASE.drift
 
 
 @given(component, component, st.integers(0, 10**6))
 def test_a_base_takes_commands_in_the_frame_that_it_reports_in(vx, vy, tick):
-    odometer = Odometer(setting(heading=0.1), 1, slips=False)
-    _, _, motion = odometer.read(Report((0.0, 0.0), 0.0, (0.1, 0.05), 1.0, (0.02, 0.01)), tick)
+    odometer = OdometrySensor(setting(heading=0.1), 1, slips=False)
+    _, _, motion = odometer.read(BaseReport((0.0, 0.0), 0.0, (0.1, 0.05), 1.0, (0.02, 0.01)), tick)
     assert motion is not None
     askew = motion.heading - 1.0
     assert abs(askew) <= 0.1
@@ -153,15 +153,15 @@ def test_a_base_takes_commands_in_the_frame_that_it_reports_in(vx, vy, tick):
 
 
 def test_a_point_says_what_it_did_and_nothing_else():
-    odometer = Odometer(two(), 1, slips=False)
-    assert odometer.read(Report((0.1, 0.2), math.hypot(0.1, 0.2)), 3) == ((0.1, 0.2), 0.0, None)
+    odometer = OdometrySensor(two(), 1, slips=False)
+    assert odometer.read(BaseReport((0.1, 0.2), math.hypot(0.1, 0.2)), 3) == ((0.1, 0.2), 0.0, None)
     assert odometer.obeyed((0.1, 0.2), 3) == (0.1, 0.2)
 
 
 @given(component, component, st.integers(0, 10**6))
 def test_a_point_goes_where_it_is_told_however_bad_its_odometry_is(vx, vy, tick):
     """Its filter counts on that (`agents/bodies.py`)."""
-    odometer = Odometer(setting(Body(odometry=0.1, drift=1e-3), heading=0.1), 1, slips=False)
+    odometer = OdometrySensor(setting(Body(odometry=0.1, drift=1e-3), heading=0.1), 1, slips=False)
     assert odometer.obeyed((vx, vy), tick) == (vx, vy)
 
 

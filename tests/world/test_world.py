@@ -11,7 +11,7 @@ from protocol.scenario.body import Actuation
 from protocol.scenario.model import Operation, Sensing
 from tests.world.driving import STEP, advance, joined, play, scenario, toward, two
 from world.report import result_of
-from world.world import World
+from world.world import WorldCore
 
 FAULTS = {
     "sensing": (Sensing(delay=(0.0, 0.3), noise=0.002, dropout=0.2),),
@@ -35,7 +35,7 @@ FIELDS = {
 
 
 def test_robots_join_before_the_first_tick():
-    world = World(two())
+    world = WorldCore(two())
     assert world.coordinator.lives.awaited == {1, 2}
     assert world.open_tick() == {}
     assert world.coordinator.join(1) == 1
@@ -58,7 +58,7 @@ def test_joining_twice_or_as_nobody_is_refused():
 
 
 def test_a_tick_must_be_opened_before_it_is_closed():
-    world = World(two())
+    world = WorldCore(two())
     with pytest.raises(RuntimeError, match="tick 0 is not open"):
         world.close_tick()
 

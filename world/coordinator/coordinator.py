@@ -24,7 +24,7 @@ from protocol.scenario.model import Scenario
 from world.coordinator.commands import Commands, blamed
 from world.coordinator.interest import Interest
 from world.coordinator.lives import Lives, PastLives, note
-from world.coordinator.membership import Fleet, Membership
+from world.coordinator.membership import FleetChange, Membership
 from world.coordinator.missions import Mission, Missions, Operated, Schedule
 from world.coordinator.parts import Parts
 
@@ -37,7 +37,7 @@ class PastCoordinator(msgspec.Struct, frozen=True):
     stopped: bool = False
     lives: PastLives | None = None
     missions: list[tuple[Mission, GoalStatus]] = []
-    fleet: Fleet | None = None
+    fleet: FleetChange | None = None
     orders: list[str] = []  # of the scenario, that were carried out: see `Schedule`
     missed: Count = 0  # commands
     refused: dict[str, Count] = {}  # commands, by reason

@@ -18,10 +18,10 @@ from protocol.crowd import slack_of
 from protocol.geometry import Disk as Circle
 from protocol.geometry import Shape, points_of
 from protocol.kernel.ledger import Ledger
-from protocol.kernel.records import ANNOUNCED, NO, PRESENT, Binding, Disk, Held, Told
+from protocol.kernel.records import ANNOUNCED, NO, PRESENT, Binding, DiskRecord, Held, Told
 from protocol.line import Line
-from protocol.messages import Binding as Listing
 from protocol.messages import Command, Grants, Vector
+from protocol.messages import ListedBinding as Listing
 from protocol.region import EVERYWHERE, Region, RegionGeometry, distance, parting
 from protocol.scenario.model import Scenario
 
@@ -135,7 +135,7 @@ class Keeper:
                     self._ledger.answer(binding, Line(first.nx, first.ny, first.offset))
                     self._change(robot, peer)
 
-    def _asked(self, disk: Disk[Region]) -> list[tuple[int, Binding[Line]]]:
+    def _asked(self, disk: DiskRecord[Region]) -> list[tuple[int, Binding[Line]]]:
         """Bindings in force for which a disk was asked for a first line that is not known yet, with peers."""
         return [
             (peer, binding)
@@ -169,7 +169,7 @@ class Keeper:
             elif not self._is_roomy(disk, at):
                 self._try(disk, Region(Circle(*at, disk.held.regions[-1][1].shape.around.radius)))
 
-    def _is_roomy(self, disk: Disk[Region], at: Vector) -> bool:
+    def _is_roomy(self, disk: DiskRecord[Region], at: Vector) -> bool:
         """Whether the newest region granted is large enough around a place, or still to be obeyed."""
         held = disk.held
         region = held.regions[-1][1].shape.around
@@ -177,14 +177,14 @@ class Keeper:
             return True
         return math.dist((region.x, region.y), at) <= _RENEWED * self._slack
 
-    def _try(self, disk: Disk[Region], wanted: Region) -> None:
+    def _try(self, disk: DiskRecord[Region], wanted: Region) -> None:
         """Grant a region once everything that is there is tied to the disk, or apart from it."""
         if self._is_ready(disk, wanted):
             peers = tuple(self._ledger.pairs[disk.name]) if disk.still else ()
             self._ledger.grant(disk, wanted)
             self._change(disk.name, *peers)
 
-    def _is_ready(self, disk: Disk[Region], wanted: Region) -> bool:
+    def _is_ready(self, disk: DiskRecord[Region], wanted: Region) -> bool:
         """Whether everything that is there is tied to a disk, or apart from a region that it is to have and,
         as long as it stands, from its place. What is neither is bound to it, or asked to keep clear."""
         ledger, geometry, ready = self._ledger, self._geometry, True
@@ -200,7 +200,7 @@ class Keeper:
                 ready = False
         return ready
 
-    def _bind(self, disk: Disk[Region], other: Disk[Region]) -> bool:
+    def _bind(self, disk: DiskRecord[Region], other: DiskRecord[Region]) -> bool:
         """Introduce two disks, or ask for a first line; whether they are tied now."""
         ledger = self._ledger
         pair = ledger.pairs[disk.name].get(other.name)
@@ -219,7 +219,7 @@ class Keeper:
             self._ask(disk, other)
         return False
 
-    def _ask(self, disk: Disk[Region], other: Disk[Region]) -> None:
+    def _ask(self, disk: DiskRecord[Region], other: DiskRecord[Region]) -> None:
         self._ledger.ask(disk, other)
         self._change(disk.name)
 
@@ -263,7 +263,7 @@ class Keeper:
         return _message(self._ledger.told(disk))
 
 
-def _is_told(binding: Binding[Line] | None, disk: Disk[Region]) -> bool:
+def _is_told(binding: Binding[Line] | None, disk: DiskRecord[Region]) -> bool:
     """Whether the present life of a disk is told of a binding: as `Ledger.told` has it."""
     if binding is None or binding.end(disk.name).life != disk.life:
         return False

@@ -19,7 +19,7 @@ from protocol.geometry import Disk, Shape
 from protocol.messages import LISTED, Command, Count, Grants, Id, Member, Standing, Vector
 from protocol.scenario.model import ProcessFault, Scenario
 from world.coordinator.keeper import Keeper
-from world.coordinator.roster import Roster
+from world.coordinator.roster import RosterDirectory
 
 Entry = TypeVar("Entry")
 
@@ -136,7 +136,7 @@ class Lives:
         self.of = past.of
         self.fenced = past.fenced  # tick and disk of the first fencings, in order
         self.given_up = past.given_up  # tick, robot, incarnation, why
-        self.roster = Roster(scenario, past.roster, past.numbered)
+        self.roster = RosterDirectory(scenario, past.roster, past.numbered)
         self.founded = False  # whether the first tick has begun, or may
         self.keeper = Keeper(scenario, past.version)
         self.obstacles = self.roster.obstacles

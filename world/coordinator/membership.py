@@ -24,7 +24,7 @@ _MOST = 1000  # robots at a time: their lines must fit into a State
 _MOST_IDS = 1200  # that ever were in a run: a roster names them all
 
 
-class Fleet(msgspec.Struct):
+class FleetChange(msgspec.Struct):
     """The fleet at a tick, and what is to change of it: what another coordinator goes on from."""
 
     robots: tuple[RobotSpec, ...] | None = None  # that are there; None: those of the scenario
@@ -45,9 +45,9 @@ class Membership:
     """
 
     def __init__(
-        self, scenario: Scenario, lives: Lives, missions: Missions, fleet: Fleet | None = None
+        self, scenario: Scenario, lives: Lives, missions: Missions, fleet: FleetChange | None = None
     ) -> None:
-        self._first, self.fleet = scenario, Fleet() if fleet is None else fleet
+        self._first, self.fleet = scenario, FleetChange() if fleet is None else fleet
         self.scenario = scenario if self.fleet.robots is None else self._with(self.fleet.robots)
         self._lives, self._missions = lives, missions
 

@@ -110,7 +110,7 @@ def _obstacle(number: int, status: Presence, shape: Shape) -> PlacedObstacle:
     return PlacedObstacle(number, status, *points_of(shape))
 
 
-class Roster:
+class RosterDirectory:
     """The coordinator's roster.
 
     Args:

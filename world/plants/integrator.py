@@ -14,7 +14,7 @@ from protocol.draws import Purpose
 from protocol.messages import Vector
 from protocol.scenario.body import PRESETS
 from protocol.scenario.model import RobotSpec, Scenario
-from world.plants.plant import Report, Uniforms, UnitDisk, truncated_normal
+from world.plants.plant import BaseReport, Uniforms, UnitDisk, truncated_normal
 
 STANDING: Vector = (0.0, 0.0)
 
@@ -36,7 +36,7 @@ def limited(velocity: Vector, speed: float) -> Vector:
     return (x * scale, y * scale)
 
 
-class Actuation:
+class Actuators:
     """Turns the velocity that a robot asks for into what its disk really does during a tick."""
 
     def __init__(self, scenario: Scenario) -> None:
@@ -169,7 +169,7 @@ class Integrator:
         self.displacements: list[Vector] = [STANDING] * len(self.ids)
         self.lengths = [0.0] * len(self.ids)
         self.between: list[tuple[Vector, ...]] = []
-        self._actuation = Actuation(scenario)
+        self._actuation = Actuators(scenario)
         self._based = {
             robot: simulated_base(scenario, robot) for robot in self.ids if not scenario.body_of(robot).ideal
         }
@@ -179,13 +179,13 @@ class Integrator:
     def _by_index(self) -> dict[int, SimulatedBase]:
         return {self.ids.index(robot): base for robot, base in self._based.items()}
 
-    def report(self, index: int) -> Report:
+    def report(self, index: int) -> BaseReport:
         base = self._bases.get(index)
         if base is None:
             displacement = self.displacements[index]
-            return Report(displacement, math.hypot(*displacement))
+            return BaseReport(displacement, math.hypot(*displacement))
         motion = base.motion
-        return Report(self.displacements[index], base.way, motion.velocity, motion.heading, base.stop)
+        return BaseReport(self.displacements[index], base.way, motion.velocity, motion.heading, base.stop)
 
     def stands(self, index: int) -> bool:
         base = self._bases.get(index)

@@ -20,7 +20,7 @@ from protocol.errors import UsageError
 from protocol.messages import Vector
 from protocol.scenario.body import Body
 from protocol.scenario.model import RobotSpec, Scenario
-from world.plants.plant import Report
+from world.plants.plant import BaseReport
 
 _STEP = 0.002  # s, longest time step of the engine
 _WHEEL = 0.2  # of the track: radius of a wheel
@@ -90,7 +90,7 @@ class Physics:
     def set_fleet(self, scenario: Scenario) -> None:  # noqa: ARG002
         raise UsageError(self.fixed)
 
-    def report(self, index: int) -> Report:
+    def report(self, index: int) -> BaseReport:
         return self._robots[index].report()
 
     def stands(self, index: int) -> bool:
@@ -213,13 +213,13 @@ class _Wheeled:
         self._odometry = (self._odometry[0] + dx, self._odometry[1] + dy)
         self._way += math.hypot(dx, dy)
 
-    def report(self) -> Report:
+    def report(self) -> BaseReport:
         """What the base says of itself."""
         arc = self._kinematics.halt(self.motion)
         cx, cy = chord(arc, self._kinematics.turn(arc))
         stop = turned(cx, cy, self.motion.heading)
         displacement, way = self._moved
-        return Report(displacement, way, self.motion.velocity, self.motion.heading, stop)
+        return BaseReport(displacement, way, self.motion.velocity, self.motion.heading, stop)
 
 
 def _wheel_radius(body: Body) -> float:

@@ -17,7 +17,7 @@ from protocol.messages import Id, Vector
 from protocol.scenario.model import RobotSpec, Scenario
 
 
-class Report(NamedTuple):
+class BaseReport(NamedTuple):
     """What a robot's base says of itself at the start of a tick, in the world's frame."""
 
     displacement: Vector  # m, of the control point in the tick before, by odometry
@@ -87,7 +87,7 @@ class Plant(Protocol):
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:
         """Go through a tick with commanded velocities (m/s) by robot id; others hear nothing."""
 
-    def report(self, index: int) -> Report:
+    def report(self, index: int) -> BaseReport:
         """What the base at that place of `ids` says of itself."""
         ...
 

@@ -19,7 +19,7 @@ from protocol.errors import JoinError
 from protocol.messages import Health
 from world.coordinator.lives import Fate, Life
 from world.shell.checkpoint import Checkpoint, Processes
-from world.world import World
+from world.world import WorldCore
 
 AWAY = 60.0  # s that robots wait for a world that keeps a checkpoint to be started again
 RESERVATION = 2.0  # s between admission and liveliness token
@@ -60,7 +60,7 @@ class Admissions:
     def __init__(
         self,
         run: str,
-        world: World,
+        world: WorldCore,
         lockstep: bool,
         clock: Callable[[], float] = time.monotonic,
         epoch: int = 0,

@@ -77,7 +77,7 @@ class Processes(msgspec.Struct):
                 del fates[next(iter(fates))]
 
 
-class Progress(msgspec.Struct, frozen=True):
+class SavedRun(msgspec.Struct, frozen=True):
     """How far the worlds of a run have come."""
 
     epochs: tuple[Epoch, ...] = ()  # of the coordinators so far
@@ -93,7 +93,7 @@ class _State(msgspec.Struct, frozen=True):
     run: str
     scenario: str  # digest of it
     boot: str  # names the time since the machine was started; empty where the system has no such name
-    progress: Progress
+    progress: SavedRun
 
 
 _encoder = msgspec.msgpack.Encoder()
@@ -131,7 +131,7 @@ class Checkpoint:
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             self._number, state = _newest(path)
-            self.progress = Progress() if state is None else self._checked(state)
+            self.progress = SavedRun() if state is None else self._checked(state)
         except BaseException as error:
             os.close(self._file)
             if isinstance(error, BlockingIOError):
@@ -152,7 +152,7 @@ class Checkpoint:
         except OSError as error:
             _refuse(path, f"cannot be kept: {error.strerror}")
 
-    def write(self, progress: Progress) -> None:
+    def write(self, progress: SavedRun) -> None:
         """Replace the older of the two states. When this returns another world would go on from this one.
 
         Raises:
@@ -195,7 +195,7 @@ class Checkpoint:
             f"the run goes on, but the next death of this world ends it"
         )
 
-    def _checked(self, state: _State) -> Progress:
+    def _checked(self, state: _State) -> SavedRun:
         run, scenario, start = self._of
         if state.run != run:
             _refuse(self.path, f"is of run {state.run!r}, not of {run!r}")

@@ -15,7 +15,7 @@ from protocol.joining import Join
 from protocol.messages import Tick
 from world.shell.admission import Admissions
 from world.shell.pacing import Pacing
-from world.shell.run import Phase, Run
+from world.shell.run import JudgedRun, Phase
 
 GATHERING = 20.0  # s that robots have to join
 PATIENCE = 5.0  # s that a lock-step tick waits for a command
@@ -48,7 +48,7 @@ class FailureDetector:
 
     def __init__(
         self,
-        run: Run,
+        run: JudgedRun,
         admissions: Admissions,
         pacing: Pacing,
         tell: Callable[[Mapping[int, Tick]], None],

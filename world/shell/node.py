@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from protocol import joining
-from protocol.bus.bus import Bus, Event, Presence, Request, Sample
+from protocol.bus.bus import Bus, Event, Presence, Query, Sample
 from protocol.codec import decode
 from protocol.errors import KeyGrammarError, MessageError
 from protocol.keys import (
@@ -33,13 +33,13 @@ from protocol.messages import Command, Tick
 from protocol.operations import encode_reply
 from protocol.scenario.model import Scenario
 from world.shell.admission import Admissions
-from world.shell.checkpoint import Checkpoint, Progress
+from world.shell.checkpoint import Checkpoint, SavedRun
 from world.shell.failure_detector import GATHERING, GRACE, PATIENCE, FailureDetector, returning
 from world.shell.operations import Operations
 from world.shell.pacing import Pacing
 from world.shell.publishers import Publishers
-from world.shell.run import Phase, Run, Shutdown, drawn_epoch
-from world.world import World
+from world.shell.run import JudgedRun, Phase, Shutdown, drawn_epoch
+from world.world import WorldCore
 
 
 class WorldNode:
@@ -91,8 +91,8 @@ class WorldNode:
         self._checkpoint = checkpoint
         self._tell, self._note = tell, note
         waits = returning(gathering, restarts, lockstep=lockstep)
-        before = Progress() if checkpoint is None else checkpoint.progress
-        self._run = Run(scenario, before.past, returning=waits)
+        before = SavedRun() if checkpoint is None else checkpoint.progress
+        self._run = JudgedRun(scenario, before.past, returning=waits)
         lives, epoch = self._run.world.coordinator.lives, drawn_epoch()
         self._epoch, self._epochs, self._session = epoch, (*before.epochs, epoch), session_of(epoch)
         self._own = {session_of(each) for each in self._epochs}  # tokens of dead worlds may still go
@@ -139,7 +139,7 @@ class WorldNode:
         elif before.epochs:
             self._advance()  # what the scenario does as a tick opens comes before any robot is admitted
 
-    def _remember(self, before: Progress) -> None:
+    def _remember(self, before: SavedRun) -> None:
         """Go on where another process died."""
         self._failures.expected.update(before.expected)
         self._run.began = time.monotonic() - max(0.0, time.time() - before.began)
@@ -152,10 +152,10 @@ class WorldNode:
         if checkpoint is not None and checkpoint.kept:
             began = time.time() - (time.monotonic() - run.began)
             processes, expected = self._admissions.processes, self._failures.expected
-            checkpoint.write(Progress(self._epochs, began, processes, expected, run.world.past))
+            checkpoint.write(SavedRun(self._epochs, began, processes, expected, run.world.past))
 
     @property
-    def world(self) -> World:
+    def world(self) -> WorldCore:
         """The world of the run."""
         return self._run.world
 
@@ -171,7 +171,7 @@ class WorldNode:
             self._on_command(event.key, event.payload)
         elif isinstance(event, Presence):
             self._on_presence(event)
-        elif isinstance(event, Request):
+        elif isinstance(event, Query):
             reply = self._reply(event)
             self._save()
             event.reply(reply)
@@ -217,7 +217,7 @@ class WorldNode:
         if alive and not founded and session < self._session:
             self.refused = self.finished = True
 
-    def _reply(self, request: Request) -> bytes:
+    def _reply(self, request: Query) -> bytes:
         reason = "key"  # a request may be for a pattern that matches one of the world's keys
         try:
             address = parse(request.key)

@@ -14,7 +14,7 @@ from protocol.scenario.model import Operation
 from world.coordinator.roster import present
 from world.shell.pacing import Pacing
 from world.shell.publishers import Publishers
-from world.shell.run import Phase, Run
+from world.shell.run import JudgedRun, Phase
 
 OTHER_WORLD = "another world of this run is on the network: all robots stand until one of the two has left"
 
@@ -34,7 +34,7 @@ class Operations:
         self,
         bus: Bus,
         name: str,
-        run: Run,
+        run: JudgedRun,
         publishers: Publishers,
         pacing: Pacing,
         *,

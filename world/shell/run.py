@@ -20,7 +20,7 @@ from protocol.scenario.model import Scenario
 from world.report import result_of
 from world.shell.admission import Admissions
 from world.shell.pacing import Pacing
-from world.world import Past, World
+from world.world import Past, WorldCore
 
 
 def traffic(
@@ -54,7 +54,7 @@ class Phase(Enum):
     CLOSING = 3
 
 
-class Run:
+class JudgedRun:
     """A run with its judge, from its beginning or from where an earlier world has left it.
 
     Attributes:
@@ -66,7 +66,7 @@ class Run:
 
     def __init__(self, scenario: Scenario, past: Past = Past(), *, returning: float = 0.0) -> None:
         self.phase = Phase.RUNNING
-        self.world = World(scenario, past, returning=returning)
+        self.world = WorldCore(scenario, past, returning=returning)
         self.opened = False
         self.began = time.monotonic()
         self.received = 0
@@ -131,7 +131,7 @@ class Shutdown:
         pacing: for how long has been waited.
     """
 
-    def __init__(self, run: Run, admissions: Admissions, pacing: Pacing) -> None:
+    def __init__(self, run: JudgedRun, admissions: Admissions, pacing: Pacing) -> None:
         self._run, self._admissions, self._pacing = run, admissions, pacing
 
     def begin(self) -> None:

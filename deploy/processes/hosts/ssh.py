@@ -38,7 +38,7 @@ from deploy.processes.spawn import (
 from deploy.software import SOFTWARE, code_digest
 from protocol.codec import DAMAGED
 from protocol.errors import ProcessError
-from protocol.process.log import LOG, Line, Speaker, lines, words
+from protocol.process.log import LOG, LogLine, Speaker, lines, words
 
 _HEAD = struct.Struct("!i")
 _CHUNK = 1 << 16  # bytes
@@ -113,7 +113,7 @@ class FramedMessages:
 
 _LONGEST = 1 << 16  # bytes of a line that are read at once
 _LAST_WORDS = 1.0  # s
-_decoder = msgspec.json.Decoder(Line)
+_decoder = msgspec.json.Decoder(LogLine)
 
 
 class Relay:

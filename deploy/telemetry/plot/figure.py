@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 from matplotlib.text import Text
 
-from agents.peers.link import Link
+from agents.peers.link import StateLink
 from agents.peers.state import addressed_to
 from deploy.telemetry.plot.workspace import (
     HANDLERS,
@@ -67,7 +67,7 @@ class Heard:
         self._sent = 0
         self._ids = recording.scenario.ids
         self._radii = {spec.id: spec.radius for spec in recording.scenario.robots}
-        self._links = {robot: Link(recording.scenario, robot) for robot in self._ids}
+        self._links = {robot: StateLink(recording.scenario, robot) for robot in self._ids}
 
     def ages(self) -> tuple[np.ndarray, np.ndarray]:
         """Ticks, and (tick, robot) the age (s) of the oldest among the newest States heard of all peers.

@@ -34,7 +34,7 @@ from protocol.messages import Message, Truth
 from protocol.scenario.file import validated
 from protocol.scenario.model import Scenario
 from protocol.streams import STREAMS
-from world.world import World
+from world.world import WorldCore
 
 _DAMAGE = (
     McapError, ValueError, RuntimeError, OverflowError, struct.error, zstandard.ZstdError, MemoryError,
@@ -353,5 +353,5 @@ def _looked_through(
             robots = robots if truth.robots == robots else truth.robots  # one tuple for all the same
             said[truth.tick] = Said.of(truth)._replace(robots=robots)
     if whole or not said:
-        said.setdefault(0, Said.of(World(scenario).truth))  # the scenario's starts, before any motion
+        said.setdefault(0, Said.of(WorldCore(scenario).truth))  # the scenario's starts, before any motion
     return counts, Truths.of(said[tick] for tick in sorted(said))

@@ -23,7 +23,7 @@ from protocol.bodies.sweep import Sweep
 from protocol.messages import Command, State, Tick
 from protocol.scenario.model import Scenario
 from tests.agents.bases.wheels import EPOCH, STEP, Vector, Wheels
-from world.world import World
+from world.world import WorldCore
 
 Event = Callable[[], None]
 
@@ -69,7 +69,7 @@ class Floor:
         self.now = 0.0
         self.rng = random.Random(seed)
         self.scenario, self.delay, self.loss = scenario, delay, loss
-        self.world = World(scenario)
+        self.world = WorldCore(scenario)
         self.late = 0  # robot whose Ticks are held back
         self.held: list[Event] = []  # those
         self.cut = False  # whether nothing passes between coordinator and robots

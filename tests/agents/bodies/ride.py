@@ -19,7 +19,7 @@ from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from protocol.bodies.kinematics import turned
 from protocol.line import HalfPlane
-from protocol.messages import BaseMotion, Binding, Grants, Proposal
+from protocol.messages import BaseMotion, Grants, ListedBinding, Proposal
 from protocol.scenario.body import PRESETS, Body
 from tests.interpreted import Edit, interpreted
 
@@ -113,7 +113,7 @@ class Ride:
         for peer in PEERS:  # which own the lines
             angle = self.rng.uniform(0.0, math.tau)
             normal = (-math.cos(angle), -math.sin(angle))
-            bindings.append(Binding(10 + peer, peer, (*normal, -0.25)))
+            bindings.append(ListedBinding(10 + peer, peer, (*normal, -0.25)))
         lines = self.product.lines.SeparatingLines(
             OWN, self.radius, speed=self.speed, period=self.period, reach=self.filter.reach
         )

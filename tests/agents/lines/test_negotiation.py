@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from agents.lines.negotiation import Disk, fit_line
+from agents.lines.negotiation import MovingDisk, fit_line
 
 place = st.floats(-1.0, 1.0)
 velocity = st.floats(-0.5, 0.5)
@@ -31,7 +31,7 @@ def test_the_owner_satisfies_every_line_now_and_leaves_the_other_where_it_was_se
     begin: float,
     longer: float,
 ) -> None:
-    me, peer = Disk(0.0, 0.0, RADIUS, vx, vy), Disk(x, y, RADIUS, wx, wy, ux, uy)
+    me, peer = MovingDisk(0.0, 0.0, RADIUS, vx, vy), MovingDisk(x, y, RADIUS, wx, wy, ux, uy)
     end = begin + longer
     line = fit_line(me, peer, ahead=ahead, begin=begin, end=end)
     if line is None:
@@ -53,7 +53,7 @@ def test_the_owner_satisfies_every_line_now_and_leaves_the_other_where_it_was_se
 def test_a_standoff_is_left_on_either_side_as_far_as_there_is_any_and_first_to_the_owner(
     x: float, y: float, vx: float, vy: float, wx: float, wy: float, ahead: float, standoff: float
 ) -> None:
-    me, peer = Disk(0.0, 0.0, RADIUS, vx, vy), Disk(x, y, RADIUS, wx, wy)
+    me, peer = MovingDisk(0.0, 0.0, RADIUS, vx, vy), MovingDisk(x, y, RADIUS, wx, wy)
     gap = math.hypot(x, y) - 2.0 * RADIUS
     assume(gap > 1e-8)
     line = fit_line(me, peer, ahead=ahead, end=ahead, standoff=standoff)
@@ -65,14 +65,14 @@ def test_a_standoff_is_left_on_either_side_as_far_as_there_is_any_and_first_to_t
 
 def test_behind_one_that_drives_off_the_line_follows_it() -> None:
     """Seen 0.6 s ago at 0.3 m, driving off at 0.1 m/s; the line is to be obeyed 0.6 s from now."""
-    me, peer = Disk(0.0, 0.0, RADIUS, 0.1, 0.0), Disk(0.3, 0.0, RADIUS, 0.1, 0.0, 0.1, 0.0)
+    me, peer = MovingDisk(0.0, 0.0, RADIUS, 0.1, 0.0), MovingDisk(0.3, 0.0, RADIUS, 0.1, 0.0, 0.1, 0.0)
     line = fit_line(me, peer, ahead=0.0, begin=1.2, end=1.3, share=1.0)
     assert line is not None
     assert line.offset == pytest.approx(0.3 + 0.12 - RADIUS)
 
 
 def test_one_that_does_not_move_as_it_wants_to_keeps_its_place() -> None:
-    me, peer = Disk(0.0, 0.0, RADIUS), Disk(0.3, 0.0, RADIUS, 0.1, 0.0, 0.0, 0.0)
+    me, peer = MovingDisk(0.0, 0.0, RADIUS), MovingDisk(0.3, 0.0, RADIUS, 0.1, 0.0, 0.0, 0.0)
     line = fit_line(me, peer, ahead=0.0, begin=1.2, end=1.3, share=1.0)
     assert line is not None
     assert line.offset == pytest.approx(0.3 - RADIUS)

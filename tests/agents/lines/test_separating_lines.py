@@ -10,7 +10,7 @@ from agents.lines.own_set import around
 from agents.lines.separating_lines import SeparatingLines
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import addressed_to
-from protocol.messages import Answer, Binding, Grants, Proposal, State, Vector
+from protocol.messages import Answer, Grants, ListedBinding, Proposal, State, Vector
 
 RADII = {1: 0.04, 2: 0.04, 3: 0.04}
 HALFWAY = (1.0, 0.0, 0.05)  # m, between (0, 0) and (0.1, 0)
@@ -18,14 +18,14 @@ STILL = (0.0, 0.0)
 WIDE = around(1.0)
 
 
-def robot(identity: int, *bindings: Binding, at: Vector = STILL, bound: float = 0.0) -> SeparatingLines:
+def robot(identity: int, *bindings: ListedBinding, at: Vector = STILL, bound: float = 0.0) -> SeparatingLines:
     lines = SeparatingLines(identity, RADII[identity], speed=0.1, period=0.05)
     hear(lines, 9, *bindings)
     lines.locate(0, at, bound)
     return lines
 
 
-def hear(lines: SeparatingLines, version: int, *bindings: Binding, number: int = 8) -> None:
+def hear(lines: SeparatingLines, version: int, *bindings: ListedBinding, number: int = 8) -> None:
     lines.hear(Grants(4, version, number, None, bindings), Neighbours(RADII))
 
 
@@ -50,7 +50,7 @@ def test_a_robot_stands_until_it_obeys_a_region_that_it_is_in() -> None:
 
 
 def test_an_older_tick_or_one_to_another_life_is_not_taken_in() -> None:
-    lines = robot(1, Binding(5, 2, HALFWAY), at=(0.0, 0.0))
+    lines = robot(1, ListedBinding(5, 2, HALFWAY), at=(0.0, 0.0))
     hear(lines, 8)
     lines.hear(Grants(7, 20, 19, None, ()), Neighbours(RADII))
     assert (lines.version, lines.peers) == (9, {2})
@@ -59,8 +59,8 @@ def test_an_older_tick_or_one_to_another_life_is_not_taken_in() -> None:
 
 
 def test_an_obeyed_line_keeps_the_disk_on_its_side_and_an_obstacle_turns_it() -> None:
-    place = Binding(6, -1, (0.0, 1.0, -0.06), ((0.0, -0.1),), 0.03, True)
-    lines = robot(1, Binding(5, 2, HALFWAY), place, at=(0.0, 0.0))
+    place = ListedBinding(6, -1, (0.0, 1.0, -0.06), ((0.0, -0.1),), 0.03, True)
+    lines = robot(1, ListedBinding(5, 2, HALFWAY), place, at=(0.0, 0.0))
     sides = {(round(s.nx, 6), round(s.ny, 6)): s.limit for _, s in lines.crossed(0.0, 0.0, WIDE)}
     assert sides[1.0, 0.0] == pytest.approx(0.01)
     assert sides[0.0, -1.0] == pytest.approx(0.03)  # the tangent, not the first line
@@ -68,20 +68,20 @@ def test_an_obeyed_line_keeps_the_disk_on_its_side_and_an_obstacle_turns_it() ->
 
 
 def test_a_first_line_is_found_said_until_it_is_told_and_obeyed_meanwhile() -> None:
-    asked = Binding(5, 2, None, ((0.1, 0.0),), 0.04)
+    asked = ListedBinding(5, 2, None, ((0.1, 0.0),), 0.04)
     lines = robot(1, asked)
     (first,) = lines.firsts()
     assert (first.binding, first.nx, first.ny, first.offset) == (5, 1.0, 0.0, pytest.approx(0.06))
     assert lines.crossed(0.0, 0.0, WIDE)
     hear(lines, 10, asked)
     assert lines.firsts() == (first,)
-    hear(lines, 11, Binding(5, 2, (first.nx, first.ny, first.offset), ((0.1, 0.0),), 0.04))
+    hear(lines, 11, ListedBinding(5, 2, (first.nx, first.ny, first.offset), ((0.1, 0.0),), 0.04))
     assert lines.firsts() == ()
 
 
 @pytest.mark.parametrize("identity", [1, 3])
 def test_a_robot_that_finds_no_room_for_a_first_line_backs_off_until_there_is(identity: int) -> None:
-    lines, x = robot(identity, Binding(5, 2, None, ((0.082, 0.0),), 0.043), bound=0.001), 0.0
+    lines, x = robot(identity, ListedBinding(5, 2, None, ((0.082, 0.0),), 0.043), bound=0.001), 0.0
     for tick in range(1, 9):
         vx, vy = lines.make_room(STILL)
         assert vx <= 0.0
@@ -95,7 +95,7 @@ def test_a_robot_that_finds_no_room_for_a_first_line_backs_off_until_there_is(id
 
 
 def test_an_owner_obeys_what_it_proposes_at_once_and_drops_it_when_it_is_answered() -> None:
-    owner = robot(1, Binding(5, 2, HALFWAY))
+    owner = robot(1, ListedBinding(5, 2, HALFWAY))
     owner.on_state(addressed_to(1, said(2, 0, 0.1), 0.04))
     (offer,) = owner.entries((0.1, 0.0))[0]
     assert offer.binding == 5
@@ -107,7 +107,7 @@ def test_an_owner_obeys_what_it_proposes_at_once_and_drops_it_when_it_is_answere
 
 
 def test_a_follower_adopts_what_fits_once_and_says_so() -> None:
-    follower = robot(2, Binding(5, 1, HALFWAY), at=(0.1, 0.0))
+    follower = robot(2, ListedBinding(5, 1, HALFWAY), at=(0.1, 0.0))
     for number, offset in ((1, 0.055), (2, 0.07), (1, 0.052)):
         offer = Proposal(2, 5, number, 1.0, 0.0, offset)
         follower.on_state(addressed_to(2, said(1, number, 0.0, offer), 0.04))
@@ -119,19 +119,19 @@ def test_a_follower_adopts_what_fits_once_and_says_so() -> None:
 
 
 def test_a_larger_disk_keeps_off_everything_but_the_part_that_it_takes_up() -> None:
-    part = Binding(6, -3, (0.0, 1.0, -0.042), ((0.0, -0.083),), 0.04, True)
-    lines = robot(1, Binding(5, 2, HALFWAY), part)
+    part = ListedBinding(6, -3, (0.0, 1.0, -0.042), ((0.0, -0.083),), 0.04, True)
+    lines = robot(1, ListedBinding(5, 2, HALFWAY), part)
     assert not lines.reach(0.06, -3)
     assert not lines.reach(0.045, 0)
     assert lines.reach(0.045, -3)
     limits = {peer: side.limit for peer, side in lines.crossed(0.0, 0.0, WIDE)}
     assert limits == {2: pytest.approx(0.005), -3: pytest.approx(0.003)}
-    hear(lines, 10, Binding(5, 2, HALFWAY))
+    hear(lines, 10, ListedBinding(5, 2, HALFWAY))
     lines.resize(0.04)
     assert {peer: side.limit for peer, side in lines.crossed(0.0, 0.0, WIDE)} == {2: pytest.approx(0.01)}
 
 
 def test_nothing_is_surely_satisfied_where_nothing_is_known() -> None:
-    lines = robot(1, Binding(5, 2, None, ((0.3, 0.0),), 0.04), bound=math.inf)
+    lines = robot(1, ListedBinding(5, 2, None, ((0.3, 0.0),), 0.04), bound=math.inf)
     assert lines.firsts() == ()
     assert lines.region == 8  # anywhere

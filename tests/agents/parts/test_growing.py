@@ -9,7 +9,7 @@ from agents.robot import Robot
 from protocol.messages import Handling
 from protocol.scenario.model import Carrying, Part, RobotSpec, Scenario
 from world.report import result_of
-from world.world import World
+from world.world import WorldCore
 
 SMALL, LARGE = 0.04, 0.05
 SCENARIO = Scenario(
@@ -36,7 +36,7 @@ class _Scripted:
 
 
 def test_who_was_ready_for_one_part_takes_no_other_up_on_it() -> None:
-    world = World(replace(SCENARIO, control=replace(SCENARIO.control, k=5.0)))
+    world = WorldCore(replace(SCENARIO, control=replace(SCENARIO.control, k=5.0)))
     core = Robot(world.scenario, 1, world.coordinator.join(1))
     mover = core._mover = _Scripted()  # type: ignore[assignment]
 

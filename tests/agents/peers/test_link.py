@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.peers.link import Link, Radio
+from agents.peers.link import Radio, StateLink
 from agents.peers.state import PeerState
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
@@ -71,7 +71,7 @@ def state(robot: int, tick: int, incarnation: int = 1) -> PeerState:
 
 def heard(faults: LinkFaults, states: list[PeerState], until: int = 200) -> list[list[tuple[int, int]]]:
     """What robot 1 hears at each tick, as (robot, tick of the State)."""
-    link = Link(replace(SCENARIO, link=faults), 1)
+    link = StateLink(replace(SCENARIO, link=faults), 1)
     for each in states:
         link.put(each)
     return [[(s.robot, s.tick) for s in link.take(tick)] for tick in range(until)]
@@ -119,7 +119,7 @@ def test_the_order_of_arrival_changes_nothing(random, seed: int) -> None:
     scenario = replace(SCENARIO, link=faults, seed=seed)
 
     def timeline(order: list[PeerState]) -> list[list[PeerState]]:
-        link = Link(scenario, 1)
+        link = StateLink(scenario, 1)
         for each in order:
             link.put(each)
         return [link.take(tick) for tick in range(60)]
@@ -130,7 +130,7 @@ def test_the_order_of_arrival_changes_nothing(random, seed: int) -> None:
 @pytest.mark.slow
 def test_a_burst_of_either_radio_holds_up_and_loses_what_passes_it() -> None:
     burst = Burst(good=1.0, bad=1.0, delay=0.5, loss=0.5)
-    link = Link(replace(SCENARIO, link=LinkFaults(burst=burst)), 1)
+    link = StateLink(replace(SCENARIO, link=LinkFaults(burst=burst)), 1)
     for tick in range(8000):
         link.put(state(2, tick))
     delays = [tick - each.tick for tick in range(8100) for each in link.take(tick)]
@@ -143,7 +143,7 @@ def test_a_burst_of_either_radio_holds_up_and_loses_what_passes_it() -> None:
 
 def test_states_wait_for_the_end_of_a_gap_of_sender_or_receiver() -> None:
     scenario = replace(SCENARIO, link=LinkFaults(roaming=Roaming(10.0, 1.0)))
-    link, radios = Link(scenario, 1), [Radio(scenario, robot) for robot in (1, 2)]
+    link, radios = StateLink(scenario, 1), [Radio(scenario, robot) for robot in (1, 2)]
     for tick in range(1000):
         link.put(state(2, tick))
     found = {each.tick: tick for tick in range(1200) for each in link.take(tick)}
@@ -154,7 +154,7 @@ def test_states_wait_for_the_end_of_a_gap_of_sender_or_receiver() -> None:
 
 def test_a_medium_carries_as_many_states_as_stated_in_turns() -> None:
     """40 per second are two a tick: of three peers and the robot itself, half of all States."""
-    link = Link(replace(SCENARIO, link=LinkFaults(capacity=40.0)), 1)
+    link = StateLink(replace(SCENARIO, link=LinkFaults(capacity=40.0)), 1)
     for tick in range(1000):
         for robot in (2, 3, 4):
             link.put(state(robot, tick))
@@ -167,7 +167,7 @@ def test_a_medium_carries_as_many_states_as_stated_in_turns() -> None:
 def test_delay_and_loss_grow_with_the_distance() -> None:
     faults = LinkFaults(distance=Distance(free=1.0, delay=0.05, loss=0.2))
     for metres, share in ((1, 1.0), (3, 0.6), (5, 0.2)):
-        link, delays = Link(replace(SCENARIO, link=faults), 1), []
+        link, delays = StateLink(replace(SCENARIO, link=faults), 1), []
         for tick in range(2000):
             link.locate(tick, (float(metres), 0.0))
             link.put(state(2, tick))

@@ -20,8 +20,8 @@ import msgspec
 from protocol.messages import Command
 from protocol.scenario.model import Scenario
 from tests.benchmarks.fleets import measure, scenario
-from world.shell.checkpoint import Checkpoint, Processes, Progress
-from world.world import World
+from world.shell.checkpoint import Checkpoint, Processes, SavedRun
+from world.world import WorldCore
 
 _TICKS = 64
 
@@ -34,15 +34,15 @@ def added(setting: Scenario, repeat: int) -> tuple[float, int]:
         Checkpoint.create(path)
         checkpoint = Checkpoint(path, "local", setting)
         for _ in range(repeat):
-            without = min(without, _drive(World(setting), None))
-            world = World(setting)
+            without = min(without, _drive(WorldCore(setting), None))
+            world = WorldCore(setting)
             kept = min(kept, _drive(world, checkpoint))
             size = max(size, len(msgspec.msgpack.encode(world.past)))
         checkpoint.remove()
     return kept - without, size
 
 
-def _drive(world: World, checkpoint: Checkpoint | None) -> float:
+def _drive(world: WorldCore, checkpoint: Checkpoint | None) -> float:
     """Time of a tick, s."""
     robots: Sequence[int] = world.scenario.ids
     for robot in robots:
@@ -52,7 +52,7 @@ def _drive(world: World, checkpoint: Checkpoint | None) -> float:
     for _ in range(_TICKS):
         told = world.open_tick()
         if checkpoint is not None:
-            checkpoint.write(Progress((1,), 0.0, processes, {}, world.past))
+            checkpoint.write(SavedRun((1,), 0.0, processes, {}, world.past))
         for robot in robots:
             world.accept(Command(robot, told[robot].incarnation, world.tick, (0.001, -0.001)))
         world.close_tick()

@@ -19,7 +19,7 @@ from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from protocol import joining, keys
-from protocol.bus.bus import Event, Presence, Request, Sample
+from protocol.bus.bus import Event, Presence, Query, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.codec import REASONS, decode, encode
 from protocol.errors import KeyGrammarError, MessageError
@@ -251,7 +251,7 @@ def _take_part(drawn: list[_Drawn]) -> bool:
         if happens == "published":
             event = Sample(key, payload)
         elif happens == "asked":
-            event = Request(key, payload, _deaf)
+            event = Query(key, payload, _deaf)
         else:
             event = Presence(key, happens == "appears")
         for handle in handlers[-1:] if happens == "asked" else handlers:

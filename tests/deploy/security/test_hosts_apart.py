@@ -16,7 +16,7 @@ from deploy.processes.supervisor import Supervisor
 from deploy.security.keystore import create
 from deploy.security.membership import KeyRing
 from deploy.security.roster import Home, KeyRoster
-from protocol.bus.bus import Presence, Request, Sample
+from protocol.bus.bus import Presence, Query, Sample
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, CertificateError, UsageError
@@ -115,7 +115,7 @@ class Field:
         def answer() -> None:
             while not done.is_set():
                 event = self.world.receive(0.05)
-                if isinstance(event, Request):
+                if isinstance(event, Query):
                     event.reply(event.key.encode())
 
         thread = threading.Thread(target=answer)
@@ -170,7 +170,7 @@ def test_with_everything_of_a_host_one_speaks_for_its_robots_only(keys: Path) ->
         heard(it.honest, b"for 2 alone")
         heard(it.spy, b"for the world")
         overheard = iter(lambda: it.rogue.receive(0.2), None)
-        assert not any(isinstance(event, Sample | Request) for event in overheard)
+        assert not any(isinstance(event, Sample | Query) for event in overheard)
 
 
 def test_who_joins_proves_who_it_is(keys: Path) -> None:

@@ -4,7 +4,7 @@ from random import Random
 
 import pytest
 
-from protocol.bus.bus import Event, Presence, Request, Sample
+from protocol.bus.bus import Event, Presence, Query, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.errors import BusError
 from protocol.streams import STREAMS
@@ -22,7 +22,7 @@ class Listener:
         self.finished = False
 
     def handle(self, event: Event) -> None:
-        if isinstance(event, Request):
+        if isinstance(event, Query):
             event.reply(b"re:" + event.payload)
         else:
             self.events.append(event)

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from deploy.processes.supervisor import Supervisor
-from protocol.bus.bus import Event, Presence, Request, Sample
+from protocol.bus.bus import Event, Presence, Query, Sample
 from protocol.bus.connection import Connection, configuration
 from protocol.bus.zenoh import ZenohBus
 from protocol.streams import STREAMS
@@ -46,7 +46,7 @@ def exchange(first: ZenohBus, second: ZenohBus) -> None:
 
 def answer(bus: ZenohBus, reply: bytes) -> None:
     request = bus.receive(PATIENCE)
-    assert isinstance(request, Request)
+    assert isinstance(request, Query)
     assert (request.key, request.payload) == (SCENARIO, b"may I?")
     request.reply(reply)
 

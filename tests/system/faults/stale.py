@@ -10,7 +10,7 @@ from pathlib import Path
 
 from agents.shell.node import RobotNode
 from deploy.run.local import LocalFleet
-from protocol.bus.bus import Event, Request
+from protocol.bus.bus import Event, Query
 from protocol.bus.local import LocalBus
 from protocol.joining import Join, Reply, decode_reply, encode_request
 from protocol.keys import robot_key
@@ -80,7 +80,7 @@ def answer(fleet: LocalFleet, session: str, robot: int = 2) -> Reply:
     """What the world answers to a process that asks to join."""
     replies: list[bytes] = []
     payload = encode_request(Join(robot, session))
-    fleet.world.handle(Request(robot_key(fleet.run, robot, "join"), payload, replies.append))
+    fleet.world.handle(Query(robot_key(fleet.run, robot, "join"), payload, replies.append))
     return decode_reply(replies[0])
 
 

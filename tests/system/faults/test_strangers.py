@@ -14,7 +14,7 @@ from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.result import unjudged
-from protocol.bus.bus import Presence, Request
+from protocol.bus.bus import Presence, Query
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
@@ -40,9 +40,9 @@ def test_tokens_and_requests_are_counted_by_reason() -> None:
     assert rejected == {"key": 6, "identity": 4}
     replies: list[bytes] = []
     for pattern in PATTERNS:
-        handle(Request(f"disknav/local/{pattern}", b"", replies.append))
+        handle(Query(f"disknav/local/{pattern}", b"", replies.append))
     for key in (robot_key("local", 1, "join"), world_key("local", "steering")):
-        handle(Request(key, HUGE, replies.append))
+        handle(Query(key, HUGE, replies.append))
     assert rejected == {"key": 10, "identity": 4, "oversize": 2}
     assert all(isinstance(decode_reply(reply), Refusal) for reply in replies)
     report = fleet.execute()

@@ -17,7 +17,7 @@ from tests.system.orders.guests import GUEST, GUESTED, SWAP, status, step, to_be
 from tests.system.orders.turnover import asked
 from tests.world.stopwatch import Stopwatch
 from world.shell.admission import Admissions
-from world.world import World
+from world.world import WorldCore
 
 
 def test_a_process_that_is_there_before_its_disk_waits_for_it() -> None:
@@ -97,7 +97,7 @@ def test_a_guest_that_appears_as_the_run_ends_is_told_that_it_is_over() -> None:
 
 def test_a_process_that_has_died_before_its_order_keeps_nobody_waiting() -> None:
     clock = Stopwatch()
-    admissions = Admissions("r", World(GUESTED), True, clock)
+    admissions = Admissions("r", WorldCore(GUESTED), True, clock)
     reply = admissions.refusal(Join(7, "dies", None))
     assert isinstance(reply, Wait)
     assert not admissions.missing()

@@ -18,7 +18,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.telemetry.plot.workspace import stays
 from deploy.telemetry.recording.reader import read
-from protocol.bus.bus import Request
+from protocol.bus.bus import Query
 from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.scenario.model import Obstacle
@@ -34,7 +34,7 @@ def asked(fleet: LocalFleet, change: object = None) -> dict[str, Any]:
     """What the world answers to a change in JSON, or to the question what is there."""
     replies: list[bytes] = []
     payload = b"" if change is None else json.dumps(change).encode()
-    fleet.world.handle(Request(world_key(fleet.run, "operation"), payload, replies.append))
+    fleet.world.handle(Query(world_key(fleet.run, "operation"), payload, replies.append))
     read_as = json.loads if payload else msgspec.msgpack.decode
     told: dict[str, Any] = read_as(replies[0])
     return told

@@ -18,7 +18,7 @@ import pytest
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator, operating
-from protocol.bus.bus import Request
+from protocol.bus.bus import Query
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, DisknavError
@@ -51,7 +51,7 @@ class Ordered(LocalFleet):
     def _look(self, clock: Clock) -> None:
         if clock.tick >= 30 and not self.replies:
             self.world.handle(
-                Request(
+                Query(
                     world_key(self.run, "operation"),
                     json.dumps({"goal": {"robot": 2, "points": [PLACE]}}).encode(),
                     lambda reply: self.replies.append(json.loads(reply)),

@@ -11,7 +11,7 @@ import msgspec
 
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from protocol.bus.bus import Request
+from protocol.bus.bus import Query
 from protocol.keys import world_key
 from protocol.operations import Reply, decode_reply
 from protocol.scenario.model import RobotSpec, Scenario, Sensing
@@ -41,7 +41,7 @@ def asked(fleet: LocalFleet, change: dict[str, Any] | None = None) -> Reply:
     """What the world answers to a change, or to the question who is there."""
     replies: list[bytes] = []
     payload = b"" if change is None else msgspec.msgpack.encode(change)
-    fleet.world.handle(Request(world_key(fleet.run, "operation"), payload, replies.append))
+    fleet.world.handle(Query(world_key(fleet.run, "operation"), payload, replies.append))
     return decode_reply(replies[0], Reply)
 
 

@@ -5,25 +5,25 @@ from protocol.messages import Command, Member, Standing
 from protocol.scenario.model import ProcessFault, Time
 from tests.world.driving import STEP, advance, joined, two
 from world.report import result_of
-from world.world import World
+from world.world import WorldCore
 
 FENCE = 4  # ticks
 PATIENT = Time(step=STEP, limit=100.0, fence=FENCE * STEP, deadlock=50.0)
 RIGHT = {1: (0.02, 0.0), 2: (0.02, 0.0)}
 
 
-def faulty(*events: tuple[int, float, str]) -> World:
+def faulty(*events: tuple[int, float, str]) -> WorldCore:
     """A world with process faults at times given in ticks, all robots joined."""
     faults = tuple(ProcessFault(robot, at * STEP, event) for robot, at, event in events)
     return joined(two(process=faults, time=PATIENT))
 
 
-def advance_to(world: World, tick: int) -> None:
+def advance_to(world: WorldCore, tick: int) -> None:
     while world.tick < tick:
         advance(world, RIGHT)
 
 
-def place(world: World, robot: int) -> tuple[float, float]:
+def place(world: WorldCore, robot: int) -> tuple[float, float]:
     return world.truth.positions[world.truth.robots.index(robot)]
 
 
@@ -214,7 +214,7 @@ def test_a_robot_that_never_starts_is_a_disk_that_stands():
 
 @pytest.mark.parametrize("event", ["kill", "pause", "restart"])
 def test_faults_of_the_first_tick_wait_until_everybody_is_there(event):
-    world = World(two(process=(ProcessFault(2, 0.0, event),), time=PATIENT))
+    world = WorldCore(two(process=(ProcessFault(2, 0.0, event),), time=PATIENT))
     world.coordinator.join(1)
     assert world.open_tick() == {}
     assert (world.coordinator.lives.founded, world.coordinator.lives.awaited) == (False, {2})

@@ -12,20 +12,20 @@ from protocol.operations import Outcome
 from protocol.scenario.model import MOST_POINTS, Journey, Operation
 from tests.world.driving import STEP, advance, joined, two
 from world.coordinator.missions import Missions
-from world.world import World
+from world.world import WorldCore
 
 HERE, THERE = (0.05, 0.15), (-0.05, 0.15)
 
 
-def order(world: World, journey: Journey) -> Outcome:
+def order(world: WorldCore, journey: Journey) -> Outcome:
     return world.operate(Operation(goal=journey))
 
 
-def status(world: World) -> GoalStatus:
+def status(world: WorldCore) -> GoalStatus:
     return world.goal_statuses()[0]
 
 
-def drive(world: World, most: int = 400) -> list[GoalStatus]:
+def drive(world: WorldCore, most: int = 400) -> list[GoalStatus]:
     """Robot 1 goes straight to whatever goal it is told, until no order is open; what was told of it."""
     said, goal = world.goal_news(), (0.1, 0.1)
     for _ in range(most):

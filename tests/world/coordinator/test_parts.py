@@ -10,7 +10,7 @@ from protocol.messages import Command, Handling, PartPlace, Vector
 from protocol.scenario.model import Operation, Part, RobotSpec, Time, Workspace
 from tests.world.driving import joined, obeying, scenario
 from world.report import result_of
-from world.world import World
+from world.world import WorldCore
 
 SMALL, LARGE = 0.04, 0.05
 AT, GOAL = (0.095, 0.0), (-0.105, 0.0)  # of the part; each within reach of robot 1 at the origin
@@ -18,7 +18,7 @@ TAKE = Handling(1, LARGE)
 PUT = Handling(1, LARGE, GOAL)
 
 
-def world() -> World:
+def world() -> WorldCore:
     """Robot 1 beside a part, robot 2 elsewhere, and a first tick that is over."""
     setting = replace(
         scenario(((0.0, 0.0), (0.0, 0.3)), ((0.0, -0.3), (0.0, -0.4)), radius=SMALL),
@@ -32,7 +32,11 @@ def world() -> World:
 
 
 def tick(
-    found: World, asks: dict[int, Handling] | None = None, *, kept: bool = True, silent: tuple[int, ...] = ()
+    found: WorldCore,
+    asks: dict[int, Handling] | None = None,
+    *,
+    kept: bool = True,
+    silent: tuple[int, ...] = (),
 ) -> None:
     """A tick in which robots ask for something, and keep clear of what is to appear or not."""
     told = found.open_tick()
@@ -42,11 +46,11 @@ def tick(
     found.close_tick()
 
 
-def radius(found: World, robot: int) -> float:
+def radius(found: WorldCore, robot: int) -> float:
     return found.coordinator.lives.roster.members[robot].radius
 
 
-def where(found: World) -> PartPlace:
+def where(found: WorldCore) -> PartPlace:
     (place,) = found.coordinator.lives.roster.message.parts
     return place
 
@@ -148,6 +152,6 @@ def test_whoever_is_added_is_with_a_part_the_larger_of_its_own_disk_and_that() -
     assert (where(found).carrier, radius(found, 1), radius(found, 3)) == (3, 1.5 * LARGE, LARGE)
 
 
-def _move(found: World, robot: int, place: Vector) -> None:
+def _move(found: WorldCore, robot: int, place: Vector) -> None:
     plant = found.simulation.plant
     plant.positions[plant.ids.index(robot)] = place

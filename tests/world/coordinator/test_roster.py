@@ -16,15 +16,15 @@ from protocol.messages import Member, PlacedObstacle, Tick
 from protocol.scenario.model import Obstacle as Listed
 from protocol.scenario.model import Operation, Workspace
 from tests.world.driving import advance, joined, obeying, scenario, two
-from world.coordinator.roster import Roster
+from world.coordinator.roster import RosterDirectory
 from world.report import result_of
-from world.world import World
+from world.world import WorldCore
 
 HERE = (5.0, 0.0)
 
 
-def filled(version: int = 0) -> Roster:
-    roster = Roster(two(), messages.Roster(version, ()))
+def filled(version: int = 0) -> RosterDirectory:
+    roster = RosterDirectory(two(), messages.Roster(version, ()))
     for robot in (1, 2, 3):
         roster.put(Member(robot, 1, "live", 0.1))
     return roster
@@ -38,7 +38,7 @@ def test_every_change_is_a_new_version_and_versions_go_on_from_earlier_coordinat
     roster.follow()
     roster.follow()
     assert (roster.version, roster.message.obstacles[0].number) == (12, number)
-    again = Roster(two(), roster.message)
+    again = RosterDirectory(two(), roster.message)
     assert again.message == roster.message
     assert again.status(2) == "standing"
     assert [each.robot for each in again.standing] == [2]
@@ -64,7 +64,7 @@ BOX = ((0.1, 0.1), (0.2, 0.1), (0.2, 0.2), (0.1, 0.2))
 WALL = Listed(points=((0.0, 0.1), (0.01, 0.1), (0.01, 0.2), (0.0, 0.2)))
 
 
-def world() -> World:
+def world() -> WorldCore:
     """Two robots far apart, a box, and a first tick that is over."""
     setting = replace(
         scenario(((-0.4, 0.0), (0.4, 0.0)), ((0.0, -0.4), (0.0, 0.4))),
@@ -76,7 +76,7 @@ def world() -> World:
     return found
 
 
-def statuses(found: World) -> dict[int, str]:
+def statuses(found: WorldCore) -> dict[int, str]:
     return {each.number: each.status for each in found.coordinator.lives.obstacles.changes}
 
 
@@ -147,7 +147,7 @@ def test_a_obstacle_on_a_goal_is_accepted_with_a_warning() -> None:
 
 def test_a_robot_in_the_way_gets_off_before_anything_is_put_up() -> None:
     setting = replace(scenario(((0.0, 0.0), (0.0, 0.0)), ((0.3, 0.3), (0.3, 0.3))), workspace=Workspace(0.6))
-    found = World(setting)
+    found = WorldCore(setting)
     robot = Robot(setting, 1, found.coordinator.join(1))
     found.coordinator.give_up_waiting(2)
     shape = Listed(center=(0.02, 0.0), radius=0.02).shape

@@ -4,7 +4,7 @@ from protocol.scenario.model import Journey, Order, ProcessFault, Time
 from protocol.scenario.network import Link, Partition
 from tests.world.driving import STEP, advance, joined, play, scenario, toward, two
 from world.report import result_of
-from world.world import World
+from world.world import WorldCore
 
 DEADLOCK = 10  # ticks, as in `driving.scenario`
 
@@ -119,7 +119,7 @@ def test_aborted_when_nobody_is_left():
 def test_not_aborted_while_processes_may_yet_be_started_again():
     kills = ProcessFault(1, 0.0, "kill"), ProcessFault(2, 0.1, "kill")
     setting = two(process=kills, time=Time(limit=30.0, fence=0.2, deadlock=20.0))
-    world = World(setting, returning=2.0)
+    world = WorldCore(setting, returning=2.0)
     for robot in setting.ids:
         world.coordinator.join(robot)
     while not world.verdict:

@@ -18,7 +18,7 @@ from protocol.scenario.model import World as WorldTable
 from protocol.scenario.network import Link
 from world.plants.integrator import Integrator
 from world.report import result_of
-from world.world import World
+from world.world import WorldCore
 
 ADVERSARY = "tests.laws.adversary:Adversary"
 SPACING = 0.12  # m, between neighbours at the start
@@ -89,7 +89,7 @@ def drive(
         scenario: in place of the setting's.
     """
     scenario, lost = scenario or setting.scenario, Random(setting.seed)
-    world = World(scenario)
+    world = WorldCore(scenario)
     plant = world.simulation.plant
     if isinstance(plant, Integrator):
         for index, base in plant._bases.items():

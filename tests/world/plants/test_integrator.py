@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from protocol.scenario.body import Actuation as ActuationFaults
 from protocol.scenario.model import Control
 from tests.world.driving import STEP, two
-from world.plants.integrator import Actuation, Integrator, limited
+from world.plants.integrator import Actuators, Integrator, limited
 
 component = st.floats(-1e300, 1e300) | st.floats(-1.0, 1.0)
 
@@ -31,14 +31,14 @@ def test_a_velocity_without_a_length_is_none():
 def test_actuation_noise_keeps_its_bound_and_the_speed_limit(x, y, tick, seed):
     setting = two(actuation=ActuationFaults(noise=0.3), control=Control(k=60.0, speed=0.1), seed=seed)
     asked = limited((x, y), 0.1)
-    dx, dy = Actuation(setting).displacement((x, y), 1, tick)
+    dx, dy = Actuators(setting).displacement((x, y), 1, tick)
     assert math.hypot(dx, dy) <= 0.1 * STEP * (1 + 1e-15)
     off = math.hypot(dx - asked[0] * STEP, dy - asked[1] * STEP)
     assert off <= setting.actuation.bound * math.hypot(*asked) * STEP * (1 + 1e-12)
 
 
 def test_actuation_noise_disturbs_and_differs_between_robots_and_ticks():
-    actuation = Actuation(two(actuation=ActuationFaults(noise=0.1)))
+    actuation = Actuators(two(actuation=ActuationFaults(noise=0.1)))
     drawn = {actuation.displacement((0.05, 0.0), robot, tick) for robot in (1, 2) for tick in range(200)}
     assert len(drawn) == 400
     assert actuation.displacement((0.0, 0.0), 1, 0) == (0.0, 0.0)

@@ -25,7 +25,7 @@ from tests.world.stopwatch import Stopwatch
 from world.coordinator.lives import Life, Status
 from world.shell.admission import RESERVATION, Admissions
 from world.shell.checkpoint import Processes
-from world.shell.run import Run
+from world.shell.run import JudgedRun
 
 SWAP = load("swap-4")
 
@@ -35,7 +35,7 @@ class Desk:
 
     def __init__(self) -> None:
         self.clock = Stopwatch()
-        self.run = Run(two())
+        self.run = JudgedRun(two())
         self.admissions = Admissions("r", self.run.world, True, self.clock)
 
     def ask(self, session: str, robot: int = 1, lived: int | None = None) -> Reply:

@@ -15,8 +15,8 @@ from protocol.errors import CheckpointError
 from protocol.messages import Standing
 from tests.world.driving import advance, joined, two
 from world.shell import checkpoint as module
-from world.shell.checkpoint import Checkpoint, Processes, Progress
-from world.world import World
+from world.shell.checkpoint import Checkpoint, Processes, SavedRun
+from world.world import WorldCore
 
 SCENARIO = two()
 
@@ -28,13 +28,13 @@ def _small_files() -> object:
         yield
 
 
-def states(count: int) -> list[Progress]:
+def states(count: int) -> list[SavedRun]:
     """Of a run tick by tick."""
     world, found = joined(SCENARIO), []
     for tick in range(count):
         advance(world, {1: (0.02, 0.0)})
         processes = Processes({1: "a", 2: "b"}, {1: {"c": "ended"}})
-        found.append(Progress((7, 8), 12.5 + tick, processes, {2: 1}, world.past))
+        found.append(SavedRun((7, 8), 12.5 + tick, processes, {2: 1}, world.past))
     return found
 
 
@@ -42,7 +42,7 @@ def opened(path: Path, run: str = "yard") -> Checkpoint:
     return Checkpoint(path, run, SCENARIO)
 
 
-def left(path: Path) -> Progress:
+def left(path: Path) -> SavedRun:
     """What a world finds."""
     found = opened(path)
     found.close()
@@ -66,7 +66,7 @@ def written(path: Path) -> Path:
 
 
 def test_what_was_written_last_is_read_again(path: Path) -> None:
-    assert left(path) == Progress()
+    assert left(path) == SavedRun()
     for state in states(3):
         checkpoint = opened(path)
         checkpoint.write(state)
@@ -79,7 +79,7 @@ def test_what_was_written_last_is_read_again(path: Path) -> None:
             state.processes,
             state.expected,
         )
-        assert World(SCENARIO, found.past).truth == World(SCENARIO, state.past).truth
+        assert WorldCore(SCENARIO, found.past).truth == WorldCore(SCENARIO, state.past).truth
 
 
 @given(st.data())
@@ -110,7 +110,7 @@ def test_a_first_state_that_was_cut_short_has_told_nothing(path: Path) -> None:
     content = path.read_bytes()
     half = content.rindex(b"worlds")
     path.write_bytes(content[:half] + bytes(len(content) - half))
-    assert left(path) == Progress()
+    assert left(path) == SavedRun()
 
 
 @given(st.data())

@@ -13,7 +13,7 @@ from tests.world.stopwatch import Stopwatch
 from world.shell.admission import Admissions
 from world.shell.failure_detector import FailureDetector
 from world.shell.pacing import REPEAT, Pacing
-from world.shell.run import Phase, Run
+from world.shell.run import JudgedRun, Phase
 
 GATHERING, PATIENCE, GRACE = 20.0, 5.0, 3.0
 
@@ -24,7 +24,7 @@ class Watch:
     def __init__(self, *, grace: float = 0.0, restarts: int = 0, lockstep: bool = True) -> None:
         self.clock, self.told, self.said = Stopwatch(), list[dict[int, Tick]](), list[str]()
         self.pacing = Pacing(lockstep, 0.0, self.clock)
-        self.turn = Run(two())
+        self.turn = JudgedRun(two())
         self.admissions = Admissions("r", self.turn.world, lockstep, self.clock)
         self.failures = FailureDetector(
             self.turn,

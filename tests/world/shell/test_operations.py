@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 from deploy.library.load import load
-from protocol.bus.bus import Request
+from protocol.bus.bus import Query
 from protocol.bus.local import LocalNetwork
 from protocol.operations import is_json
 from world.shell.node import WorldNode
@@ -33,7 +33,7 @@ def test_a_log_holds_every_order_and_a_person_hears_of_every_stop() -> None:
     replies: list[bytes] = []
     for request in ASKED:
         payload = json.dumps(request).encode() if request else b""
-        world.handle(Request("disknav/r/world/operation", payload, replies.append))
+        world.handle(Query("disknav/r/world/operation", payload, replies.append))
     assert len(replies) == len(ASKED)
     assert said == ["tick 0: emergency stop", "tick 0: released"]
     assert noted[0] == "tick 0: robot 2 is sent to [(0.05, 0.02)]"
@@ -49,6 +49,6 @@ def test_a_log_holds_every_order_and_a_person_hears_of_every_stop() -> None:
 def test_a_malformed_operation_is_refused_in_its_form(payload: bytes) -> None:
     world = WorldNode(LocalNetwork().connect(), "r", load("swap-2"))
     replies: list[bytes] = []
-    world.handle(Request("disknav/r/world/operation", payload, replies.append))
+    world.handle(Query("disknav/r/world/operation", payload, replies.append))
     reply = json.loads(replies[0]) if is_json(payload) else msgspec.msgpack.decode(replies[0])
     assert (reply["accepted"], reply["text"][:10]) == (False, "operation:")

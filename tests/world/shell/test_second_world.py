@@ -12,7 +12,7 @@ from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator
 from protocol import joining
-from protocol.bus.bus import Request, Sample
+from protocol.bus.bus import Query, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.codec import decode, encode
 from protocol.keys import robot_key, world_key
@@ -35,7 +35,7 @@ def epochs(monkeypatch: pytest.MonkeyPatch) -> None:
 def asked(world: WorldNode, halt: bool | None = None) -> Reply:
     replies: list[bytes] = []
     payload = b"" if halt is None else msgspec.msgpack.encode(Operation(halt=halt))
-    world.handle(Request(world_key("local", "operation"), payload, replies.append))
+    world.handle(Query(world_key("local", "operation"), payload, replies.append))
     return decode_reply(replies[0], Reply)
 
 
@@ -195,5 +195,5 @@ def test_a_join_request_names_a_session_that_can_stand_in_a_key() -> None:
     world = WorldNode(LocalNetwork().connect(), "local", SWAP)
     replies: list[bytes] = []
     request = joining.encode_request(joining.Join(1, "a/b"))
-    world.handle(Request(robot_key("local", 1, "join"), request, replies.append))
+    world.handle(Query(robot_key("local", 1, "join"), request, replies.append))
     assert "session" in joining.decode_reply(replies[0]).text  # type: ignore[union-attr]

@@ -8,7 +8,7 @@ from tests.world.driving import two
 from tests.world.stopwatch import Stopwatch
 from world.shell.admission import Admissions
 from world.shell.pacing import Pacing
-from world.shell.run import SHUTDOWN, Phase, Run, Shutdown
+from world.shell.run import SHUTDOWN, JudgedRun, Phase, Shutdown
 
 
 class Ending:
@@ -16,7 +16,7 @@ class Ending:
 
     def __init__(self) -> None:
         self.clock = Stopwatch()
-        self.turn = Run(two())
+        self.turn = JudgedRun(two())
         self.admissions = Admissions("r", self.turn.world, True, self.clock)
         self.shutdown = Shutdown(self.turn, self.admissions, Pacing(True, 0.0, self.clock))
         self.turn.began = 0.0

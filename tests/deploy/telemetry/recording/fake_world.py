@@ -1,7 +1,7 @@
 """A world that says whatever a test wants."""
 
 from protocol import joining
-from protocol.bus.bus import Request
+from protocol.bus.bus import Query
 from protocol.keys import parse, world_key, world_token
 from protocol.streams import STREAMS
 from tests.deploy.telemetry.recording.recorded import scenario
@@ -23,7 +23,7 @@ class FakeWorld:
         bus.announce(world_token(run, "1"))
 
     def handle(self, event) -> None:
-        if isinstance(event, Request):
+        if isinstance(event, Query):
             overview = joining.encode_reply(joining.Overview(scenario(), True))
             event.reply(self.replies.pop(0) if self.replies else overview)
 
