@@ -45,7 +45,7 @@ def test_every_precondition_belongs_to_a_rule() -> None:
 @pytest.mark.slow
 def test_no_walk_makes_two_disks_overlap() -> None:
     taken: Counter[str] = Counter()
-    for seed in (*range(40), 166, 233):  # in the last two a part is taken up
+    for seed in (*range(40), 78, 196):  # in the last two a part is taken up
         broken, counts = walk(seed, 1500)
         assert broken == ""
         taken += counts

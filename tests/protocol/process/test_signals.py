@@ -107,9 +107,10 @@ def test_elsewhere_than_in_the_main_thread_nothing_changes() -> None:
 def test_a_process_that_looks_at_nothing_can_still_be_ended(number: int) -> None:
     """Code of others may be stuck; two seconds are enough to see that."""
     process = ended(
-        "import os, signal, sys, time\nfrom protocol.process import signals\nsignals._HELD_UP = 0.05\n"
+        "import math, signal\nfrom protocol.process import signals\nsignals._HELD_UP = math.inf\n"
         f"signals.STOP.listen()\nsignal.raise_signal({int(number)})\nsignal.raise_signal({int(number)})\n"
-        f"time.sleep(0.1)\nprint('held up', flush=True)\nsignal.raise_signal({int(number)})\nprint('never')\n"
+        "print('held up', flush=True)\nsignals._HELD_UP = 0.0\n"
+        f"signal.raise_signal({int(number)})\nprint('never')\n"
     )
     assert (process.returncode, process.stdout, process.stderr) == (-number, "held up\n", "")
 
