@@ -1,9 +1,9 @@
 """Clearance: the gap between any two disks, and between a disk and what surrounds it, over continuous time.
 
 Positions are complex numbers x + iy, m, shape (..., p), in the order of robot ids: any number of ticks may be
-measured at once. Gaps, shape (..., q + p + m p), are those of the q pairs i < j, then of each robot to the
-boundary, then of each robot to each of m obstacles; negative is overlap. During straight motion at constant
-speed the distance from a convex set is a convex function of time.
+measured at once. Gaps, shape (..., q + p + c), are those of the q pairs i < j, then of each robot to the
+boundary, then of the c pairs of a robot and one of m obstacles; negative is overlap. During straight motion
+at constant speed the distance from a convex set is a convex function of time.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ Interval = tuple[float, float]
 
 REACH: Final = 12.0  # mean radii
 FEW: Final = 1 << 14  # pairs up to which all are measured
+_SOME: Final = 500  # polygons at once: what is computed of more would not stay in the cache
 _ROUNDING: Final = 1e-6  # of the reach
 _TINY: Final = np.finfo(np.float64).tiny
 _THIRDS: Final = 80  # of an interval: what is left is below a double's resolution of it
@@ -43,8 +44,10 @@ class Disks:
         radii: in that order, m.
         first, second: index of either robot of each pair.
         contact: distance at which each pair touches, rho_ij, m.
+        robot, obstacle: index of either of each pair of a robot and an obstacle.
         wall: distance from the origin at which each robot touches the boundary of a round room, rho_0i, m.
         shapes: the obstacles in the order of their numbers.
+        centres, sizes: of the disks around these, m.
     """
 
     def __init__(self, radii: Mapping[int, float], room: Shape, obstacles: Mapping[int, Shape]) -> None:
@@ -55,12 +58,14 @@ class Disks:
         self.room = room
         self.wall: Reals = (room.radius if isinstance(room, Disk) else np.inf) - self.radii
         self.numbers, self.shapes = tuple(obstacles), tuple(obstacles.values())
-        self._round = [index for index, shape in enumerate(self.shapes) if isinstance(shape, Disk)]
-        self._polygons = [index for index, shape in enumerate(self.shapes) if not isinstance(shape, Disk)]
+        self.obstacle, self.robot = np.divmod(np.arange(len(self.shapes) * len(self.ids)), len(self.ids))
         around = [shape.around for shape in self.shapes]
-        self._centres: Plane = np.array([complex(each.x, each.y) for each in around], dtype=np.complex128)
-        self._sizes: Reals = np.array([each.radius for each in around])
-        self._corners = _padded([shape for shape in self.shapes if isinstance(shape, ConvexPolygon)])
+        self.centres: Plane = np.array([complex(each.x, each.y) for each in around], dtype=np.complex128)
+        self.sizes: Reals = np.array([each.radius for each in around])
+        self._is_round = np.array([isinstance(shape, Disk) for shape in self.shapes], dtype=np.bool_)
+        polygons = [shape for shape in self.shapes if isinstance(shape, ConvexPolygon)]
+        self._polygon = np.cumsum(~self._is_round) - 1  # the number among polygons of one that is one
+        self._corners, self._sides = _padded(polygons), _sides(polygons)
 
     @classmethod
     def of(cls, scenario: Scenario, obstacles: Mapping[int, Shape] | None = None) -> Disks:
@@ -72,15 +77,18 @@ class Disks:
         """The same disks, among other obstacles."""
         return Disks(dict(zip(self.ids, self.radii.tolist(), strict=True)), self.room, obstacles)
 
-    def only(self, first: Indices, second: Indices) -> Disks:
-        """The same disks, and of all pairs these, by the indices of either robot."""
+    def near(self, places: Plane, reach: float) -> Disks:
+        """The same disks, and of all pairs those whose gap may be at most `reach` (m) at places, (p,)."""
         few = copy(self)
-        few.first, few.second, few.contact = first, second, self.radii[first] + self.radii[second]
+        few.first, few.second = close_pairs(places, self.radii, reach)
+        few.contact = self.radii[few.first] + self.radii[few.second]
+        gap = np.abs(places - self.centres[:, None]) - self.sizes[:, None] - self.radii
+        few.obstacle, few.robot = np.nonzero(gap <= reach)
         return few
 
     def __len__(self) -> int:
         """Number of gaps of a configuration."""
-        return len(self.contact) + len(self.ids) * (1 + len(self.shapes))
+        return len(self.contact) + len(self.ids) + len(self.robot)
 
     def relative(self, positions: Plane) -> Plane:
         """Relative position d_ij = b_i - b_j of each pair, shape (..., q)."""
@@ -92,8 +100,11 @@ class Disks:
         pairs = len(self.contact)
         if index < pairs:
             return (self.ids[self.first[index]], self.ids[self.second[index]])
-        obstacle, robot = divmod(index - pairs, len(self.ids))
-        return (-self.numbers[obstacle - 1] if obstacle else 0, self.ids[robot])
+        index -= pairs
+        if index < len(self.ids):
+            return (0, self.ids[index])
+        index -= len(self.ids)
+        return (-self.numbers[self.obstacle[index]], self.ids[self.robot[index]])
 
     def beta(self, positions: Plane) -> Reals:
         """beta of every robot with the boundary and with each obstacle, (n, ...) m^2; straight walls
@@ -103,13 +114,12 @@ class Disks:
         else:
             rooms = [offset - _along(nx, ny, positions) for nx, ny, offset in self.room.sides]
             walls = np.concatenate([_squared_gap(room, self.radii) for room in rooms], axis=-1)
-        if not self.shapes:
-            return walls
-        sizes = np.zeros(len(self.shapes))
-        sizes[self._round] = self._sizes[self._round]
-        distances = self._to_obstacles(positions, positions) + self.radii
-        among = _squared_gap(distances + sizes[:, None], self.radii + sizes[:, None])
-        return np.concatenate((walls, among.reshape(*positions.shape[:-1], -1)), axis=-1)
+        away = positions[..., None, :] - self.centres[self._is_round, None]
+        contact = self.radii + self.sizes[self._is_round, None]
+        disks = away.real**2 + away.imag**2 - contact**2
+        polygons = _squared_distances(self._sides, positions) - self.radii**2
+        among = [each.reshape(*positions.shape[:-1], -1) for each in (disks, polygons)]
+        return np.concatenate((walls, *among), axis=-1)
 
     def overlaps(self, index: int, before: Plane, after: Plane, touch: float) -> list[Interval]:
         """When, during one straight motion, a gap is below -touch; within [0, 1]."""
@@ -119,8 +129,10 @@ class Disks:
             start, motion = before[i] - before[j], after[i] - after[j] - (before[i] - before[j])
             inside = sublevel(lambda time: abs(start + time * motion), self.contact[index] - touch)
             return [] if inside is None else [inside]
-        obstacle, robot = divmod(index - pairs, len(self.ids))
-        shape = self.shapes[obstacle - 1] if obstacle else self.room
+        index -= pairs
+        obstacle = index >= len(self.ids)
+        robot = self.robot[index - len(self.ids)] if obstacle else index
+        shape = self.shapes[self.obstacle[index - len(self.ids)]] if obstacle else self.room
 
         def distance(time: float) -> float:
             place = before[robot] + time * (after[robot] - before[robot])
@@ -135,7 +147,7 @@ class Disks:
         return [part for part in outside if part[0] < part[1]]
 
     def to_surroundings(self, before: Plane, after: Plane) -> Reals:
-        """Smallest gaps to the boundary and to obstacles during motions, (n, p) each, m."""
+        """Smallest gaps to the boundary and to obstacles during motions, (n, p) each: (n, p + c) m."""
         if isinstance(self.room, Disk):
             walls = self.wall - np.maximum(np.abs(before), np.abs(after))
         else:
@@ -144,21 +156,18 @@ class Disks:
                 for nx, ny, offset in self.room.sides
             ]
             walls = np.min(rooms, axis=0) - self.radii
-        if not self.shapes:
-            return walls
-        return np.concatenate(
-            (walls, self._to_obstacles(before, after).reshape(*before.shape[:-1], -1)), axis=-1
-        )
+        return np.concatenate((walls, self._to_obstacles(before, after)), axis=-1)
 
     def _to_obstacles(self, before: Plane, after: Plane) -> Reals:
-        found = np.empty((*before.shape[:-1], len(self.shapes), before.shape[-1]))
-        start = before[..., None, :] - self._centres[self._round][:, None]
-        found[..., self._round, :] = closest(start, (after - before)[..., None, :])
-        found[..., self._round, :] -= self._sizes[self._round][:, None]
-        if self._polygons:
-            found[..., self._polygons, :] = _from_polygons(self._corners, before, after)
-        found -= self.radii
-        return found
+        begin, end = before[..., self.robot], after[..., self.robot]
+        found, is_round = np.empty(begin.shape), self._is_round[self.obstacle]
+        disks, polygons = self.obstacle[is_round], self.obstacle[~is_round]
+        start, motion = begin[..., is_round], end[..., is_round] - begin[..., is_round]
+        found[..., is_round] = closest(start - self.centres[disks], motion) - self.sizes[disks]
+        if len(polygons):
+            corners = self._corners[self._polygon[polygons]]
+            found[..., ~is_round] = _from_polygons(corners, begin[..., ~is_round], end[..., ~is_round])
+        return found - self.radii[self.robot]
 
 
 def gaps(disks: Disks, before: Plane, after: Plane) -> Reals:
@@ -172,7 +181,7 @@ def gaps(disks: Disks, before: Plane, after: Plane) -> Reals:
 
 
 class NearestGaps:
-    """Measures gaps as `gaps` does, but of a large fleet only those of pairs that can be nearest, or touch.
+    """Measures gaps as `gaps` does, but of very many only those of pairs that can be nearest, or touch.
 
     A pair with a gap of more than the reach has one of more than the reach less twice what any robot has
     moved since. If the smallest gap that was measured is below that, it is the smallest of all, and no other
@@ -187,12 +196,12 @@ class NearestGaps:
     def __call__(self, before: Plane, after: Plane) -> tuple[Disks, Reals]:
         """Gaps of n motions, shape (n, p) each, among them the smallest of each and all that are negative;
         and the disks with these pairs."""
-        if len(self._all.contact) <= FEW:
+        if len(self._all) <= FEW:
             return self._all, gaps(self._all, before, after)
         beyond = self._beyond(before, after)
         if beyond < 0.5 * self._reach:
             self._places = before[0].copy()
-            self._near = self._all.only(*close_pairs(self._places, self._all.radii, self._reach))
+            self._near = self._all.near(self._places, self._reach)
             beyond = self._beyond(before, after)
         found = gaps(self._near, before, after)
         if beyond >= 0.0 and (found.min(axis=-1) <= beyond).all():
@@ -265,23 +274,52 @@ def _padded(polygons: list[ConvexPolygon]) -> Plane:
     return np.array([row + row[-1:] * (most - len(row)) for row in rows], dtype=np.complex128)
 
 
+def _sides(polygons: list[ConvexPolygon]) -> tuple[Reals, Reals]:
+    """What times (x, y, 1) gives how far a point is beyond each side and, along it, from its middle: (2, K,
+    m, 3); and half the lengths, (K, m, 1) m. A polygon with fewer sides repeats its last one."""
+    most = max((len(polygon.sides) for polygon in polygons), default=0)
+    rows, halves = np.empty((2, most, len(polygons), 3)), np.empty((most, len(polygons), 1))
+    for index, polygon in enumerate(polygons):
+        for side in range(most):
+            number = min(side, len(polygon.sides) - 1)
+            nx, ny, offset = polygon.sides[number]
+            one, other = (nx * y - ny * x for x, y in (polygon.points * 2)[number : number + 2])
+            rows[:, side, index] = (nx, ny, -offset), (-ny, nx, -0.5 * (one + other))
+            halves[side, index] = 0.5 * abs(other - one)
+    return rows, halves
+
+
+def _squared_distances(sides: tuple[Reals, Reals], positions: Plane) -> Reals:
+    """Squared distance of points (n, p) from polygons, (n, m, p) m^2; 0 inside."""
+    points = np.stack((positions.real, positions.imag, np.ones(positions.shape)), axis=-2)[..., None, :, :]
+    rows, halves = sides
+    found = np.empty((*positions.shape[:-1], halves.shape[1], positions.shape[-1]))
+    for begin in range(0, halves.shape[1], _SOME):
+        part = slice(begin, begin + _SOME)
+        beyond, past = rows[0, :, part] @ points, np.abs(rows[1, :, part] @ points)
+        inside = beyond.max(axis=-3) <= 0.0
+        past = np.maximum(past - halves[:, part], 0.0)
+        found[..., part, :] = (beyond * beyond + past * past).min(axis=-3)
+        found[..., part, :][inside] = 0.0
+    return found
+
+
 def _from_polygons(corners: Plane, before: Plane, after: Plane) -> Reals:
-    """Smallest distance of moving points from convex polygons, (n, m, p) m; inside, minus the depth."""
+    """Smallest distance of moving points, (n, c), from a convex polygon each, (n, c) m; inside, minus the
+    depth."""
     distance: Reals
-    edges = np.roll(corners, -1, axis=1) - corners
-    begin, end = before[..., None, :, None], after[..., None, :, None]  # (n, 1, p, 1)
-    corner, edge = corners[:, None, :], edges[:, None, :]  # (m, 1, K)
-    distance = np.minimum(closest(begin - corner, end - begin), closest(corner - begin, edge))
-    distance = np.minimum(distance, closest(corner - end, edge)).min(axis=-1)
+    edge = np.roll(corners, -1, axis=1) - corners  # (c, K)
+    begin, end = before[..., None], after[..., None]  # (n, c, 1)
+    distance = np.minimum(closest(begin - corners, end - begin), closest(corners - begin, edge))
+    distance = np.minimum(distance, closest(corners - end, edge)).min(axis=-1)
     lengths = np.abs(edge)
     normals = np.where(lengths > 0.0, -1j * edge / np.maximum(lengths, _TINY), 0.0)
-    first = ((begin - corner) * normals.conj()).real  # signed distances from the sides
+    first = ((begin - corners) * normals.conj()).real  # signed distances from the sides
     slope = ((end - begin) * normals.conj()).real
     inside = _enters(np.where(lengths > 0.0, first, -np.inf), slope)
-    for place in np.argwhere(inside):
-        n, m, p = place
-        sides = lengths[m, 0] > 0.0
-        distance[n, m, p] = _deepest(first[n, m, p][sides], slope[n, m, p][sides])
+    for n, c in np.argwhere(inside):
+        sides = lengths[c] > 0.0
+        distance[n, c] = _deepest(first[n, c][sides], slope[n, c][sides])
     return distance
 
 

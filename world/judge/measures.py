@@ -23,7 +23,7 @@ from world.judge.clearance import FEW, Disks, Plane, Reals
 _CENTIMETRES = 100.0
 _MOST = 300.0  # decades, stands for an infinite logarithm
 _TINY = np.finfo(np.float64).tiny  # stands for what is not positive, and is not looked at
-_ROWS = 8  # of the triangle of many pairs, whose factors are multiplied before a logarithm is taken
+_ROWS = 8  # of the triangle of many pairs, or gaps in a row, whose factors are multiplied before a logarithm
 _TWICE = np.tri(_ROWS, dtype=np.bool_)
 
 
@@ -151,7 +151,7 @@ def phi(log_gamma: float, log_beta: float, k: float) -> float:
 def _log_beta(disks: Disks, positions: Plane) -> list[float]:
     """Of each configuration; -inf outside free space."""
     walls = disks.beta(positions)
-    if len(disks.contact) > FEW:
+    if len(disks) > FEW:
         return [
             _log_product(each, disks.radii) + _log(wall) for each, wall in zip(positions, walls, strict=True)
         ]
@@ -165,7 +165,9 @@ def _log_beta(disks: Disks, positions: Plane) -> list[float]:
 
 def _log(beta: Reals) -> float:
     """Logarithm of the product; -inf unless all are positive."""
-    return float(np.log(beta).sum()) if beta.min() > 0.0 else -math.inf
+    if beta.min() <= 0.0:
+        return -math.inf
+    return float(np.log(np.multiply.reduceat(beta, np.arange(0, len(beta), _ROWS))).sum())
 
 
 def _log_product(positions: Plane, radii: Reals) -> float:
