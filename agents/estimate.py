@@ -1,4 +1,4 @@
-"""Where this robot can be: set-membership with a convex polygon.
+"""Set-membership estimate of this robot's position, by a convex polygon.
 
 A measurement says: at tick `stamp` the truth was within `bound` of `position`. Odometry, which is
 immediate and off by at most its own bound, carries that to the present. So the truth lies in every such

@@ -1,7 +1,8 @@
-"""What a robot hears of its peers: from which, when it is due, and what is still missing.
+"""Receives peers' States and the world's summaries, decides when each counts, and names missing States.
 
-Sender and tick of a State decide whether it is accepted; its arrival time does not. Line messages take effect
-only between a Tick and the own Command, when no command is in force; later ones wait for the next Tick.
+Sender and tick of a State decide whether it is accepted; its arrival time does not. Proposals and answers
+take effect only between a Tick and the own Command, when no command is in force; later ones wait for the
+next Tick.
 """
 
 from __future__ import annotations
@@ -25,26 +26,26 @@ class PeerInbox:
     Args:
         scenario: the run.
         robot: own id.
-        lines: are told what peers say of them.
-        lockstep: whether the world waits for it. Where it does not, a tick that it misses is no pause.
+        lines: receive the proposals and answers of accepted States.
+        lockstep: whether the world waits for this robot. If it does not, States of missed ticks count.
 
     Attributes:
-        neighbours: what is known of peers.
+        neighbours: peers, by their newest States and the roster.
     """
 
     def __init__(self, scenario: Scenario, robot: int, lines: SeparatingLines, *, lockstep: bool) -> None:
-        self.neighbours = Neighbours(fleet_of(scenario.robots).radii, everybody=not scenario.hears_near)
+        self.neighbours = Neighbours(fleet_of(scenario.robots).radii, hears_all=not scenario.hears_near)
         self._lines = lines
         self._robot, self._tick, self._lockstep = robot, -1, lockstep
         self._link = StateLink(scenario, robot)
         self._far = Arrivals(scenario, robot) if scenario.hears_near else None
-        self._since: dict[int, int] = {}  # first tick of whose States count, by peer that is heard
+        self._since: dict[int, int] = {}  # first tick of which a State counts, by peer
         self._active: tuple[int, ...] = ()  # as the tick before named them
         self._awaited: set[int] = set()
         self._open = False  # whether the tick's State is out and its Command is not
 
     def open(self, tick: Tick, place: Vector | None = None) -> None:
-        """A tick begins: hear the peers that it names, and what was late.
+        """Begin a tick: await the States of the peers that it names, and accept late States that are due.
 
         Args:
             tick: from the coordinator.
@@ -71,18 +72,18 @@ class PeerInbox:
         self._since = {peer: before.get(peer, now) for peer in tick.active if peer != self._robot}
 
     def close(self) -> None:
-        """The tick's Command is due: take over what has come in time."""
+        """The tick's Command is due: accept the States that arrived in time."""
         self._open = False
         self._take(self._tick)
 
     def reconsider(self, tick: Tick) -> None:
-        """The same tick again: a robot that took part no longer does, and is not waited for."""
+        """The same tick again, with fewer active robots: await no State of those that left it."""
         self._awaited.intersection_update(tick.active)
 
     def on_state(self, state: PeerState) -> None:
-        """The State of a peer of this run has arrived, perhaps again."""
+        """Receive the State of a peer of this run, perhaps repeated."""
         tick = state.tick
-        if tick >= self._tick:  # of whichever incarnation: a false one must hold up no robot
+        if tick >= self._tick:  # of any incarnation: a wrong one must not block the tick
             self._awaited.discard(state.robot)
         if self._open and tick <= self._tick and self._link.ideal:
             self._learn(state)  # as `close` would in a moment
@@ -90,16 +91,16 @@ class PeerInbox:
             self._link.put(state)
 
     def on_summary(self, summary: Summary) -> None:
-        """The world's summary of all positions, for a tick that begins soon.
+        """Receive the world's summary of all positions, for a tick that begins soon.
 
         Raises:
-            MessageError: it is not made as a summary is.
+            MessageError: the summary is malformed.
         """
         if self._far is not None:
             self._far.on_summary(places_of(summary))
 
     def look_afar(self, position: Vector, radius: float) -> None:
-        """Take in the newest summary that is due, if it is news to the own disk (m)."""
+        """Apply the summary that is due, once: the far field around the own disk (m)."""
         picture = None if self._far is None else self._far.new_picture(self.neighbours.radii)
         if picture is None:
             return
@@ -109,7 +110,7 @@ class PeerInbox:
 
     @property
     def complete(self) -> bool:
-        """Whether the States of all that are heard in this tick have arrived, and the summary due."""
+        """Whether all States awaited in this tick have arrived, and the summary that is due."""
         return not self._awaited and (self._far is None or self._far.has_summary)
 
     @property
@@ -118,7 +119,7 @@ class PeerInbox:
         return sorted(self._awaited)
 
     def _take(self, tick: int) -> None:
-        """Take over all States that are due by `tick`."""
+        """Accept all States that are due by `tick`."""
         for state in self._link.take(tick):
             self._learn(state)
 

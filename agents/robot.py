@@ -54,7 +54,7 @@ class Robot:
 
     Attributes:
         goal: where to go, m; nothing else of a robot keeps it, and every Tick may set another.
-        hearing: takes what peers say.
+        hearing: receives the States of peers.
         stopped: whether it has to stand, besides an emergency stop of all.
     """
 
@@ -79,7 +79,7 @@ class Robot:
         self._blind = True  # whether nothing is known of how far it went in the last tick
         self._halted = self.stopped = False  # an emergency stop is in force
 
-    # -- phase 1: sense, follow the roster, hear what was late, say where it is
+    # -- phase 1: sense, follow the roster, accept late States, publish the State
 
     def begin(self, tick: Tick, sense: Sense | None = None) -> State:
         """Open a tick; returns the State to publish.
@@ -119,7 +119,7 @@ class Robot:
         )
 
     def _sense(self, sense: Sense | None) -> None:
-        """Take in where this robot is; nothing is known of a tick without odometry."""
+        """Update the position estimate; the displacement of a tick without odometry is unknown."""
         self._blind = sense is None
         if sense is not None:
             self._estimate.update(self.tick, sense)
@@ -138,7 +138,7 @@ class Robot:
             self._filter.resize(own.radius)  # an earlier life may have taken up a part
 
     def _state(self) -> State:
-        """What this robot says of itself."""
+        """The State to publish."""
         position, bound = self.place
         proposals: tuple[Proposal, ...] = ()
         answers: tuple[Answer, ...] = ()
@@ -165,7 +165,7 @@ class Robot:
 
     @property
     def place(self) -> tuple[Vector | None, float]:
-        """Where this robot is, m, and the error bound, m; no place if all that is known is implausible."""
+        """Position estimate and its error bound, m; no position if the estimate is implausible."""
         position, bound = self._estimate.position, self._estimate.bound
         if position is None or not self._plausible.locates(position, bound):
             return None, 0.0
@@ -175,7 +175,7 @@ class Robot:
         """A wish from outside, m/s, for the law "external"."""
         self._law.tell(wish, self.tick)
 
-    # -- phase 2: hear, think, limit, command
+    # -- phase 2: accept States, apply the law, filter, command
 
     def command(self) -> Command:
         """Close the tick; returns the Command to publish."""
@@ -208,7 +208,7 @@ class Robot:
         )
 
     def complaint(self) -> Command:
-        """A Command without a velocity while States are missing; it lists the robots whose States are."""
+        """A Command without a velocity; it lists the robots with missing States."""
         lacking = tuple(self.hearing.missing[:NAMED])
         return Command(
             self.robot, self.incarnation, self.tick, STILL, self.epoch, self._roster.version, lacking
@@ -226,7 +226,7 @@ class Robot:
         return rate * dx, rate * dy
 
     def _view(self, position: Vector) -> View:
-        """What the law is given in this tick."""
+        """The law's input in this tick."""
         return View(
             tick=self.tick,
             position=position,
@@ -237,8 +237,8 @@ class Robot:
         )
 
     def _report(self) -> Report | None:
-        """Where this robot was as the tick began; None in a tick without odometry: its base may have moved
-        since the one before."""
+        """The position as the tick began; None in a tick without odometry: the base may have moved since the
+        one before."""
         position, bound = self.place
         if position is None or self._blind or self._estimate.lost:
             return None
@@ -247,7 +247,7 @@ class Robot:
     # -- for the summary
 
     def _summed_up(self) -> float | None:
-        """What the next tick's summary is to say of this robot's pace, if there is one."""
+        """The norm of the own slice for the next tick's summary; None if there is none."""
         position = self._estimate.position
         if position is None or not self._scenario.hears_near or (self.tick + 1) % period(self._scenario):
             return None
@@ -300,7 +300,7 @@ class Robot:
 
     @property
     def scenario(self) -> Scenario:
-        """The run, as this robot was told of it."""
+        """The scenario, as admission delivered it."""
         return self._scenario
 
     @property
@@ -320,7 +320,7 @@ class Robot:
 
     @property
     def note(self) -> str:
-        """What a person should know of this robot; "" if nothing."""
+        """Warnings about this robot, for the operator; "" if none."""
         return "; ".join(self.troubles)
 
     @property
@@ -333,7 +333,7 @@ class Robot:
         return found
 
     def health(self, published: int, received: int, rejected: dict[str, int]) -> Health:
-        """What a monitor may want to know."""
+        """The report for monitors."""
         heard = tuple(sorted((state.robot, state.tick) for state in self.hearing.neighbours.heard()))
         _, bound = self.place
         return Health(

@@ -39,7 +39,7 @@ def parallel_env(
 
     Raises:
         ScenarioError, UsageError: as `load`; a library of the extra `env` is missing; the scenario has
-            orders, parts or bases outside.
+            orders, parts or external bases.
     """
     return FleetEnv(scenario, is_filtered=filter, neighbours=neighbours)
 
@@ -171,7 +171,7 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no types
         """A scenario with actions in place of its law."""
         scenario = ready(source, None, None)
         if scenario.is_external or scenario.parts or scenario.orders:
-            raise UsageError("an environment has no orders, no parts and no bases outside")
+            raise UsageError("an environment has no orders, no parts and no external bases")
         filter_: Literal["separating-lines", "none"] = "separating-lines" if self._filter else "none"
         return replace(scenario, control=replace(scenario.control, law="external", filter=filter_))
 

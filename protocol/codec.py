@@ -1,8 +1,7 @@
 """Encoding and checked decoding of messages.
 
-Whatever arrives is untrusted. A payload is accepted only if its size, version, type, shape and
-numbers are right and it speaks under its own key; else MessageError names one of `REASONS`. What a key
-says is settled once.
+Every payload is untrusted. It is accepted only if its size, version, type, shape and numbers are right and
+its sender's id is that of its key; else MessageError names one of `REASONS`. Each key is parsed once.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ _MOST = 1 << 14  # keys that are remembered
 _DECODE: dict[str, Any] = {
     name: msgspec.msgpack.Decoder(stream.message).decode for name, stream in STREAMS.items()
 }
-# What decoding may raise.
+# Errors of decoding.
 DAMAGED = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
 REASONS = ("key", "oversize", "version", "type", "shape", "identity", "epoch")
 _pack = msgspec.msgpack.encode
@@ -151,7 +150,7 @@ def _shortened(message: Message, fields: tuple[tuple[str, object], ...]) -> byte
 
 
 def decode(key: str, payload: bytes) -> AnyMessage:
-    """Decode what arrived under `key`.
+    """Decode a payload of `key`.
 
     Raises:
         MessageError: with `reason` in `REASONS`.

@@ -80,11 +80,11 @@ class CertificateError(BusError):
 
 
 class JoinError(DisknavError):
-    """The world turned a robot away: unknown id, or that id is already running.
+    """The world refused a robot: unknown id, or that id is already running.
 
     Args:
         text: the reason.
-        robot: whose process it was, 0 if that is known otherwise.
+        robot: id of the refused process, 0 if the caller knows it.
     """
 
     def __init__(self, text: str, robot: int = 0) -> None:

@@ -30,14 +30,14 @@ from protocol.streams import STREAMS
 
 
 class JoinRequest(msgspec.Struct, frozen=True):
-    """What a robot says under its `join` key. `session` tells two processes with one id apart."""
+    """A request under a robot's `join` key. `session` distinguishes two processes with one id."""
 
     session: Annotated[str, Meta(pattern=f"^{SESSION}$")]
     health: Health | None = None  # of the run that this process has just ended
 
 
 class Join(NamedTuple):
-    """A robot asks to take part: what it said, and as which robot its key lets it speak."""
+    """A robot's request to join: its content, and the robot that its key names."""
 
     robot: Id
     session: str
@@ -45,14 +45,14 @@ class Join(NamedTuple):
 
 
 class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
-    """Welcome: the life that this process now is, and everything about the run."""
+    """Admitted: the process's life, and the parameters of the run."""
 
     incarnation: Count
     lockstep: bool
     scenario: Scenario
     away: Size = 0.0  # s that the world may be gone and still come back; 0 if it never does
     founded: bool = False  # whether the run has begun: a later process begins where its disk stands
-    epoch: Epoch = 0  # of the coordinator: what another one says does not count
+    epoch: Epoch = 0  # of the coordinator: messages of any other do not count
 
 
 class Refusal(msgspec.Struct, frozen=True, tag="refused", tag_field="reply"):
@@ -77,7 +77,7 @@ class Finished(msgspec.Struct, frozen=True, tag="finished", tag_field="reply"):
 class Overview(msgspec.Struct, frozen=True, tag="scenario", tag_field="reply"):
     """For monitors; only a lock-step run can be steered.
 
-    `goals`: of robots that were ordered elsewhere, how obstacles stand now; all others go by the scenario.
+    `goals`: present status of robots with orders; all others have the scenario's goals.
     """
 
     scenario: Scenario

@@ -1,4 +1,4 @@
-"""Messages: what travels under each key. On the wire each is one msgpack array: a tag
+"""Messages: the payload of each key. On the wire each is one msgpack array: a tag
 that names type and version (`"state/3"`), then the fields in the order in which they stand here.
 
 Units are SI: metres, seconds, metres per second. Times are integer ticks, t = tick * step.
@@ -55,7 +55,7 @@ class Proposal(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
 
 class Answer(msgspec.Struct, frozen=True, array_like=True, gc=False):
-    """What the follower (higher id) tells the owner `peer` of their line."""
+    """The follower's (higher id) answer to proposals of the owner `peer`."""
 
     peer: Id  # the owner, the lower id of the pair
     binding: Count  # number of the binding of the two
@@ -95,21 +95,21 @@ class ListedBinding(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
 
 class Grants(msgspec.Struct, frozen=True, array_like=True, gc=False):
-    """All that the ledger has to say to one life, as a whole."""
+    """The ledger's region and bindings for one life, complete."""
 
     life: Count  # number of this life in the ledger
     version: Count  # of the ledger
     number: Count  # of the newest region granted
     region: Round | None  # m, the disk in which to stay; None: anywhere
-    bindings: tuple[ListedBinding, ...]  # all that are in force and concern this life
+    bindings: tuple[ListedBinding, ...]  # all in force of this life
 
 
 class Standing(msgspec.Struct, frozen=True, array_like=True, gc=False):
-    """A robot whose disk stands where it is: no life up to this one moves again."""
+    """A static robot: no life up to this one moves again."""
 
     robot: Id  # the robot that stands there
     incarnation: Count  # the life that ended
-    position: Vector  # m, centre of the disk; of a base outside as last reported
+    position: Vector  # m, centre of the disk; of an external base as last reported
 
 
 Status = Literal["live", "appearing", "standing", "gone"]
@@ -134,7 +134,7 @@ Presence = Literal["appearing", "standing", "gone"]
 
 
 class PlacedObstacle(msgspec.Struct, frozen=True, array_like=True, gc=False):
-    """What stands in the workspace and is no robot: a disk, or a convex polygon."""
+    """An obstacle: a disk or a convex polygon."""
 
     number: Id  # of the obstacle; those that the scenario lists come first
     status: Presence  # appearing: nothing is there yet; gone: nothing is there any more
@@ -170,7 +170,7 @@ class Roster(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
 
 class BaseMotion(msgspec.Struct, frozen=True, array_like=True, gc=False):
-    """What a base says that it does as a tick begins, in the frame that it takes for the world's."""
+    """The motion of a base as a tick begins, by its own report, in its estimate of the world's frame."""
 
     velocity: Vector  # m/s, of the robot's control point, the centre of its disk
     heading: Real  # rad, the direction that it faces
@@ -178,7 +178,7 @@ class BaseMotion(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
 
 class Sense(msgspec.Struct, frozen=True, array_like=True, gc=False):
-    """What a base and a localisation say of one robot; a plant that is simulated speaks for both."""
+    """Measurement and odometry of one robot, from base and localisation, or from a simulated plant."""
 
     position: Vector | None  # m, as measured; None when the measurement is missing
     stamp: Count  # tick at which `position` was true, not later than the one that begins
@@ -194,9 +194,9 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     robot: Id  # the addressee
     incarnation: Count  # the incarnation that is addressed
     tick: Count  # the tick that begins
-    active: tuple[Id, ...]  # robots that take part and are heard, whose States are to be awaited
+    active: tuple[Id, ...]  # active robots whose States the addressee receives and awaits
     epoch: Epoch = 0  # of the coordinator
-    sense: Sense | None = None  # None: its base speaks for itself
+    sense: Sense | None = None  # None: the robot has an external base
     roster: Roster | None = None  # the newest one, until this incarnation has acknowledged it
     goal: Vector | None = None  # m, where to go; None: as before, at first where the scenario says
     halted: bool = False  # an emergency stop is in force: command no motion
@@ -206,7 +206,7 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
 
 
 class Report(msgspec.Struct, frozen=True, array_like=True, gc=False):
-    """Where a robot that is not simulated knows itself to be."""
+    """Position estimate of a robot that is not simulated."""
 
     position: Vector  # m, centre of a set that contains the truth
     bound: Size  # m, the truth is at most this far from `position`
@@ -221,7 +221,7 @@ class Claim(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
 
 class State(Message, frozen=True, array_like=True, gc=False):
-    """One robot to its peers: all they need to know of it."""
+    """One robot to its peers: estimate, desired velocity, lines and claim."""
 
     robot: Id  # the sender
     incarnation: Count  # its life
@@ -233,12 +233,12 @@ class State(Message, frozen=True, array_like=True, gc=False):
     desired: Vector  # m/s, velocity that the law asks for, before the filter
     epoch: Epoch = 0  # of the coordinator that admitted this life
     proposals: tuple[Proposal, ...] = ()  # unanswered, on lines that it owns; of each peer the newest
-    answers: tuple[Answer, ...] = ()  # what it tells the owners of its other lines
-    claim: Claim | None = None  # what it fetches or carries
+    answers: tuple[Answer, ...] = ()  # to the owners of its other lines
+    claim: Claim | None = None  # of the part that it fetches or carries
 
 
 class Handling(msgspec.Struct, frozen=True, array_like=True, gc=False):
-    """What a robot asks to do with a part; repeated until the roster says that it is done."""
+    """A robot's request to take a part up or put it down; repeated until the roster confirms it."""
 
     part: Id  # its number
     radius: Size  # m, of the disk around the own centre that is kept clear of everything else from now on
@@ -253,10 +253,10 @@ class Command(Message, frozen=True, array_like=True, gc=False):
     tick: Count  # the only tick in which this is executed
     velocity: Vector  # m/s, constant during the tick
     epoch: Epoch = 0  # of the coordinator that admitted this life
-    roster: Count = 0  # newest version of the roster that this life has heard
+    roster: Count = 0  # newest version of the roster that this life has received
     awaits: tuple[Id, ...] = ()  # unless empty there is no command yet: robots whose State it lacks
     report: Report | None = None  # external fleet: where it is, as the tick begins; None if it does not know
-    version: Count = 0  # of the ledger, newest that this life has taken in
+    version: Count = 0  # newest of the ledger that this life has adopted
     region: Count = 0  # number of the region that it obeys; 0 for none: it stands
     firsts: tuple[FirstLine, ...] = ()  # lines for which it was asked, until the ledger tells them
     handles: Handling | None = None  # a part to be taken up or put down
@@ -304,7 +304,7 @@ class Truth(Message, frozen=True, array_like=True, gc=False):
     """World to all monitors: the true position of every disk at the start of `tick`."""
 
     tick: Count  # the tick that begins
-    robots: tuple[Id, ...]  # all whose disks are there, ascending
+    robots: tuple[Id, ...]  # all with a disk in the workspace, ascending
     positions: tuple[Vector, ...]  # m, in the order of `robots`
     clearance: Real  # m, smallest gap during the tick before, over continuous time; negative is overlap
     phi: Real  # navigation function, 0 at the goal, 1 on the boundary
@@ -351,7 +351,7 @@ LISTED: Final = 5000  # entries of a list of the report that may grow without li
 
 
 class Result(Message, frozen=True, array_like=True, gc=False):
-    """World to the launcher at the end: what it judged. `report` is a JSON object."""
+    """World to the launcher at the end: the result. `report` is a JSON object."""
 
     report: str  # JSON text
 

@@ -13,7 +13,7 @@ is one of
     {"place": {"points": [[x, y], ...]}}              its place: a disk, or a convex polygon
     {"take": 2}                                       the obstacle was taken away
     {"halt": true}                                    emergency stop: all robots brake in the present tick,
-                                                      bases outside in the next, and stand
+                                                      external bases in the next, and stand
     {"halt": false}                                   they are released
 
 An empty request asks for the state. The reply has `accepted`, `number` of the goal or obstacle, `text` (why
@@ -50,7 +50,7 @@ T = TypeVar("T")
 
 
 class Outcome(msgspec.Struct, frozen=True):
-    """What came of an operation.
+    """The outcome of an operation.
 
     Attributes:
         number: of the goal, as its status names it, or of the obstacle; 0 for other operations.
@@ -63,7 +63,7 @@ class Outcome(msgspec.Struct, frozen=True):
 
 
 class Reply(Outcome, frozen=True, kw_only=True):
-    """What came of an operation, and the state of the run after it.
+    """The outcome of an operation, and the state of the run after it.
 
     Attributes:
         tick: the present one; of a stop, the first in which it is in force.

@@ -1,4 +1,4 @@
-"""Robots that are not simulated: they move by themselves, and report where they are."""
+"""External robots: they move by their own bases, and report their positions."""
 
 from __future__ import annotations
 
@@ -77,15 +77,15 @@ class External:
 
     @property
     def past(self) -> PastDisks:
-        """What another world needs to go on from here.
+        """The disks for a successor.
 
-        A Command that comes later gives no lease, for no Tick says any more that it was heard.
+        A Command that arrives later gives no lease, for no Tick acknowledges it any more.
         """
         bounds = {**self.founding_bounds, **{robot: self._off(robot) for robot in self._reports}}
         return PastDisks(self.places, {}, self.lengths, bounds, tuple(self._heard), self.largest_bound)
 
     def sense(self, tick: int) -> dict[int, Sense]:
-        """Nothing: bases speak for themselves."""
+        """Nothing: external bases measure themselves."""
         self._tick = tick
         return {}
 
@@ -171,11 +171,11 @@ class External:
 
 
 class Reported:
-    """See `world.plants.plant.Plant`, which knows no more than what it is told."""
+    """A `world.plants.plant.Plant` of reported positions."""
 
     parts = 1
     slips = True
-    fixed = "robots outside neither come nor go: stop the run, and begin another"
+    fixed = "external robots neither come nor go: stop the run, and begin another"
 
     def __init__(self, scenario: Scenario, past: PastDisks) -> None:
         self.ids = scenario.ids

@@ -19,7 +19,7 @@ def result_of(world: WorldCore) -> dict[str, Any]:
     Of contacts, process faults and fences the first `LISTED` each; `collisions` counts all contacts.
     lateral_deviation: largest distance of each robot from the segment between its start and its goal.
 
-    plant: what moved the disks, and the contacts that it reported by itself, if it can. Of bases outside
+    plant: what moved the disks, and the contacts that it reported by itself, if it can. Of external bases
     the truth is unknown: everything here is judged by what robots reported of themselves, each time off by
     no more than `reported_bound`, m, unless a stated bound is wrong.
     """

@@ -1,7 +1,6 @@
-"""Robots that are simulated: the plant that carries them, and what it and their sensors tell each of itself.
+"""Simulated robots: their plant, position sensors and odometry.
 
-That is its position, late, noisy, biased, sometimes not at all; and by odometry how far it went, and which
-way it faces.
+A position measurement may be late, noisy, biased or missing; odometry gives displacement and heading.
 """
 
 from __future__ import annotations
@@ -91,7 +90,7 @@ _INSIDE = 1.0 - 1e-9  # keeps rounding from carrying an error past its bound
 
 
 class OdometrySensor:
-    """What one robot's base reports, with errors up to those that the scenario states.
+    """Odometry of one robot's base, with errors up to those that the scenario states.
 
     A base steers by the direction that it believes it has, so whatever it says, and all that it is told, is
     in a frame that is turned by the same error in a tick.
@@ -141,13 +140,13 @@ class OdometrySensor:
 
 
 class SimulatedFleet:
-    """Every robot's disk, where it really is, and what the robot is told of that.
+    """True positions of all disks, and the robots' measurements of them.
 
     Args:
         past: where an earlier world has left the disks, if there was one; they stand there.
 
     Attributes:
-        plant: what moves the disks.
+        plant: moves the disks.
         sensors: of position, by robot id.
         bounds: by how much `places` are off, m, by robot id: not at all.
         founding_bounds: the same as a run begins.
@@ -182,7 +181,7 @@ class SimulatedFleet:
 
     @property
     def past(self) -> PastDisks:
-        """What another world needs to go on from here."""
+        """The disks for a successor."""
         turn = enumerate(self.plant.ids) if self._turn else ()
         headings = {robot: self.plant.report(index).heading for index, robot in turn}
         return PastDisks(self.places, headings, self.lengths)

@@ -102,12 +102,11 @@ class WorldCore:
     # -- a tick
 
     def open_tick(self) -> dict[int, Tick]:
-        """Begin the tick: what each robot that may listen is to be told. Idempotent until `close_tick`.
+        """Begin the tick; returns the Tick for each robot that may listen. Idempotent until `close_tick`.
 
         The scenario's orders and process faults of this tick happen first, those of the first tick once all
-        are there:
-        whatever the order of joining, all robots begin the run. While robots are awaited the tick does
-        not begin: only those of them that have to learn that they were fenced are told.
+        robots have joined: all of them begin the run, in any order of joining. While robots are awaited the
+        tick does not begin: only those receive a Tick that have to learn that they were fenced.
         """
         coordinator = self.coordinator
         if coordinator.told is not None:
@@ -151,7 +150,7 @@ class WorldCore:
         self._decide()
 
     def _handle(self) -> bool:
-        """Let robots take up parts and put them down; whether a disk is another now."""
+        """Let robots take up parts and put them down; returns whether a disk changed."""
         coordinator = self.coordinator
         if not self.scenario.parts or coordinator.halted:
             return False
@@ -164,7 +163,7 @@ class WorldCore:
         return coordinator.parts.handle(live, self.simulation.places)
 
     def _judge_anew(self) -> None:
-        """From now on, by the disks that robots are with what they carry, among the obstacles that stand."""
+        """Judge from now on by the present disks, loaded carriers included, and the present obstacles."""
         loaded = self.coordinator.parts.loaded(self.scenario)
         obstacles = self.coordinator.lives.obstacles
         self.referee.set_fleet(loaded, self.simulation.plant.positions, obstacles.standing, self.tick)
@@ -193,7 +192,7 @@ class WorldCore:
         """End the run, e.g. as interrupted or aborted; a collision outranks, a second verdict is ignored."""
         self.referee.finish(verdict, reason)
 
-    # -- what is asked for while it runs
+    # -- operations
 
     def operate(self, operation: Operation, *, awaited: bool = False) -> Outcome:
         """Carry out an operation; a refused one changes nothing.
@@ -214,7 +213,7 @@ class WorldCore:
         return self._halt(bool(operation.halt))
 
     def _order(self, order: Journey) -> Outcome:
-        """Send a robot elsewhere, from the next tick on that is opened."""
+        """Set a robot's goal, from the next opened tick on."""
         coordinator, robot = self.coordinator, order.robot
         obstacles = coordinator.lives.obstacles.standing
         refusal = coordinator.missions.refusal(order, coordinator.lives.roster.standing, obstacles)
@@ -230,7 +229,7 @@ class WorldCore:
         self.referee.set_goal(robot, goal, self.tick)
 
     def goal_statuses(self) -> tuple[GoalStatus, ...]:
-        """How obstacles stand with the goals of all robots, by increasing id."""
+        """Status of the goals of all robots, by increasing id."""
         arrived = set(self.referee.arrived(self.simulation.plant.positions))
         statuses = map(self.coordinator.missions.status, self.scenario.ids)
         return tuple(
@@ -241,11 +240,11 @@ class WorldCore:
         )
 
     def goal_news(self) -> list[GoalStatus]:
-        """What came of orders since this was last asked for."""
+        """Changes of order status since the last call."""
         return self.coordinator.missions.news()
 
     def _add(self, spec: RobotSpec, awaited: bool) -> Outcome:
-        """Have the disk of another robot appear at its start, once every robot keeps clear of that place."""
+        """Announce the disk of another robot; it appears once every robot keeps clear of its start."""
         membership, plant = self.coordinator.membership, self.simulation.plant
         reason = self._fixed or membership.unfit(spec) or plant.refusal(spec)
         if not reason:
@@ -269,9 +268,7 @@ class WorldCore:
         return self.simulation.plant.fixed
 
     def _place(self, order: Obstacle) -> Outcome:
-        """Have an obstacle put up.
-
-        It stands once every robot that takes part has acknowledged its place; none can be added before the
+        """Announce an obstacle; it appears once every robot keeps clear of its place. Refused before the
         first tick.
         """
         coordinator = self.coordinator
@@ -285,7 +282,7 @@ class WorldCore:
         return Outcome(True, number, coordinator.missions.covered(order.shape))
 
     def _take(self, number: int) -> Outcome:
-        """An obstacle was taken out of the workspace, or is not to appear after all."""
+        """Remove an obstacle, or withdraw its announcement."""
         coordinator = self.coordinator
         if part := coordinator.parts.owns(number):
             return Outcome(False, text=f"obstacle {number} is part {part}, which robots carry")

@@ -1,1 +1,1 @@
-"""Bases and localisations outside: what really moves a robot, and tells it where it is."""
+"""External bases and localisations: interfaces to hardware that moves and locates a robot."""

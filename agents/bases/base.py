@@ -1,4 +1,4 @@
-"""What a scenario gives a robot of ROS 2: a base, if it is not simulated, and topics for tools."""
+"""A robot's ROS 2 interfaces, as the scenario configures them: an external base, and topics for tools."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ if TYPE_CHECKING:
 
 
 def require() -> None:
-    """Find out whether the library that reads and writes ROS 2 messages is there, without loading it.
+    """Check that the library for ROS 2 messages is installed, without loading it.
 
     Raises:
         UsageError: it is not installed; says how to.
     """
     if find_spec("pycdr2") is None:
-        raise UsageError('a base outside needs pycdr2, which is not installed: pip install "disknav[ros2]"')
+        raise UsageError('an external base needs pycdr2, which is not installed: pip install "disknav[ros2]"')
 
 
 class Shown(NamedTuple):
-    """A robot as people are shown it."""
+    """A robot's data for display."""
 
     position: Vector  # m, in the map
     bound: float  # m, largest error of the position
@@ -41,7 +41,7 @@ class Shown(NamedTuple):
 
 
 class Ros(NamedTuple):
-    """What a robot has to do with ROS 2."""
+    """A robot's ROS 2 interfaces."""
 
     table: Base  # names of topics and frames, for this robot
     base: Ros2Base | None  # None: it is simulated
@@ -49,7 +49,7 @@ class Ros(NamedTuple):
 
 
 def ros_of(scenario: Scenario, robot: int, namespace: str | None = None) -> Ros | None:
-    """A robot's base and what it serves to tools; None if it has neither.
+    """The ROS 2 interfaces of a robot; None if it has none.
 
     Args:
         scenario: the run.

@@ -1,4 +1,4 @@
-"""What a base is told from moment to moment, so that it does what `protocol.bodies` says of a body.
+"""Velocities for a base, computed from Commands, so that it moves as `protocol.bodies` models its body.
 
 A tick's command becomes several velocities; the last one is held until the next tick, but not for ever: after
 the tick and the patience, or when the lease ends, whichever is earlier, the robot has the base brake. If this
@@ -18,11 +18,11 @@ _STILL: Vector = (0.0, 0.0)
 
 
 class Lease:
-    """For how long one life of a robot may move without another word of the coordinator.
+    """The time for which one life of a robot may move without a Tick of the coordinator.
 
-    The coordinator says in each Tick which of the robot's Commands it has heard last, and takes no robot for
-    static whose lease may not be over. The lease runs from the sending of that Command, by this robot's own
-    clock: no two clocks have to agree on the time, only on how fast it goes.
+    Each Tick names the newest of the robot's Commands that the coordinator has received; the coordinator
+    declares no robot static before its lease has certainly ended. The lease runs from the sending of that
+    Command, by this robot's own clock: clocks have to agree in rate, not in time.
 
     Args:
         duration: s.
@@ -41,7 +41,7 @@ class Lease:
         self._sent.setdefault(tick, now)
 
     def heard(self, tick: int | None) -> None:
-        """The coordinator has the Command of that tick."""
+        """The coordinator has received the Command of that tick."""
         if tick is None or tick not in self._sent:
             return
         self.until = max(self.until, self._sent[tick] + self._duration)
@@ -57,8 +57,8 @@ class Drive:
         period: of a tick, s.
 
     Attributes:
-        told: what the base is told at present.
-        due: when that changes, s; infinite if it does not.
+        told: velocity for the base at present.
+        due: when it changes, s; infinite if it does not.
     """
 
     def __init__(self, body: Body, base: Base, period: float) -> None:
@@ -74,7 +74,7 @@ class Drive:
         self._until = -math.inf  # s: from when on it brakes by itself
 
     def advance(self, now: float) -> bool:
-        """Come to `now`; whether the base is to be told something else."""
+        """Advance to `now`; returns whether the velocity for the base has changed."""
         before = self.told
         while self._plan and self._plan[0][0] <= now:
             when, self.told = self._plan.popleft()
@@ -85,7 +85,7 @@ class Drive:
         return self.told != before
 
     def motion(self, heading: float, now: float) -> BaseMotion | None:
-        """What the base does as far as it was told; None if it stands.
+        """The motion that follows from the velocities sent to the base; None if it stands.
 
         Args:
             heading: in the map, rad.
@@ -103,11 +103,11 @@ class Drive:
         return BaseMotion(moving.velocity, heading, turned(dx, dy, heading))
 
     def turning(self) -> float:
-        """How fast the base turns as it was told, rad/s."""
+        """Turning rate that was sent to the base, rad/s."""
         return self._kinematics.turn(Arc(*self.told, 1.0))
 
     def command(self, velocity: Vector, heading: float, now: float, until: float) -> None:
-        """Do this from `now` on, of a tick that begins.
+        """Set the velocity of the tick that begins.
 
         Args:
             velocity: of the control point in the map, m/s; zero means to brake.

@@ -23,7 +23,7 @@ _STILL: Vector = (0.0, 0.0)
 
 
 class Ros2Base:
-    """A base and a localisation outside. Sans-I/O: it is told what arrives, and says what is to be sent.
+    """An external base and localisation. Sans-I/O: takes received payloads, returns payloads to publish.
 
     Args:
         scenario: the run.
@@ -32,7 +32,7 @@ class Ros2Base:
         clock: wall-clock time for the stamps of velocities, ns.
 
     Attributes:
-        hears: topics that it wants to hear.
+        hears: topics to subscribe to.
         tells: the topic that it publishes.
         due: when `wake` wants to be called, s.
     """
@@ -60,16 +60,17 @@ class Ros2Base:
 
     @property
     def note(self) -> str:
-        """Why nothing can be relied on, so that the robot stands; "" if all is well."""
+        """Why odometry and poses are not trusted, so that the robot stands; "" if they are."""
         return self._senses.note
 
     @property
     def heading(self) -> float:
-        """Which way the robot faces in the map, rad; 0 if that is not known."""
+        """Heading of the robot in the map, rad; 0 if unknown."""
         return self._senses.heading()
 
     def hear(self, topic: Topic, payload: bytes, now: float) -> Vector | None:
-        """A message of one of `hears` arrived; the wish for a law from outside that it is, m/s, or None.
+        """Receive a message of one of `hears`; returns the wish for an external law that it holds, m/s, or
+        None.
 
         Raises:
             MessageError: it is no wish that can be read.
@@ -83,7 +84,8 @@ class Ros2Base:
         return None
 
     def _wish(self, payload: bytes) -> Vector | None:
-        """What a planner's Twist asks of the control point, in the map; None while the heading is unknown."""
+        """Velocity of the control point in the map that a planner's Twist requests, m/s; None while the
+        heading is unknown."""
         stamped = self._base.stamped
         twist = decode(StampedVelocity, payload).velocity if stamped else decode(Velocity, payload)
         ahead = twist.linear[0]
@@ -93,11 +95,11 @@ class Ros2Base:
         return turned(ahead, aside, self._senses.heading()) if self._senses.sound else None
 
     def place(self) -> tuple[Vector, float] | None:
-        """Where the robot is, m, and by how much that may be off, m; None if that is not known."""
+        """Position of the robot and its error bound, m; None if unknown."""
         return self._senses.place()
 
     def begin(self, tick: Tick, now: float) -> Sense | None:
-        """A tick begins: what is known of the robot; None if nothing can be relied on."""
+        """Begin a tick; returns the odometry and the measurement, None if they are not trusted."""
         if tick.incarnation != self._life:
             self._lease, self._life = Lease(self._duration), tick.incarnation
         self._lease.heard(tick.heard)
@@ -114,7 +116,7 @@ class Ros2Base:
         return anew
 
     def obey(self, command: Command, now: float) -> None:
-        """Carry out the Command of the tick that began last; to be called before it is sent."""
+        """Execute the Command of the tick that began last; to be called before it is sent."""
         if command.may_move:  # else the coordinator may take its robot for static at once
             self._lease.sent(command.tick, now)
         velocity = _STILL if self._blind else command.velocity
@@ -122,7 +124,7 @@ class Ros2Base:
         self.due = now
 
     def doubt(self, why: str) -> None:
-        """The robot found out that what it was told cannot be true: rely on nothing so far."""
+        """The robot found a contradiction: discard all odometry and poses so far."""
         self._senses.doubt(why)
 
     def stand(self, now: float) -> None:

@@ -1,8 +1,8 @@
-"""What a robot knows of itself from odometry and poses, and whether it may rely on that.
+"""A robot's position from odometry and poses, and whether it may be trusted.
 
-Odometry says how far the base went, and a pose, whose error is bounded, where it was at some time; odometry
-carries that to the present. Whatever is wrong with either stream makes all that was known before void: the
-robot stands until both have been sound for `SETTLING` with the base at rest, and then starts again.
+Odometry measures displacement, and a pose, with a bounded error, the position at some time; odometry carries
+it to the present. Any fault of either stream invalidates both: the robot stands until both have been sound
+for `SETTLING` with the base at rest, and then starts again.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ KEPT: Final = 400  # messages; a pose that is older than these is of no use
 _SLACK: Final = 0.005  # m, that a message may be off the one before, besides what the base can do
 _TURN_SLACK: Final = 0.02  # rad
 SETTLING: Final = 0.5  # s for which everything has to be sound
-SILENCE: Final = 0.5  # s without odometry in time after which nothing is known any more
+SILENCE: Final = 0.5  # s without timely odometry after which the position is unknown
 DRIFT: Final = 5e-4  # s that two clocks may diverge in a second, as slewing one of them makes them
 _MOVED: Final = 0.01  # m, by which a base at rest may seem to move
 _TURNED: Final = 0.05  # rad, that a direction by odometry may be off besides its share of the turn
@@ -31,7 +31,7 @@ _LEVEL: Final = 0.01  # by which a quaternion may miss unit length, or leave the
 
 
 class Place(NamedTuple):
-    """Where the control point is by odometry, m, which way the base faces, rad, how far it has gone, m."""
+    """Position of the control point by odometry, m, heading of the base, rad, and path length, m."""
 
     stamp: float  # s, by the clock of the base
     x: float
@@ -41,7 +41,7 @@ class Place(NamedTuple):
 
 
 class LinkDelay:
-    """How old the messages of a stream are, although its clock and that of this process differ.
+    """Age of a stream's messages, although its clock and that of this process differ.
 
     Arrival less stamp is the difference of the clocks and the delay. The least of it that was seen has the
     least delay; it may rise by `DRIFT`, since clocks drift apart, so that a delay that has grown for good
@@ -61,12 +61,12 @@ class LinkDelay:
         self._stamp, self._arrived = stamp, now
 
     def age(self, stamp: float, now: float) -> float:
-        """For how long a stamp has been true, s, beyond the least delay."""
+        """Age of a stamp, s, beyond the least delay."""
         return now - stamp - self._least
 
 
 class Odometer:
-    """Checks and keeps odometry, a stream of poses in a frame of its own: no message is believed unchecked.
+    """Checks and keeps odometry, a stream of poses in a frame of its own.
 
     Args:
         base: frames that messages must name.
@@ -122,7 +122,7 @@ class Odometer:
         return wrong
 
     def age(self, now: float) -> float:
-        """How old the newest place is, s; infinite before any."""
+        """Age of the newest place, s; infinite before any."""
         return math.inf if self.newest is None else self._least + self._link.age(self.newest.stamp, now)
 
     def _malformed(self, message: Odometry, yaw: float | None) -> str:
@@ -259,7 +259,7 @@ class Senses:
             self._poses.append((stamp, x, y, yaw))
 
     def doubt(self, why: str) -> None:
-        """Rely on nothing that was heard so far."""
+        """Discard all odometry and poses so far."""
         self.note, self.anew = why, False
         self._odometer.forget()
         self._poses.clear()
@@ -270,7 +270,7 @@ class Senses:
     # -- what is known
 
     def look(self, now: float) -> None:
-        """Take in the newest pose that odometry encloses, and find out whether all is well."""
+        """Apply the newest pose that odometry encloses, and check both streams."""
         if self._odometer.newest is None:
             return
         if now - self._odometer.timely > SILENCE:
@@ -283,7 +283,7 @@ class Senses:
             self.note, self.anew = "", True
 
     def place(self) -> tuple[Vector, float] | None:
-        """Where the control point is, m, and by how much that may be off, m; None if that is not known."""
+        """Position of the control point and its error bound, m; None if unknown."""
         fix, newest = self._fix, self._odometer.newest
         if not self.sound or fix is None or newest is None:
             return None
@@ -291,18 +291,18 @@ class Senses:
         return (x, y), self._bound + self._spread(newest.way - fix.place.way)
 
     def heading(self) -> float:
-        """Which way the base faces in the map as the newest odometry has it, rad; 0 if that is not known."""
+        """Heading of the base in the map by the newest odometry, rad; 0 if unknown."""
         fix, newest = self._fix, self._odometer.newest
         return 0.0 if fix is None or newest is None else wrapped(newest.yaw + fix.askew)
 
     def age(self, now: float) -> float:
-        """How old the newest odometry is, s."""
+        """Age of the newest odometry, s."""
         return self._odometer.age(now)
 
     def read(self, tick: int, motion: BaseMotion | None, now: float) -> Sense | None:
-        """What is known as `tick` begins; None if nothing can be relied on.
+        """Odometry and measurement as `tick` begins; None if they are not trusted.
 
-        The tick begins for this robot when its newest odometry says, of which the base says that it does
+        The tick begins for this robot at the stamp of its newest odometry, at which the base executes
         `motion`.
         """
         self.look(now)
@@ -323,7 +323,7 @@ class Senses:
     # -- inside
 
     def _take_poses(self) -> None:
-        """Compare poses with what odometry makes of those before."""
+        """Compare poses with earlier ones, carried forward by odometry."""
         waiting, self._poses = self._poses, []
         for stamp, x, y, yaw in waiting:
             place, newest = self._odometer.at(stamp), self._odometer.newest
@@ -340,7 +340,7 @@ class Senses:
             self._fix, self._fresh = fix, True
 
     def _contradiction(self, last: Fix, fix: Fix) -> str:
-        """What two poses and the odometry between them say of each other, if not all bounds can be true."""
+        """How two poses and the odometry between them violate their bounds; "" if they do not."""
         x, y = self._carried(last, fix.place)
         gap = (
             math.hypot(fix.x - x, fix.y - y)
@@ -355,12 +355,12 @@ class Senses:
         return ""
 
     def _carried(self, fix: Fix, to: Place) -> Vector:
-        """Where the control point of a fix is by the odometry since, m."""
+        """Position of the control point of a fix, carried forward by odometry, m."""
         dx, dy = turned(to.x - fix.place.x, to.y - fix.place.y, fix.askew)
         return fix.x + dx, fix.y + dy
 
     def _spread(self, way: float) -> float:
-        """By how much what odometry says of a way may be off in the map, m."""
+        """Error bound in the map of odometry over a path, m."""
         return self._odometer.spread(way) + self._skew * way
 
     def _watch_rest(self, now: float) -> None:

@@ -1,4 +1,4 @@
-"""What a robot serves to tools of ROS 2, such as RViz: where it is, what it draws, a stop and a goal."""
+"""A robot's topics for tools of ROS 2, such as RViz: its pose, markers, a stop and a goal."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _LIFETIME: Final = 2  # s, until what is drawn disappears if nothing replaces it
 
 
 class RosTools:
-    """The topics of one robot for people and their tools. Sans-I/O.
+    """The topics of one robot for tools. Sans-I/O.
 
     The frame `<namespace>/disk` is its disk's; it has no other parent than the map.
 
@@ -68,7 +68,7 @@ class RosTools:
         self._due, self._told = -math.inf, 0
 
     def hear(self, topic: Topic, payload: bytes) -> bytes:
-        """A message arrived; the request of an operation that follows, empty if there is none.
+        """Receive a message; returns the operation's request that follows from it, empty if none does.
 
         Raises:
             MessageError: it cannot be read, or its goal is in another frame than the map.
@@ -90,7 +90,7 @@ class RosTools:
         return now >= self._due
 
     def tell(self, robot: Shown, now: float) -> Iterator[tuple[Topic, bytes]]:
-        """What is to be published by `now`, s."""
+        """Topics and payloads to publish by `now`, s."""
         self._due = now + PERIOD
         header, half = header_at(self._clock(), self._base.map_frame), 0.5 * robot.heading
         pose = Pose([*robot.position, 0.0], [0.0, 0.0, math.sin(half), math.cos(half)])
@@ -102,7 +102,7 @@ class RosTools:
         self._told += 1
 
     def _located(self, header: Header, pose: Pose, robot: Shown) -> Odometry:
-        """Where it is: no error is larger than the bound, so no variance than its square."""
+        """The pose: no error is larger than the bound, so no variance is larger than its square."""
         spread = [0.0] * 36
         spread[0] = spread[7] = robot.bound * robot.bound
         twist = Velocity([*turned(*robot.velocity, -robot.heading), 0.0], [0.0] * 3)

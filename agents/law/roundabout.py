@@ -93,7 +93,7 @@ class Encounters:
         reach = NEARLY * (self._radius + radii)
         found: list[PeerState] = []
         for row in np.flatnonzero(rx * rx + ry * ry < reach * reach).tolist():
-            robot: int = picture.said.robots.item(row)
+            robot: int = picture.places.robots.item(row)
             if robot != self._robot:
                 place, velocity = (x.item(row), y.item(row)), (vx.item(row), vy.item(row))
                 radius: float = radii.item(row)

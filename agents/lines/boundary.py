@@ -1,4 +1,4 @@
-"""What a disk must not leave, workspace and region, handed out like all that is obeyed: as half-planes.
+"""Boundaries that a disk must not leave, workspace and region, expressed as half-planes.
 
 A centre x that moves by d stays inside if n.(x + d) <= W for every direction n, W the largest distance from
 the origin. Of x only a set is known, with support h(n), and that it is inside. So n.d <= max(0, W - h(n))
@@ -213,7 +213,7 @@ Boundary = RoundBoundary | StraightBoundary | BothBoundaries
 
 
 def boundary_of(room: Shape, radius: float) -> RoundBoundary | StraightBoundary:
-    """What a room leaves to the centre of a disk of `radius`, m."""
+    """The boundary of a room for the centre of a disk of `radius`, m."""
     if isinstance(room, Disk):
         return RoundBoundary(room.radius - radius, room.x, room.y)
     return StraightBoundary([HalfPlane(nx, ny, offset - radius) for nx, ny, offset in room.sides])

@@ -1,12 +1,12 @@
-"""Where lines lie, and what a robot says of them to peers that hear its States.
+"""Proposals and answers: where an owner places a line, and what a robot's State carries about lines.
 
 Nothing here can be unsafe: an owner offers only lines that the own body satisfies, and a follower adopts only
 those that its own body satisfies.
 
-States carry only what is open. The newest proposal is repeated in every State until it is answered. An answer
-is said when a proposal was heard, in the States of the next few ticks. That suffices: an owner without an
-unanswered proposal needs no answer; one that has any repeats the newest for ever, so if every answer so far
-was lost, the next repetition that arrives brings about another, and that settles all older ones.
+A State carries the newest unanswered proposal of each pair, until it is answered. A follower that receives a
+proposal answers it in the States of the next few ticks. That suffices: an owner without an unanswered
+proposal needs no answer; one that has any repeats the newest for ever, so if every answer so far was lost,
+the next repetition that arrives causes another answer, which settles all older proposals.
 
 An owner proposes anew every tick, without waiting for the answers to earlier proposals: under delay
 that halves the age of the lines, and the arrival times with it.
@@ -270,7 +270,7 @@ class Negotiation:
         *,
         standing: bool,
     ) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
-        """What the State of a tick says.
+        """Proposals and answers for the State of a tick.
 
         Args:
             tick: of the State.

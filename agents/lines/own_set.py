@@ -1,4 +1,4 @@
-"""Where the own centre may be: a small convex polygon, and what half-planes see of it.
+"""The set of possible positions of the own centre: a small convex polygon, and its support.
 
 Coordinates of a polygon are relative to a point that its owner keeps, so that their rounding is that of the
 polygon's own size. Cuts may have any direction; those of measurements come from `DIRECTIONS` only, so that

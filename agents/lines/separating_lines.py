@@ -1,4 +1,4 @@
-"""Everything that one robot obeys towards others, robots and obstacles: what the kernel says, as half-planes.
+"""The constraints of one robot towards robots and obstacles: the kernel's bindings as half-planes.
 
 One tick is: `hear`, `locate`, `on_state` for what has come in, `entries` for the State; `on_state` for the
 States of this tick, then `half_planes` for the velocity. No command is outstanding at these moments.
@@ -66,15 +66,15 @@ class SeparatingLines:
         self._bonds: dict[int, Bond] = {}  # by number of the binding
         self._each: list[Bond] = []
         self._lines: dict[int, Bond] = {}  # towards the present life of a peer, by peer
-        self._still: list[Bond] = []  # whose other ends stand
+        self._still: list[Bond] = []  # towards static disks
         self._firsts: dict[int, FirstLine] = {}  # found, and not told yet, by number of the binding
         self._tick = 0
         self._own = OwnSet(0.0, 0.0, math.inf)
 
-    # -- what the ledger says
+    # -- grants of the ledger
 
     def hear(self, grants: Grants, neighbours: Neighbours) -> None:
-        """Take in what the ledger says, unless something newer was heard."""
+        """Adopt the grants of the ledger, unless newer ones were received."""
         kernel = self.kernel
         if kernel is None:
             cover = Cover(self._own, self._radius)
@@ -218,10 +218,10 @@ class SeparatingLines:
         for bond in self._each:
             bond.resize(self._size(bond.peer))
 
-    # -- what peers say
+    # -- States of peers
 
     def on_state(self, state: PeerState) -> None:
-        """Process what a peer's State says about the common line; old or repeated ones do no harm."""
+        """Process the proposals and answers of a peer's State; old or repeated ones do no harm."""
         bond, kernel = self._lines.get(state.robot), self.kernel
         if bond is None or kernel is None:
             return
@@ -247,7 +247,8 @@ class SeparatingLines:
                 bond.renew()
 
     def entries(self, desired: Vector) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
-        """What this tick's State says about lines; `desired` is the velocity that the law asks for, m/s."""
+        """Proposals and answers for this tick's State; `desired` is the velocity that the law requests,
+        m/s."""
         kernel = self.kernel
         if kernel is None:
             return (), ()
@@ -321,7 +322,7 @@ class SeparatingLines:
 
 
 def _told(grants: Grants) -> Told[Region, Line]:
-    """What a Tick says, in the kernel's words."""
+    """The grants of a Tick, as records of the kernel."""
     region = EVERYWHERE if grants.region is None else Region(Circle(*grants.region))
     listed: list[Listed[Region, Line]] = []
     for each in grants.bindings:

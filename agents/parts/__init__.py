@@ -1,1 +1,1 @@
-"""Movers: which part a robot fetches, where it goes for that, and what it asks to do with it."""
+"""Moving parts: which part a robot fetches, where it goes, and what it requests of the coordinator."""

@@ -1,8 +1,8 @@
-"""One robot as a mover: which part it claims, where it goes for it, and what it asks to do with it.
+"""The carrier of one robot: claims a part, sets the robot's goal, and requests to take it up or put it down.
 
-Everybody makes up its own mind: from the roster, which says where parts are, and from what peers claim in
-their States. Claims are no locks. Two robots may go for the same part; the nearer goes on, the other turns to
-something else, and only one of them gets it from the coordinator.
+Each robot decides for itself, from the places of parts in the roster and the claims in peers' States. A claim
+is not a lock: two robots may approach the same part; the nearer goes on, the other chooses another part, and
+the coordinator grants it to one of them only.
 """
 
 from __future__ import annotations
@@ -20,23 +20,23 @@ from protocol.messages import Claim, Handling, Member, Vector
 from protocol.scenario.model import Part, Scenario
 
 AGAIN: Final = 1.0  # s until a robot without a part looks for one again
-STUCK: Final = 8.0  # s without motion, after which it turns to something else
+STUCK: Final = 8.0  # s without motion, after which it gives its task up for a while
 MOVED: Final = 0.3  # of the own radius, less than which is no motion
 
 
 class PartCarrier:
-    """What one robot does about parts.
+    """Fetches and delivers parts for one robot.
 
     Args:
         scenario: the run, with the radii of robots that carry nothing.
         robot: own id.
 
     Attributes:
-        goal: where to go, m.
-        aim: where to go straight to for that, m; None to leave that to the law.
-        claim: what peers are told.
+        goal: of the robot, m.
+        aim: next waypoint towards it, m, approached in a straight line; None: the law leads to the goal.
+        claim: published in the robot's State.
         radius: of the disk that has to be kept clear, m.
-        handles: what to ask for, once the disk is kept clear.
+        handles: the request to publish once the disk is kept clear.
         held: the obstacle that is about to be taken up: only the smaller disk keeps clear of it; 0 for none.
     """
 
@@ -55,16 +55,16 @@ class PartCarrier:
         self._patience, self._pause = scenario.ticks(STUCK), scenario.ticks(AGAIN)
         self._task = 0  # part that is fetched or carried
         self._look = -1  # tick from which on to look for a part again
-        self._place: Vector | None = None  # beside the part, or where it is put down
-        self._target: Vector | None = None  # where the part is put down, once that is decided
+        self._place: Vector | None = None  # of the robot, to take the part up or to put it down
+        self._target: Vector | None = None  # of the part, once decided
         self._loaded = False
-        self._attempt = 0  # to put it down
-        self._known: dict[int, int] = {}  # which parts others claimed when it last checked that all fits
-        self._in_order = False  # whether all can get to their goals when it has brought its part there
-        self._refuge: Vector | None = None  # where it makes way for others
-        self._back = 0  # when it comes back from there, tick
-        self._seen: Layout | None = None  # what `_place` was found for
-        self._anchor, self._since = spec.start, 0  # where it stands, and since when, tick
+        self._attempt = 0  # number of the attempt to put it down
+        self._known: dict[int, int] = {}  # claims of peers, when the plan was last checked
+        self._in_order = False  # whether all parts can be delivered after this one
+        self._refuge: Vector | None = None  # where it makes way for other robots
+        self._back = 0  # tick at which it returns from there
+        self._seen: Layout | None = None  # layout for which `_place` was found
+        self._anchor, self._since = spec.start, 0  # where it stopped, and since which tick
         self._avoided: dict[int, int] = {}  # parts that could not be reached, until a tick
 
     def look(
@@ -76,13 +76,13 @@ class PartCarrier:
         standing: Iterable[Member],
         ordered: Vector | None = None,
     ) -> None:
-        """Make up one's mind for a tick.
+        """Decide for a tick.
 
         Args:
             position: own, m.
-            peers: what others said last.
-            standing: disks of robots that stand.
-            ordered: where an operator wants it to be, m, which goes first.
+            peers: newest States of peers.
+            standing: roster entries of static disks.
+            ordered: goal of an operator's order, m; it takes precedence.
         """
         self._tick, self._position = tick, position
         self._perception = Perception(self._scenario, roster, peers, standing)
@@ -108,7 +108,7 @@ class PartCarrier:
     # -- on the way
 
     def _aim(self) -> Vector:
-        """Where to go straight to."""
+        """The next waypoint."""
         if self.handles is not None:
             return self.goal
         part = self._perception.carriers.get(self._robot, 0)
@@ -121,7 +121,7 @@ class PartCarrier:
     # -- which part
 
     def _is_mine(self, part: int) -> bool:
-        """Whether it can still be fetched, and nobody else has the better claim."""
+        """Whether a part can still be fetched, and no peer has a better claim."""
         if part not in self._perception.layout.parts or self._perception.is_at(part, self._spec(part).goal):
             return False
         mine = (self._cost(), self._robot)
@@ -130,8 +130,8 @@ class PartCarrier:
         )
 
     def _fits(self, part: int) -> bool:
-        """Whether it goes together with what those have claimed since who go first: two may have claimed at
-        once what only one can bring before the other."""
+        """Whether a part is compatible with the newest claims of robots that take precedence: two robots may
+        have claimed at once parts of which only one order of delivery exists."""
         claims = {robot: claim.part for robot, claim in self._perception.claims}
         if claims == self._known or not self._in_order:
             return True
@@ -145,7 +145,7 @@ class PartCarrier:
         return math.inf if self._place is None else math.dist(self._position, self._place)
 
     def _choose(self) -> None:
-        """Look for a part, now and then."""
+        """Choose a part, at most once every `AGAIN` s."""
         self._task, self._place, self._target = 0, None, None
         if self._tick < self._look:
             return
@@ -165,7 +165,7 @@ class PartCarrier:
         """Go to a part and take it up."""
         layout, grown = self._perception.layout, self._planner.loaded(part)
         if self._seen is not None and (self._seen.others, self._seen.held) != (layout.others, layout.held):
-            self._look = self._tick  # somebody died, or something came: think again
+            self._look = self._tick  # another static disk or obstacle: choose again
             self._choose()
             return
         self.held = self._perception.obstacles.get(part, 0)
@@ -186,8 +186,8 @@ class PartCarrier:
             self.handles = Handling(part, grown)
 
     def _carry(self, part: int) -> None:
-        """Bring a part to its goal and put it down; elsewhere, if others find their ways only then, or if
-        there is no way for long."""
+        """Bring a part to its goal and put it down; elsewhere, if only that leaves the others a path, or if
+        there is no path for long."""
         spec, carried, layout = self._spec(part), self._planner.loaded(part), self._perception.layout
         stuck, planner = self._is_stuck(), self._planner
         if self._task != part or self._target is None:
@@ -200,7 +200,7 @@ class PartCarrier:
             self._seen, self._since = layout, self._tick
             self._attempt = self._attempt + 1 if stuck and self._place is not None else 0
             self._place = planner.delivery(part, self._target, self._position, layout, self._attempt)
-            if self._attempt:  # somebody may be shut in
+            if self._attempt:  # another robot may be enclosed
                 self._refuge = planner.refuge(part, self._position, layout)
                 self._back = self._tick + self._patience // 2
         self.radius, self.claim = carried, Claim(part, 0.0, carried)
@@ -212,7 +212,7 @@ class PartCarrier:
             self.handles = Handling(part, carried, self._target)
 
     def _is_beside(self, centre: Vector, touching: float) -> bool:
-        """Whether a part, or its place, is within reach, and the robot about where it wanted to be."""
+        """Whether a part, or its place, is within reach, and the robot near its own place."""
         gap = math.dist(self._position, centre) - touching
         return 0.0 <= gap <= self._reach and self._cost() < 0.5 * self._reach
 
@@ -221,7 +221,7 @@ class PartCarrier:
         return self._tick - self._since > self._patience
 
     def _give_up(self, part: int) -> None:
-        """Turn to something else for a while."""
+        """Avoid a part for a while."""
         self._avoided[part] = self._tick + self._patience
         self._task, self._place, self.held = 0, None, 0
 

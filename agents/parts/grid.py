@@ -1,7 +1,7 @@
-"""What stands in a room, and a grid of it: where a disk can be, how far it is to there, what is reached.
+"""The layout of a room, and a grid of it: free cells for a disk, distance fields, reachable cells.
 
-`Reach` takes a set of cells as an integer with a bit for each, so that a flood takes a few shifts of the
-whole grid at a step: whether there is a way is asked far more often than how long it is.
+`Reach` represents a set of cells by an integer with a bit for each, so that a step of a flood takes a few
+shifts of the whole grid: reachability is asked far more often than distance.
 """
 
 from __future__ import annotations
@@ -57,14 +57,14 @@ class Grid:
         return np.asarray(distance_to(shape, self.x, self.y) < radius + _SAG * self.size)
 
     def cell(self, point: Vector) -> tuple[int, int]:
-        """Which cell a point is in."""
+        """The cell of a point."""
         i = round((point[0] - self._left) / self.size)
         j = round((point[1] - self._low) / self.size)
         return min(max(i, 0), self.x.shape[0] - 1), min(max(j, 0), self.x.shape[1] - 1)
 
     def distance_field(self, free: Cells, begin: Sequence[Vector]) -> Reals:
-        """How far it is from the nearest of some points to every cell through free ones, m; infinite where
-        there is no way."""
+        """Length of the shortest path through free cells from any of some points to every cell, m; infinite
+        where there is none."""
         far = np.full(free.shape, np.inf)
         for point in begin:
             cell = self._near(free, point)
@@ -82,7 +82,7 @@ class Grid:
                 return inner
 
     def lengths(self, far: Reals, points: Sequence[Vector]) -> Reals:
-        """Of such ways, those to points whose own cells may not be free, m."""
+        """Lengths of such paths to points, m; the cells of the points need not be free."""
         x, y = np.array(points, dtype=float).reshape(-1, 2).T
         i = np.clip(np.rint((x - self._left) / self.size).astype(int), 0, far.shape[0] - 1)
         j = np.clip(np.rint((y - self._low) / self.size).astype(int), 0, far.shape[1] - 1)
@@ -99,11 +99,11 @@ class Grid:
         )
 
     def way(self, far: Reals, point: Vector) -> float:
-        """Of such ways, that to one point, m."""
+        """Length of such a path to one point, m."""
         return float(self.lengths(far, [point])[0])
 
     def path(self, far: Reals, begin: Vector) -> list[Vector]:
-        """Cells from a point to where such ways begin, m; empty if there is no way."""
+        """Cells of such a path, from a point to its beginning, m; empty if there is none."""
         cell = self._near(np.isfinite(far), begin)
         if cell is None:
             return []
@@ -145,21 +145,21 @@ class Grid:
 
 
 def depth(room: Shape, x: Reals, y: Reals) -> Reals:
-    """How deep points are in a room, m."""
+    """Distance of points from the walls of a room, m; negative outside."""
     if isinstance(room, Disk):
         return np.asarray(room.radius - np.hypot(x - room.x, y - room.y))
     return np.asarray(np.minimum.reduce([offset - nx * x - ny * y for nx, ny, offset in room.sides]))
 
 
 def distance_to(shape: Shape, x: Reals, y: Reals) -> Reals:
-    """How far points are from a shape, m; beside corners at least that."""
+    """Distance of points from a shape, m; beside corners a lower bound."""
     if isinstance(shape, Disk):
         return np.asarray(np.hypot(x - shape.x, y - shape.y) - shape.radius)
     return np.asarray(np.maximum.reduce([nx * x + ny * y - offset for nx, ny, offset in shape.sides]))
 
 
 class Reach:
-    """Ways on a grid, as sets of cells."""
+    """Reachability on a grid, with cells as bits of an integer."""
 
     def __init__(self, grid: Grid) -> None:
         self._grid = grid
@@ -179,14 +179,14 @@ class Reach:
         return inside & ~taken
 
     def spread(self, free: int, begin: Iterable[Vector]) -> int:
-        """All that can be got to through free cells from some points."""
+        """Cells reachable through free cells from any of some points."""
         reached = 0
         for point in begin:
             reached |= self._near(free, point)
         return self._flood(free, reached)
 
     def widest(self, free: int, cells: int) -> int:
-        """What can be got to from some of the cells, those from where it is most."""
+        """The largest of the connected regions of free cells that some cells are in."""
         left, best = cells & free, 0
         while left:
             found = self._flood(free, left & -left)
@@ -204,7 +204,7 @@ class Reach:
             reached = more
 
     def among(self, reached: int, points: Iterable[Vector]) -> list[Vector]:
-        """Points of which the own cell, or one beside it, can be got to."""
+        """Points with a reachable cell, their own or one beside it."""
         row = self._row
         wide = reached | reached << 1 | reached >> 1
         wide |= wide << row | wide >> row
@@ -234,22 +234,22 @@ class Reach:
 
 _Kept = TypeVar("_Kept")
 
-DIRECTIONS: Final = 64  # from which a part is tried
+DIRECTIONS: Final = 64  # of approach to a part
 GAPS: Final = (0.5, 0.15, 0.85)  # of the reach, between a robot and a part
-MARGIN: Final = 0.1  # of the reach, by which places keep clear of all else
+MARGIN: Final = 0.1  # of the reach: clearance of a place from all other obstacles
 _HOME: Final = 1e-9  # m
 
 
 @dataclass(frozen=True)
 class Layout:
-    """What stands; two are the same if that is.
+    """Static obstacles and parts; layouts are equal if these are.
 
     Attributes:
-        parts: where each stands, m; one on a robot whose life is over stands where that robot does.
-        others: obstacles that are no parts, and robots whose lives are over, as disks that carry nothing.
-        held: of parts on such robots, the radius of the disk that both are, m.
-        promised: where parts are to stand that robots have in hand or claim, m.
-        robots: where robots are that live, without the one that looks, m.
+        parts: position of each, m; a part on a static robot has the robot's position.
+        others: obstacles that are not parts, and static robots, as disks without a part.
+        held: radius of the common disk of a static robot and its part, m, by part.
+        promised: target of each part that live robots carry or claim, m.
+        robots: positions of live peers, m.
     """
 
     parts: Mapping[int, Vector]
@@ -260,20 +260,20 @@ class Layout:
 
     @property
     def settled(self) -> Layout:
-        """What stands once everybody has done what it is about to do."""
+        """The layout after all parts carried or claimed are delivered."""
         return replace(self, parts={**self.parts, **self.promised}, held=_without(self.held, *self.promised))
 
     def moved(self, part: int, to: Vector) -> Layout:
-        """The same with a part elsewhere, m."""
+        """The same with a part at another position, m."""
         return replace(self, parts={**self.parts, part: to}, held=_without(self.held, part))
 
     def without(self, part: int) -> Layout:
-        """The same once a part was taken up."""
+        """The same without a part, as after it is taken up."""
         return replace(self, parts=_without(self.parts, part), held=_without(self.held, part))
 
 
 class GridPlaces:
-    """Places for robots of one radius.
+    """Places to take parts up and to put them down, for robots of one radius.
 
     Args:
         scenario: with the radii of robots that carry nothing.
@@ -289,15 +289,15 @@ class GridPlaces:
         self._cos, self._sin = np.cos(turns), np.sin(turns)
 
     def loaded(self, part: int) -> float:
-        """Radius of the disk that a robot is with a part, m."""
+        """Radius of the disk of a robot with a part, m."""
         return max(self.radius, self.parts[part].radius)
 
     def size(self, part: int, layout: Layout) -> float:
-        """Radius of the disk that a part is where it stands, m."""
+        """Radius of the disk of a part in a layout, m."""
         return layout.held.get(part, self.parts[part].radius)
 
     def standing(self, layout: Layout) -> list[Shape]:
-        """All that stands."""
+        """Shapes of all obstacles and parts of a layout."""
         disks = [Disk(*at, self.size(part, layout)) for part, at in layout.parts.items()]
         return [*layout.others, *disks]
 
@@ -307,14 +307,14 @@ class GridPlaces:
         return at is not None and part not in layout.held and math.dist(at, self.parts[part].goal) < _HOME
 
     def is_barred(self, part: int, layout: Layout) -> bool:
-        """Whether something stands at a part's goal for good."""
+        """Whether an obstacle that is not a part covers a part's goal."""
         spec = self.parts[part]
         return any(shape.distance(*spec.goal) < spec.radius for shape in layout.others)
 
     def to_take(self, part: int, layout: Layout) -> list[Vector]:
-        """Where a robot can take a part up, and be the disk that it is with it, m.
+        """Places at which a robot can take a part up, and has room for the larger disk, m.
 
-        On a robot that stands the part remains until it is asked for by a disk that is clear of both.
+        A part on a static robot remains there until a robot requests it whose larger disk is clear of both.
         """
         grown = self.loaded(part) - self.radius if part in layout.held else 0.0
         rest = self.standing(layout.without(part))
@@ -323,7 +323,7 @@ class GridPlaces:
         )
 
     def to_put(self, part: int, target: Vector, layout: Layout) -> list[Vector]:
-        """Where a robot that has a part can put it down at a target, m; nowhere if something stands there."""
+        """Places at which a carrier can put a part down at a target, m; none if the target is covered."""
         radius, loaded, rest = self.parts[part].radius, self.loaded(part), self.standing(layout)
         if any(shape.distance(*target) < radius for shape in rest):
             return []
@@ -332,7 +332,7 @@ class GridPlaces:
     def _around(
         self, centre: Vector, touching: float, least: float, radius: float, rest: list[Shape]
     ) -> list[Vector]:
-        """Places at a gap between `least` and the reach at which a disk of `radius` is clear of the rest."""
+        """Places at a gap from `least` to the reach at which a disk of `radius` is clear of the rest, m."""
         spread = self.reach - least
         if spread <= 0.0:
             return []

@@ -1,8 +1,8 @@
-"""What a robot perceives of parts and peers in one tick, which of them go first, and how it makes way.
+"""A robot's view of parts and peers in one tick, their precedence, and how the robot makes way.
 
-A robot that carries a part goes before one that fetches one, and that before one that does neither; of two
-of a kind the lower id goes first. Nothing of this depends on where they are: two that change places in it as
-they move would keep each other where they are. Nothing here is needed for safety: lines see to that.
+A robot that carries a part precedes one that fetches one, and that one a robot that does neither; of two of a
+kind the lower id precedes. Precedence does not depend on positions: two robots that exchanged it as they move
+would block each other. Nothing here is needed for safety, which the separating lines ensure.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from protocol.scenario.model import Scenario
 
 Cells = NDArray[np.bool_]
 
-ASIDE: Final = 0.2  # of the own radius, by which to keep clear of the ways of those ahead
-AHEAD: Final = 0.5  # of the own radius, within which it would be in another robot's way
-_KEPT: Final = 16  # fields of ways that are remembered
+ASIDE: Final = 0.2  # of the own radius: clearance from the paths of robots that precede
+AHEAD: Final = 0.5  # of the own radius: nearer than that it blocks another robot's path
+_KEPT: Final = 16  # distance fields that are kept
 
 
 @dataclass(frozen=True)
@@ -35,10 +35,10 @@ class Traveller:
     """A robot on the way.
 
     Attributes:
-        at, to: where it is and where it goes, m.
+        at, to: its position and its goal, m.
         radius: of its disk, m.
-        among: what stands in its way.
-        leaves: what stands there once it has arrived.
+        among: obstacles on its way.
+        leaves: obstacles that it leaves at its goal: the part that it puts down.
     """
 
     at: Vector
@@ -49,18 +49,17 @@ class Traveller:
 
 
 class Traffic:
-    """Ways among what stands, for one robot."""
+    """Paths among obstacles, for one robot."""
 
     def __init__(self, grid: Grid) -> None:
         self._grid = grid
         self._fields: dict[tuple[Vector, float, tuple[Shape, ...]], tuple[Cells, Reals]] = {}
 
     def aim(self, me: Traveller, first: Sequence[Traveller]) -> Vector:
-        """Where to go straight to, m: along the own way; aside from the ways of those that go first, and not
-        into them.
+        """The next waypoint, m: along the own path, off the paths of robots that precede.
 
         Args:
-            first: those that go before this robot.
+            first: robots that precede this one.
         """
         ways = [self._way(each) for each in first]
         if self._is_in_the_way(me.at, me, first, ways):
@@ -73,7 +72,7 @@ class Traffic:
         return me.at if self._is_in_the_way(soon, me, first, ways) else aim
 
     def _ahead(self, me: Traveller) -> Vector:
-        """The farthest point in sight on the own way."""
+        """The farthest point of the own path that is in a straight line of sight."""
         free, _ = self._field(me)
         path = self._way(me)
         if len(path) < 2 or self._grid.sees(free, me.at, me.to):
@@ -85,7 +84,7 @@ class Traffic:
         return self._grid.path(self._field(traveller)[1], traveller.at)
 
     def _field(self, traveller: Traveller) -> tuple[Cells, Reals]:
-        """Free cells, and how far it is from each to the way of another robot, m."""
+        """Free cells of a robot, and the distance field of its goal, m."""
         key = traveller.to, traveller.radius, traveller.among
         if key not in self._fields:
             if len(self._fields) >= _KEPT:
@@ -97,8 +96,8 @@ class Traffic:
     def _aside(
         self, me: Traveller, first: Sequence[Traveller], ways: Sequence[Sequence[Vector]]
     ) -> Vector | None:
-        """Where to make room, m: where one is not shut in by what others leave, if there is such a place;
-        None if that is nowhere."""
+        """A waypoint off the paths of others, m: one that their parts do not enclose once put down, if there
+        is one; None if there is no place off their paths."""
         free = self._grid.clear(me.among, me.radius)
         wanted = free.copy()
         for each, way in zip(first, ways, strict=True):
@@ -118,7 +117,7 @@ class Traffic:
         return seen[-1] if seen else goal
 
     def _stays_open(self, me: Traveller, first: Sequence[Traveller]) -> Cells:
-        """From which cells there is a way for the robot once others have left what they carry."""
+        """Cells with a path to the robot's goal after the others have put their parts down."""
         left = [shape for each in first for shape in each.leaves]
         return np.isfinite(
             self._grid.distance_field(self._grid.clear((*me.among, *left), me.radius), [me.to])
@@ -139,7 +138,7 @@ class Traffic:
         return min(math.dist(point, each) for each in way)
 
     def _away(self, way: Sequence[Vector]) -> Reals:
-        """How far each cell is from a way, m."""
+        """Distance of each cell from a path, m."""
         far = np.full(self._grid.x.shape, np.inf)
         for x, y in way:
             np.minimum(far, np.hypot(self._grid.x - x, self._grid.y - y), out=far)
@@ -151,15 +150,15 @@ class Perception:
 
     Args:
         scenario: the run, with the radii of robots that carry nothing.
-        peers: what others said last.
-        standing: disks of robots that stand.
+        peers: newest States of peers.
+        standing: roster entries of static disks.
 
     Attributes:
-        carriers: which part a robot has, of those whose lives are not over.
-        obstacles: as which obstacles parts stand.
-        layout: where they do.
-        peers: whose lives are not over.
-        claims: which part of the scenario they claim.
+        carriers: part carried by each live robot, by robot.
+        obstacles: number of the obstacle of each part on the floor, by part.
+        layout: obstacles and parts.
+        peers: States of live peers.
+        claims: robot and claim of each live peer that claims a part of the scenario.
     """
 
     def __init__(
@@ -194,7 +193,7 @@ class Perception:
         return next((each.goal for each in self._scenario.robots if each.id == robot), None)
 
     def heeding(self, robots: Collection[int]) -> Perception:
-        """The same, as if only these robots had claimed anything, or had a part in hand."""
+        """The same, with the claims and carried parts of these robots only."""
         found = copy(self)
         found.claims = [(robot, claim) for robot, claim in self.claims if robot in robots]
         found.layout = replace(self.layout, promised=found._promised(robots))
@@ -206,7 +205,7 @@ class Perception:
         return [(robot, claim) for robot, claim in claims if claim is not None and claim.part in parts]
 
     def among(self, part: int) -> tuple[Shape, ...]:
-        """All that stands but one part, and the robot that it is on, if any."""
+        """Shapes of the layout without one part, and without the static robot that it is on, if any."""
         parts = self._scenario.parts
         disks = [
             Disk(*at, self.layout.held.get(each, parts[each - 1].radius))
@@ -217,13 +216,13 @@ class Perception:
         return (*(each for each in self.layout.others if each is not under), *disks)
 
     def _promised(self, robots: Collection[int]) -> dict[int, Vector]:
-        """Where parts are to stand that these robots claim or have, m."""
+        """Targets of the parts that these robots claim or carry, m."""
         parts = {claim.part for _, claim in self.claims}
         parts |= {part for robot, part in self.carriers.items() if robot in robots}
         return {part: self._scenario.parts[part - 1].goal for part in parts}
 
     def _obstacles(self, roster: KnownRoster) -> list[Shape]:
-        """What stands, or is to appear, and is no part."""
+        """Obstacles, present or appearing, that are not parts."""
         first = len(self._scenario.obstacles)
         shapes = {number: shape for number, shape in self._scenario.shapes.items() if number <= first}
         parts = {each.obstacle for each in roster.parts}
@@ -235,7 +234,7 @@ class Perception:
         return [shapes[number] for number in sorted(shapes)]
 
     def _empty(self, member: Member, carried: dict[int, int]) -> Disk:
-        """The disk of a robot whose life is over, without what it carries."""
+        """The disk of a static robot without its part."""
         assert member.position is not None
         known = {each.id: each.radius for each in self._scenario.robots}
         part = carried.get(member.robot)
@@ -244,7 +243,7 @@ class Perception:
         return Disk(*member.position, radius + member.bound)
 
     def _on_the_ground(self, roster: KnownRoster) -> dict[int, Vector]:
-        """Where parts stand that nobody has, m."""
+        """Positions of parts on the floor, m."""
         came = {
             obstacle.number: obstacle.points[0]
             for obstacle in roster.obstacles
@@ -265,13 +264,13 @@ class Perception:
 
 
 def first(perception: Perception, robot: int, claim: Claim | None) -> list[PeerState]:
-    """Peers that go before a robot which claims this."""
+    """Peers that precede a robot with this claim."""
     mine = _rank(perception, robot, claim)
     return [peer for peer in perception.peers if _rank(perception, peer.robot, peer.claim) < mine]
 
 
 def traveller(scenario: Scenario, perception: Perception, peer: PeerState) -> Traveller | None:
-    """A peer on its way; None where it has not said where it is."""
+    """A peer on its way; None if its position is unknown."""
     if peer.position is None:
         return None
     part = 0 if peer.claim is None else peer.claim.part

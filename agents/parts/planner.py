@@ -1,9 +1,9 @@
 """Which parts can be brought to their goals, in which order, and from where one is taken up and put down.
 
-A part is fetched by a disk that gets beside it, and carried by the larger disk that both together are; it is
-put down from beside its goal. What stands, other parts among it, is in the way of both; robots are not: they
-give way. What matters of where a robot is, is which cells it gets to: the search for an order goes through
-all orders, and all such sets of cells, once.
+A part is fetched by a robot's disk that reaches a place beside it, and carried by the larger disk of both;
+it is put down from beside its goal. Obstacles and other parts block both disks; robots do not: they give way.
+Of a robot's position only the set of cells that it can reach matters: the search visits every order, and
+every such set, once.
 """
 
 from __future__ import annotations
@@ -20,48 +20,48 @@ from protocol.geometry import Disk
 from protocol.messages import Vector
 from protocol.scenario.model import CELLS, Scenario
 
-_Regions = tuple[int, ...]  # cells that each robot gets to, ascending
+_Regions = tuple[int, ...]  # cells that each robot can reach, ascending
 _State = tuple[tuple[tuple[int, Vector], ...], tuple[object, ...], _Regions]
 
-MOST: Final = 2000  # times that one search looks where a robot gets by bringing a part to its goal
-_KEPT: Final = 20_000  # states whose outcome is remembered
+MOST: Final = 2000  # deliveries that one search tries
+_KEPT: Final = 20_000  # states with an outcome that is kept
 
 
 class PartOrders:
-    """Orders for robots of one radius."""
+    """Orders of delivery, for robots of one radius."""
 
     def __init__(self, places: GridPlaces, reach: Reach) -> None:
         self._places, self._reach = places, reach
         self._known: dict[_State, bool] = {}
 
     def exists(self, layout: Layout, robots: Sequence[Vector]) -> bool:
-        """Whether robots at these places (m) could bring all parts to their goals, without those whose goals
-        are barred for good."""
+        """Whether robots at these positions (m) could bring all parts to their goals, except parts with a
+        goal that an obstacle covers."""
         return self._found(layout, self._regions(layout, robots))
 
     def leads_on(self, part: int, layout: Layout, robot: Vector, others: Sequence[Vector]) -> bool:
-        """Whether there is such an order that begins with a robot and a part."""
+        """Whether such an order exists in which this robot brings this part first."""
         after = layout.moved(part, self._goal(part))
         (own,), rest = self._regions(layout, [robot]), self._regions(after, others)
         outcomes = self._outcomes(part, layout, own)
         return any(self._found(after, tuple(sorted((*rest, each)))) for each in outcomes)
 
     def can_fetch(self, part: int, layout: Layout, robot: Vector) -> bool:
-        """Whether a robot gets beside a part, and from there to its goal with it."""
+        """Whether a robot can reach a part, and from there the part's goal with it."""
         (own,) = self._regions(layout, [robot])
         return any(True for _ in self._outcomes(part, layout, own))
 
     def can_deliver(self, part: int, layout: Layout, robot: Vector) -> bool:
-        """Whether a robot that has a part in hand gets to its goal with it."""
+        """Whether the carrier of a part can reach the part's goal with it."""
         return bool(self._ends(part, layout, [robot]))
 
     def _regions(self, layout: Layout, robots: Sequence[Vector]) -> _Regions:
-        """Where robots get to that carry nothing."""
+        """Cells that robots without a part can reach."""
         free = self._reach.clear(self._places.standing(layout), self._places.radius)
         return tuple(sorted(self._reach.spread(free, [robot]) for robot in robots))
 
     def _found(self, layout: Layout, regions: _Regions) -> bool:
-        """What one search finds; one that was cut short has found nothing, and is not made again."""
+        """The outcome of one search, kept; a search that reached `MOST` counts as no order."""
         found = self._search(layout, regions, [MOST])
         self._known[self._state(layout, regions)] = found
         return found
@@ -94,7 +94,7 @@ class PartOrders:
         return self._places.is_home(part, layout) or self._places.is_barred(part, layout)
 
     def _turns(self, part: int, layout: Layout, regions: _Regions) -> Iterator[_Regions]:
-        """Where robots may get to when one of them has brought a part to its goal."""
+        """Cells that robots can reach after one of them has brought a part to its goal."""
         after = layout.moved(part, self._goal(part))
         free = self._reach.clear(self._places.standing(after), self._places.radius)
         for region in sorted(set(regions)):
@@ -104,7 +104,7 @@ class PartOrders:
                 yield tuple(sorted((own, *(self._reach.widest(free, each) for each in others))))
 
     def _outcomes(self, part: int, layout: Layout, region: int) -> Iterator[int]:
-        """Where a robot may get to, each once, when it has brought a part to its goal."""
+        """Each distinct region that a robot can reach after it has brought a part to its goal."""
         begins = self._reach.among(region, self._places.to_take(part, layout))
         if not begins:
             return
@@ -118,7 +118,7 @@ class PartOrders:
             ends = [end for end in ends if end not in found]
 
     def _ends(self, part: int, layout: Layout, begins: list[Vector]) -> list[Vector]:
-        """Where a part can be put down at its goal that is carried from one of some places."""
+        """Places from which a part can be put down at its goal, if it is carried from any of some places."""
         ends = self._places.to_put(part, self._goal(part), layout)
         if not ends:
             return []
@@ -132,7 +132,7 @@ class PartOrders:
 
 _OTHER: Final = 7  # places on from one attempt to the next
 _TRIES: Final = 60  # spare places that are looked at
-_ORDERS: Final = 12  # of them, for which an order is looked for
+_ORDERS: Final = 12  # of them, after which an order is searched
 
 
 @dataclass(frozen=True)
@@ -140,8 +140,8 @@ class Errand:
     """To fetch a part.
 
     Attributes:
-        fetch: where the carrier stands to take it up, m.
-        cost: length of the way there, m.
+        fetch: place of the robot to take it up, m.
+        cost: length of the path there, m.
     """
 
     part: int
@@ -157,8 +157,8 @@ class Planner:
         radius: of a robot that carries nothing, m.
 
     Attributes:
-        grid: the cells that ways are looked for on.
-        orders: in which parts find their ways.
+        grid: of the room.
+        orders: search for orders of delivery.
     """
 
     def __init__(self, scenario: Scenario, radius: float) -> None:
@@ -170,7 +170,7 @@ class Planner:
         self._homes = [Disk(*robot.goal, robot.radius) for robot in scenario.robots]
 
     def errands(self, position: Vector, layout: Layout) -> Iterator[Errand]:
-        """Parts that a robot at a position (m) can bring to their goals as all stands, the nearest first."""
+        """Parts that a robot at a position (m) can bring to their goals in this layout, the nearest first."""
         far = self._far(position, layout)
         near = []
         for part in layout.parts:
@@ -184,20 +184,20 @@ class Planner:
                 yield errand
 
     def errand(self, part: int, position: Vector, layout: Layout) -> Errand | None:
-        """How one part that stands is brought to its goal."""
+        """The errand that brings one part on the floor to its goal; None if there is no path."""
         return self._errand(part, layout, self._far(position, layout))
 
     def beside(self, part: int, position: Vector, layout: Layout) -> Vector | None:
-        """Where to take a part up, wherever it is brought then, m; None if there is no way."""
+        """The nearest place to take a part up, for any target, m; None if there is no path."""
         places = self._by_way(self._places.to_take(part, layout), self._far(position, layout))
         return places[0] if places else None
 
     def delivery(
         self, part: int, target: Vector, position: Vector, layout: Layout, attempt: int = 0
     ) -> Vector | None:
-        """From where to put a part down at `target` that is carried from a position, m; None if there is no
-        way. The nearest place at the first attempt, others at later ones; one after which all find their
-        ways, too, if there is any."""
+        """The place from which the carrier puts a part down at `target`, m; None if there is no path. The
+        nearest at the first attempt, others at later ones; one after which all parts can be delivered, if
+        there is any."""
         places = self._places.to_put(part, target, layout)
         found = self._by_way(places, self._far(position, layout, part))
         after = layout.moved(part, target)
@@ -212,8 +212,8 @@ class Planner:
         return max(reached, key=lambda cell: (math.dist(cell, goal), cell), default=None)
 
     def destination(self, part: int, position: Vector, layout: Layout) -> Vector:
-        """Where to bring a part that is carried, m: its goal, unless there is an order only if it is put
-        elsewhere first, or no way."""
+        """The target of a part that is carried, m: its goal, unless there is no path, or an order exists only
+        if it is put elsewhere first."""
         goal = self._parts[part].goal
         place = self.delivery(part, goal, position, layout)
         if place is not None and self.has_order(layout.moved(part, goal), place):
@@ -224,20 +224,19 @@ class Planner:
         return aside or goal
 
     def has_order(self, layout: Layout, position: Vector) -> bool:
-        """Whether all can get to their goals once everybody has done what it is about to do."""
+        """Whether all other parts can be delivered after those carried or claimed are."""
         return self.orders.exists(layout.settled, [position, *layout.robots])
 
     def leads_on(self, part: int, layout: Layout, position: Vector) -> bool:
-        """Whether they can if a robot brings this part there next."""
+        """Whether they can if the robot at a position delivers this part next."""
         return self.orders.leads_on(part, layout.settled, position, layout.robots)
 
     def spare(self, part: int, position: Vector, layout: Layout) -> Vector | None:
-        """A place near by where a part that is carried is in nobody's place, m; None if there is none."""
+        """The nearest target for a carried part that is off all goals and homes, m; None if there is none."""
         return next((cell for cell, _ in self._spares(part, position, layout)), None)
 
     def clearing(self, position: Vector, layout: Layout) -> Errand | None:
-        """A part that keeps others from their goals where it stands, to be put aside; None if there is none
-        that can be."""
+        """The errand to put aside a part that blocks the others; None if there is no such part."""
         far = self._far(position, layout)
         for part in sorted(layout.parts):
             without = layout.without(part)
@@ -251,13 +250,13 @@ class Planner:
         return None
 
     def _aside(self, part: int, position: Vector, layout: Layout) -> Vector | None:
-        """A spare place after which there is an order, m; None if none of the nearest is that."""
+        """A spare target after which an order exists, m; None if none of the nearest is one."""
         spares = islice(self._spares(part, position, layout), _ORDERS)
         return next((cell for cell, place in spares if self.has_order(layout.moved(part, cell), place)), None)
 
     def _spares(self, part: int, position: Vector, layout: Layout) -> Iterator[tuple[Vector, Vector]]:
-        """Where a part that is carried is in nobody's place, and from where it is put down there, m; the
-        nearest first."""
+        """Spare targets for a carried part, off all goals and homes, each with the place from which it is put
+        down there, m; the nearest first."""
         radius = self._parts[part].radius
         goals = [Disk(*spec.goal, spec.radius) for each, spec in self._parts.items() if each != part]
         shapes = [*self._places.standing(layout), *goals, *self._homes]
@@ -271,7 +270,7 @@ class Planner:
                 yield cell, places[0]
 
     def _bars(self, part: int, layout: Layout) -> bool:
-        """Whether a part stands in another's place."""
+        """Whether a part covers the goal of another."""
         disk = Disk(*layout.parts[part], self._places.size(part, layout))
         others = [spec for each, spec in self._parts.items() if each != part]
         return any(disk.distance(*spec.goal) < spec.radius for spec in others)
@@ -288,10 +287,10 @@ class Planner:
         cost, fetch = min(zip(map(float, costs), begins, strict=True))
         return Errand(part, fetch, self.grid.way(far, fetch)) if math.isfinite(cost) else None
 
-    # -- which part, beside all that is claimed
+    # -- the next part, given the claims of peers
 
     def choose(self, position: Vector, perception: Perception, avoided: Collection[int]) -> Errand | None:
-        """The nearest part after which all others can be brought, too, by any robot; where there is no order
+        """The nearest part after which all others can be delivered, too, by any robot; if there is no order
         for all, one that makes room; None to wait.
 
         Args:
@@ -311,8 +310,8 @@ class Planner:
         return self.clearing(position, layout) or nearest
 
     def fits(self, part: int, position: Vector, perception: Perception) -> bool:
-        """Whether all get to their goals if a robot brings this part there next, beside all that is claimed:
-        each finds its way after any one of the others, and after all of them."""
+        """Whether all parts can be delivered if a robot delivers this one next, in parallel with the claims:
+        each claim has a path after any one of the others, and after all of them."""
         if not self.leads_on(part, perception.layout, position):
             return False
         at = {peer.robot: peer.position for peer in perception.peers}
@@ -328,14 +327,14 @@ class Planner:
                     return False
         return True
 
-    # -- how far it is
+    # -- distances
 
     def _far(self, position: Vector, layout: Layout, part: int = 0) -> Reals:
-        """How far it is to everywhere for a robot with a part, or with none, m."""
+        """Distance field of a robot with a part, or without one, m."""
         radius = self.loaded(part) if part else self._places.radius
         return self.grid.distance_field(self.grid.clear(self._places.standing(layout), radius), [position])
 
     def _by_way(self, places: Sequence[Vector], far: Reals) -> list[Vector]:
-        """Places to which there is a way, the nearest first."""
+        """Places that are reachable, the nearest first."""
         found = zip(map(float, self.grid.lengths(far, places)), places, strict=True)
         return [point for way, point in sorted(found) if math.isfinite(way)]

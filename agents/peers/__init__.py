@@ -1,1 +1,1 @@
-"""What one robot knows of the others: fleet, roster, and what it hears through the link's injected faults."""
+"""A robot's knowledge of its peers: fleet, roster, far disks, and States received through injected faults."""

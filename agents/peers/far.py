@@ -1,4 +1,4 @@
-"""Where all robots were, by the world's last summary: what a robot knows of peers that it does not hear."""
+"""Far peers: positions of all robots by the world's newest summary, and their share of a robot's slice."""
 
 from __future__ import annotations
 
@@ -32,21 +32,21 @@ def read_summary(key: str, payload: bytes) -> AnyMessage:
 @final
 @mypyc_attr(acyclic=True)
 class SummaryPlaces:
-    """What one summary says, for whoever reads it; nobody changes it.
+    """One decoded summary. Immutable, and shared by all robots of a process.
 
     Args:
-        summary: that has arrived.
+        summary: as received.
 
     Attributes:
-        tick: that it is of.
-        runs: who is in it, as in the summary.
-        robots: the same, ascending.
-        index: of each in the arrays.
-        x, y: their places, m; shape (n,).
+        tick: of the summary.
+        runs: ids of its robots, encoded as in the summary.
+        robots: the same ids, ascending.
+        index: position of each id in the arrays.
+        x, y: positions, m; shape (n,).
         gammas, slices: as in the summary, m^2 and m.
 
     Raises:
-        MessageError: it is not made as a summary is.
+        MessageError: the summary is malformed.
     """
 
     __slots__ = ("_radii", "_sizes", "gammas", "index", "robots", "runs", "slices", "tick", "x", "y")
@@ -73,8 +73,11 @@ class SummaryPlaces:
         self._sizes = self.x
 
     def sizes(self, radii: Mapping[int, float]) -> Array:
-        """Radii of `robots`, m, from those of everybody, by id; 0 of whom it lacks. Robots of one process
-        share them."""
+        """Radii of `robots`, m; 0 for ids that `radii` lacks. Robots of one process share the array.
+
+        Args:
+            radii: of all known robots, m, by id.
+        """
         if self._radii is not radii:
             self._radii = radii
             self._sizes = np.array([radii.get(robot, 0.0) for robot in self.index], dtype=np.float64)
@@ -86,7 +89,7 @@ places_of = lru_cache(maxsize=1)(SummaryPlaces)
 
 @lru_cache(maxsize=16)
 def drift(before: SummaryPlaces, after: SummaryPlaces) -> tuple[Array, Array]:
-    """By how much everybody went on in a tick since a summary before, m; zero if not all are in both."""
+    """Mean displacement of each robot per tick between two summaries, m; zero if their robots differ."""
     ticks = after.tick - before.tick
     if before.runs != after.runs or ticks <= 0:
         return np.zeros_like(after.x), np.zeros_like(after.y)
@@ -95,44 +98,44 @@ def drift(before: SummaryPlaces, after: SummaryPlaces) -> tuple[Array, Array]:
 
 @final
 class FarPicture:
-    """One summary, as one robot sees it.
+    """One summary, with the radii that one robot knows.
 
     Args:
-        said: by the summary.
+        places: of the summary.
         radii: of all robots, m.
-        before: an earlier picture, for what has not changed since, and for what has.
+        before: the picture before; radii are reused, and the drift is measured from it.
 
     Attributes:
-        tick: that it is of.
-        said: by the summary.
+        tick: of the summary.
+        places: of the summary.
     """
 
     def __init__(
-        self, said: SummaryPlaces, radii: Mapping[int, float], before: FarPicture | None = None
+        self, places: SummaryPlaces, radii: Mapping[int, float], before: FarPicture | None = None
     ) -> None:
-        self.tick, self.said, self._radii = said.tick, said, radii
-        self._before = said if before is None else before.said
+        self.tick, self.places, self._radii = places.tick, places, radii
+        self._before = places if before is None else before.places
         self._sizes: Array
-        if before is not None and before._radii is radii and before.said.runs == said.runs:
+        if before is not None and before._radii is radii and before.places.runs == places.runs:
             self._sizes = before._sizes
         else:
-            self._sizes = said.sizes(radii)
+            self._sizes = places.sizes(radii)
 
     def courses(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Of all who are in it: x and y, m, how much of both they went on in a tick, m, and radii, m."""
-        return (self.said.x, self.said.y, *drift(self._before, self.said), self._sizes)
+        """Of all robots: x and y, their displacements per tick, and radii, m."""
+        return (self.places.x, self.places.y, *drift(self._before, self.places), self._sizes)
 
     def field(self, position: Vector, radius: float, known: Collection[int]) -> FarField:
-        """What all of them but the `known` add to a robot's slice near its own position.
+        """The terms that all robots but the `known` add to a robot's slice near its own position.
 
         Args:
             position: own, m.
             radius: own, m.
-            known: robots that are known better, own id included, each once.
+            known: robots to leave out, as their own States are known; own id included, each once.
         """
-        said = self.said
-        index = [said.index[robot] for robot in known if robot in said.index]
-        terms = (said.x, said.y, radius + self._sizes, said.gammas, said.slices)
+        far = self.places
+        index = [far.index[robot] for robot in known if robot in far.index]
+        terms = (far.x, far.y, radius + self._sizes, far.gammas, far.slices)
         return far_field(self.tick, position, *terms, index)
 
 
@@ -141,7 +144,7 @@ _EARLY: Final = 8  # summaries that are kept until they are due: more wait after
 
 @final
 class Arrivals:
-    """Summaries on their way to one robot: the tick alone decides when one is taken in."""
+    """Summaries on their way to one robot: the tick alone decides when one takes effect."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         self._period, self._turn = period(scenario), turn(scenario, robot)
@@ -159,7 +162,7 @@ class Arrivals:
             self._said, self._take = tick, tick + LEAD + self._turn
 
     def on_summary(self, places: SummaryPlaces) -> None:
-        """One has arrived."""
+        """Receive a summary."""
         if places.tick <= self._taken or places.tick < self._due:
             return
         self._arrived[places.tick] = places
@@ -173,11 +176,11 @@ class Arrivals:
 
     @property
     def _taken(self) -> int:
-        """Tick of the summary that was taken in last."""
+        """Tick of the summary that took effect last."""
         return -1 if self._picture is None else self._picture.tick
 
     def new_picture(self, radii: Mapping[int, float]) -> FarPicture | None:
-        """The summary that is due, once for each.
+        """The summary that is due, returned once; None if there is no newer one.
 
         Args:
             radii: of all robots, m.
@@ -193,7 +196,7 @@ class Arrivals:
 
 
 def _numbers(payload: bytes) -> Array:
-    """Of single precision, to be read only."""
+    """Numbers of single precision, read-only."""
     with np.errstate(invalid="ignore"):  # one that is no number is refused, not warned of
         numbers: Array = np.frombuffer(payload, dtype="<f4").astype(np.float64)
     numbers.setflags(write=False)
@@ -201,7 +204,7 @@ def _numbers(payload: bytes) -> Array:
 
 
 def _column(numbers: Array, index: int) -> Array:
-    """In one piece, to be read only."""
+    """A column, contiguous and read-only."""
     column: Array = numbers[:, index].copy()
     column.setflags(write=False)
     return column
@@ -228,15 +231,15 @@ def _ids(runs: bytes, count: int) -> tuple[NDArray[np.int64], Mapping[int, int]]
 @final
 @mypyc_attr(acyclic=True)
 class FarField:
-    """To first order around (x, y), m.
+    """Terms of far disks in the slice, to first order around (x, y), m.
 
     Attributes:
         log_x, log_y: half the gradient of log beta there, 1/m.
         xx, xy, yy: its derivative, symmetric, 1/m^2.
         gamma, largest: sum of the disks' squared distances to their goals and the largest of them, m^2.
         slice: the largest norm of the disks' own slices, m.
-        count: of disks.
-        tick: in which they were there.
+        count: number of disks.
+        tick: of their positions.
     """
 
     __slots__ = ("count", "gamma", "largest", "log_x", "log_y", "slice", "tick", "x", "xx", "xy", "y", "yy")
@@ -262,12 +265,12 @@ def far_field(
     slices: Array,
     known: Sequence[int] = (),
 ) -> FarField:
-    """The field of disks that are surely apart; the others are left out.
+    """The field of disks; those nearer than sqrt(2) times the distance of contact are left out of log beta.
 
     Args:
-        tick: of the places.
-        position: around which, m.
-        x, y: places of the disks, m.
+        tick: of the positions.
+        position: the point of expansion, m.
+        x, y: positions of the disks, m.
         contacts: distance at which each touches, m.
         gammas: squared distances to their goals, m^2.
         slices: norms of their own slices, m.

@@ -1,9 +1,9 @@
-"""Injected link faults: what happens to a peer's State between its arrival and its being heard.
+"""Injected link faults: delay and loss of a peer's State between its arrival and the tick in which it counts.
 
-States really travel robot to robot; delay, jitter, loss, duplication, partitions and what a wireless network
-does are added where they are received. Each draw is keyed by (seed, receiver, tick of the State) with a
+States really travel robot to robot; delay, jitter, loss, duplication, partitions and the faults of a wireless
+network are added at the receiver. Each draw is keyed by (seed, receiver, tick of the State) with a
 column per sender, and those of radios by robot and tick: the order of arrival changes nothing, sender and
-receivers agree, and a later life of a robot finds what an earlier one found.
+receivers agree, and a later life of a robot draws the same faults as an earlier one.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _BLOCKS: Final = 4  # that are remembered: States are late
 
 
 class Radio:
-    """What one robot's radio does at each tick.
+    """Channel and access point of one robot's radio at each tick.
 
     Args:
         scenario: the run.
@@ -75,7 +75,7 @@ class Radio:
         return tick
 
     def turn(self, tick: int) -> float:
-        """A robot with a smaller one sends earlier in a tick."""
+        """Order of transmission within a tick: a robot with a smaller number sends earlier."""
         return self._draws(tick)[1]
 
     def _gap(self, window: int) -> tuple[int, int]:
@@ -104,8 +104,8 @@ class StateLink:
     """States on their way to one robot.
 
     Attributes:
-        ideal: whether there are no faults: every State is heard at its own tick.
-        lost: States so far.
+        ideal: whether there are no faults: every State counts at its own tick.
+        lost: number of States lost so far.
     """
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
@@ -117,7 +117,7 @@ class StateLink:
         drawn = () if self.ideal else scenario.ids
         self._column = {peer: column for column, peer in enumerate(drawn)}
         self._draws: dict[int, np.ndarray] = {}
-        self._early: list[PeerState] = []  # those that this robot's own tick is behind
+        self._early: list[PeerState] = []  # of ticks that this robot has not begun
         self._radios: dict[int, Radio] = {}  # by robot
         self._turns: tuple[int, list[float]] = (-1, [])  # of the newest tick, in their order
         self._places: dict[int, Vector] = {}  # of this robot, m, by tick
@@ -127,17 +127,17 @@ class StateLink:
         self._waiting: defaultdict[int, list[PeerState]] = defaultdict(list)  # by the tick when they are due
 
     def locate(self, tick: int, place: Vector | None) -> None:
-        """This robot is at `place`, m, as `tick` opens, if that is known."""
+        """Set this robot's position, m, as `tick` opens; None if it is unknown."""
         if place is not None and self._faults.distance is not None:
             self._places[tick] = place
             if len(self._places) > _KEPT:
                 del self._places[next(iter(self._places))]
 
     def put(self, state: PeerState) -> None:
-        """A peer's State has arrived, perhaps again; it will be heard at the tick that the faults leave it.
+        """Receive a peer's State, perhaps repeated; its faults decide the tick in which it is delivered.
 
         While the world waits for a robot, all States are repeated. A repeated one meets the same draws, so it
-        is lost if the first was, and heard no earlier.
+        is lost if the first was, and delivered no earlier.
         """
         self._early.append(state)
 
@@ -147,7 +147,7 @@ class StateLink:
 
     def take(self, tick: int) -> list[PeerState]:
         """All States due up to and including `tick`, by due tick, then by sender and age; without faults
-        as they came, which for each sender is by age too."""
+        in order of arrival, which for each sender is by age, too."""
         early = self._take_early(tick)
         if self.ideal:
             return early
@@ -167,7 +167,7 @@ class StateLink:
         return [state for state in early if state.tick <= tick] if self._early else early
 
     def _due(self, state: PeerState) -> list[int]:
-        """Ticks at which copies of this State are heard; empty when it is lost."""
+        """Ticks at which copies of this State are delivered; empty when it is lost."""
         faults = self._faults
         loss, duplicate, *spread = self._drawn_for(state.robot, state.tick)
         time = state.tick * self._scenario.time.step

@@ -1,4 +1,4 @@
-"""What one robot knows of the others: the roster, the newest State heard of each, the disks that stand."""
+"""A robot's peers: the roster, the newest State received from each, and the static disks."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from protocol.scenario.model import RobotSpec
 
 @keeps_newest
 def _by_id(members: tuple[Member, ...]) -> Mapping[int, Member]:
-    """What robots of one process are told alike is kept once; it is never changed."""
+    """Members by id; immutable, so robots of one process share it."""
     return {each.robot: each for each in members}
 
 
 @final
 class KnownRoster:
-    """The newest roster heard by one life of one robot.
+    """The newest roster received by one life of one robot.
 
     Args:
         robot: own id.
         listed: shapes of the scenario's obstacles, by number.
 
     Attributes:
-        version: of it; 0 as long as there is none.
-        members: every robot that it names, by id, in its order.
-        obstacles: that came or went, as it says.
-        parts: where each is.
-        shapes: of all obstacles that are there, or are to appear.
+        version: of the roster; 0 before the first.
+        members: its entries, by id, in its order.
+        obstacles: its obstacles that came or went.
+        parts: the place of each part.
+        shapes: of all obstacles that are present or appearing.
     """
 
     def __init__(self, robot: int, listed: Mapping[int, Shape]) -> None:
@@ -44,7 +44,7 @@ class KnownRoster:
         self.shapes: list[Shape] = list(listed.values())
 
     def update(self, roster: Roster) -> list[Member]:
-        """Take over a roster if it is newer; what it says anew of others, in the order of their ids."""
+        """Adopt a roster if it is newer; returns the entries of peers that changed, by id."""
         if roster.version <= self.version:
             return []
         before, self.members = self.members, _by_id(roster.members)
@@ -63,7 +63,7 @@ class KnownRoster:
         ]
 
     def member(self, robot: int) -> Member | None:
-        """What it says of an id."""
+        """The entry of an id; None if the roster has none."""
         return self.members.get(robot)
 
 
@@ -77,11 +77,11 @@ def has_ended(roster: Roster, robot: int, incarnation: int) -> bool:
 
 
 class FleetRadii(NamedTuple):
-    """Who is in it, by id; it is never changed.
+    """The robots of a fleet. Immutable.
 
     Attributes:
-        ids: of all.
-        radii: of their disks, m.
+        ids: of all robots.
+        radii: of their disks, m, by id.
     """
 
     ids: frozenset[int]
@@ -96,26 +96,27 @@ def fleet_of(robots: tuple[RobotSpec, ...]) -> FleetRadii:
 
 
 class Neighbours:
-    """Peers as last heard. Of each only the life counts that the roster names.
+    """The newest States of peers. Of each peer only the life counts that the roster names.
 
     Args:
-        radii: radius (m) of all robots, by id; it is not changed.
-        everybody: whether all robots are heard; else one that lives again may be too far off to be heard.
+        radii: of all robots, m, by id; not modified.
+        hears_all: whether this robot receives the States of all peers; else a new life may be too far to be
+            received.
 
     Attributes:
-        members: what the newest roster says of each robot, by id; shared, and not changed.
-        standing: disks that stand, or that will appear in a place kept free, by id.
-        picture: where those were who are not heard, and whoever else; none where all are heard.
-        far: what all those add to the slice who are not heard.
-        radii: as last known.
+        members: entries of the newest roster, by id; shared, not modified.
+        standing: roster entries of disks that are static or appearing, by id.
+        picture: the newest summary of all positions; None before the first, and where all peers are received.
+        far: terms in the slice of the peers whose States are not received.
+        radii: newest known, m, by id.
     """
 
-    def __init__(self, radii: Mapping[int, float], *, everybody: bool = True) -> None:
+    def __init__(self, radii: Mapping[int, float], *, hears_all: bool = True) -> None:
         self.standing: dict[int, Member] = {}
         self.picture: FarPicture | None = None
         self.far = NOTHING
         self.radii = radii
-        self._everybody = everybody
+        self._hears_all = hears_all
         self.members: Mapping[int, Member] = {}
         self._states: dict[int, PeerState | None] = {}
 
@@ -124,7 +125,7 @@ class Neighbours:
         return self._states.get(peer)
 
     def on_state(self, state: PeerState, tick: int) -> bool:
-        """Take over a peer's State in a tick if it is news of its present life; False when it is not."""
+        """Accept a peer's State in a tick if it is newer, and of the present life; returns whether it is."""
         member = self.members.get(state.robot)
         if member is not None and (member.incarnation != state.incarnation or member.status != "live"):
             return False
@@ -136,8 +137,8 @@ class Neighbours:
         return True
 
     def on_member(self, member: Member) -> None:
-        """A newer roster says this of a peer; `members` is that of it. One that restarts stands until it
-        speaks."""
+        """Apply a changed entry of a newer roster, whose entries are in `members`. The disk of a peer that
+        restarts is static until its first State."""
         robot = member.robot
         if self.radii.get(robot) != member.radius:
             self.radii = {**self.radii, robot: member.radius}  # the others share the one given
@@ -145,43 +146,43 @@ class Neighbours:
             self.standing[robot] = member
             if robot not in self._states:
                 self._keep(robot, None)
-        elif member.status == "live" and not self._everybody:
+        elif member.status == "live" and not self._hears_all:
             self.standing.pop(robot, None)
         elif member.status == "gone":
             self.standing.pop(robot, None)
             self._states.pop(robot, None)
 
     def _keep(self, robot: int, state: PeerState | None) -> None:
-        """In the order of ids, whatever comes first: sums over peers depend on it in the last bit."""
+        """Keep peers in the order of their ids: sums over peers depend on it in the last bit."""
         if robot in self._states:
             self._states[robot] = state
         else:
             self._states = dict(sorted({**self._states, robot: state}.items()))
 
     def attend(self, heard: Iterable[int]) -> None:
-        """Know the States of these, and of no other robot."""
+        """Keep the States of these peers and of static disks, and drop the others."""
         kept = sorted({*heard, *self.standing})
         if kept != list(self._states):
             self._states = {peer: self._states.get(peer) for peer in kept}
 
     @property
     def known(self) -> Iterable[int]:
-        """Peers whose States are kept, once there are any."""
+        """Peers whose States are kept, received or not."""
         return self._states.keys()
 
     def heard(self) -> list[PeerState]:
-        """The newest States of all who have been heard."""
+        """The newest State of each peer from which one was received."""
         return [state for state in self._states.values() if state is not None]
 
     def moving(self) -> list[PeerState]:
-        """The newest States of all who do not stand."""
+        """The newest States of peers that are not static."""
         if not self.standing:
             return self.heard()
         return [state for state in self.heard() if state.robot not in self.standing]
 
     def disks(self) -> list[Peer]:
-        """Everybody whose place is known. One who stands is an obstacle: that it never arrives must
-        not keep the others off their goals."""
+        """Peers with a known position. A static one has gamma 0, as an obstacle has: that it never arrives
+        must not keep the others from their goals."""
         if not self.standing:
             return [state for state in self._states.values() if state is not None and state.placed]
         disks: list[Peer] = []
@@ -194,7 +195,7 @@ class Neighbours:
         return disks
 
     def position(self, peer: int) -> tuple[float, float] | None:
-        """Where a peer is, as far as known."""
+        """The newest known position of a peer, m; None if there is none."""
         stood, state = self._stands_at(peer), self.state(peer)
         if stood is not None:
             return stood

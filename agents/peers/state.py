@@ -1,7 +1,7 @@
-"""A peer's State as a robot keeps it, and how it is read.
+"""A peer's State as a robot keeps it, and its decoder.
 
-In a large fleet nearly all that States say of lines concerns other pairs: that is checked, and nothing is
-made of it.
+In a large fleet nearly all proposals and answers in a State concern other pairs: the decoder checks them, and
+creates no objects for them.
 
 By `protocol.codec` and `addressed_to` alone a State takes 1.5 us instead of 0.2: to a robot among 32
 that would be another 45 us a tick, as much as all the rest of its step takes.
@@ -36,21 +36,21 @@ class Peer:
 @final
 @mypyc_attr(acyclic=True)
 class PeerState(Peer):
-    """What a State says to one of those who hear it; see `protocol.messages.State` for what is not here.
+    """A State as one receiver needs it; the other fields are those of `protocol.messages.State`.
 
-    Laws and lines look at its numbers several times a tick, for every peer. In a message these are objects
-    of Python: compiled, a pass over 63 peers takes 1.7 us by the messages themselves, and 0.1 us so.
+    Laws and lines read its numbers several times a tick, for every peer. In a message these are objects of
+    Python: compiled, a pass over 63 peers takes 1.7 us over messages, and 0.1 us over these.
 
     Args:
-        placed: whether the peer knows where it is.
-        x, y: its estimate of that, m; 0 unless `placed`.
-        vx, vy: the velocity that its law asks for, m/s.
+        placed: whether the peer knows its position.
+        x, y: its estimate of the position, m; 0 unless `placed`.
+        vx, vy: the velocity that its law requests, m/s.
         radius: the peer's, m; see `size`.
         claim: which part it fetches or carries.
 
-    Attributes: the arguments, and what `follow` finds:
+    Attributes: the arguments, and, set by `follow`:
         transit: age of the State when it could be used first, ticks.
-        moved_x, moved_y: how far the peer came in a tick between the State before and this one, m.
+        moved_x, moved_y: displacement of the peer per tick from the State before to this one, m.
     """
 
     __slots__ = (
@@ -98,10 +98,11 @@ class PeerState(Peer):
         self.transit, self.moved_x, self.moved_y = 0, 0.0, 0.0
 
     def follow(self, before: PeerState | None, tick: int) -> bool:
-        """Take the place of the State heard before; False if that is of as late a tick, or of a later life.
+        """Replace the State received before; False if that one is of the same or a later tick, or of a later
+        life.
 
         Args:
-            tick: that begins, or has begun, as it is heard.
+            tick: that begins, or has begun, when this State is delivered.
         """
         if before is not None and self.incarnation <= before.incarnation:
             if self.incarnation < before.incarnation or self.tick <= before.tick:
@@ -115,8 +116,8 @@ class PeerState(Peer):
         return True
 
     def size(self, told: float) -> None:
-        """To be called as it is heard: the peer's disk is of the radius that the roster of that tick says, m,
-        or of a larger one that it claims to be. As it arrives another roster may be known."""
+        """Set the radius, m: that of the roster, or the larger one of the peer's claim. To be called when the
+        State is delivered: at its arrival an older roster may be in force."""
         self.radius = told if self.claim is None else max(told, self.claim.radius)
 
     @property
@@ -131,10 +132,10 @@ class PeerState(Peer):
 
 
 class Plausible(NamedTuple):
-    """What a State can truly say in a scenario; a robot that says more is sick, or lies.
+    """Bounds of a State's numbers in a scenario; a robot that sends numbers beyond them is faulty or lies.
 
     Attributes:
-        place: of either coordinate, m.
+        place: of the absolute value of each coordinate, m.
         bound: m.
         gamma: m^2.
         part: radius of the largest part, m; 0 if there is none.
@@ -146,19 +147,19 @@ class Plausible(NamedTuple):
     part: float
 
     def allows(self, state: PeerState) -> bool:
-        """Whether all that it says is plausible."""
+        """Whether a State is within the bounds."""
         place = self.place
         near = -place <= state.x <= place and -place <= state.y <= place
         return near and state.bound <= self.bound and state.gamma <= self.gamma
 
     def locates(self, position: Vector, bound: float) -> bool:
-        """Whether a robot knows where it is, if all that it knows is this."""
+        """Whether a position, m, and its error bound, m, are within the bounds."""
         return abs(position[0]) <= self.place and abs(position[1]) <= self.place and bound <= self.bound
 
 
 @keeps_newest
 def plausible(scenario: Scenario) -> Plausible:
-    """Of a scenario: twice as far as its workspace reaches, and what follows from that."""
+    """The bounds of a scenario: twice the extent of its workspace."""
     around = scenario.workspace.shape.around
     reach = math.hypot(around.x, around.y) + around.radius
     part = max((each.radius for each in scenario.parts), default=0.0)
@@ -166,7 +167,7 @@ def plausible(scenario: Scenario) -> Plausible:
 
 
 def addressed_to(robot: int, state: State, radius: float = 0.0) -> PeerState:
-    """What `state` says to `robot`, without lines of other pairs; for the rest see `PeerState`."""
+    """A State as `robot` needs it: without proposals and answers to other robots."""
     placed = state.position is not None
     x, y = state.position or (0.0, 0.0)
     found = PeerState(
@@ -197,13 +198,13 @@ _FIELDS = 1 + len(State.__struct_fields__)  # the tag and all others
 
 @final
 class PeerReader:
-    """Decodes what arrives under the state key of `peer`, for `robot`.
+    """Decodes the payloads of the state key of `peer`, for `robot`.
 
     Args:
         robot: own id.
-        peer: the speaker's.
+        peer: id of the sender.
         epoch: of the own coordinator.
-        limits: what a State can truly say.
+        limits: bounds of a State's numbers.
     """
 
     __slots__ = ("_begin", "_epoch", "_limits", "_peer", "_reader", "_robot")
@@ -216,11 +217,11 @@ class PeerReader:
         self._begin = whole[: 2 - _FIELDS]
 
     def read(self, payload: bytes) -> PeerState:
-        """What the State in `payload` says to this robot.
+        """The State in `payload`, as this robot needs it.
 
         Raises:
-            MessageError: it is none, another robot's, or says what cannot be, of any pair: what one refuses
-                all refuse, so that it is the speaker that is given up.
+            MessageError: it is malformed, another robot's, or out of bounds in any of its entries, those for
+                other robots included: all receivers refuse the same States, so the sender is given up.
         """
         try:
             state = self._usual(payload) if _COMPILED else None
@@ -229,7 +230,7 @@ class PeerReader:
         return self._any(payload) if state is None else state
 
     def _usual(self, payload: bytes) -> PeerState | None:
-        """A sound State as libraries write it; None, or IndexError, if it is anything else."""
+        """A valid State in the encoding that libraries write; None, or IndexError, for anything else."""
         if len(payload) > _LIMIT or not payload.startswith(self._begin):
             return None
         cursor = Cursor(payload, len(self._begin))
@@ -268,7 +269,7 @@ class PeerReader:
         return state if self._limits.allows(state) else None
 
     def _proposals(self, cursor: Cursor) -> tuple[Proposal, ...]:
-        """Those to this robot."""
+        """The proposals to this robot."""
         found: tuple[Proposal, ...] = ()
         for _ in range(cursor.array()):
             cursor.enter(6)
@@ -281,7 +282,7 @@ class PeerReader:
         return found
 
     def _answers(self, cursor: Cursor) -> tuple[Answer, ...]:
-        """Those to this robot."""
+        """The answers to this robot."""
         found: tuple[Answer, ...] = ()
         for _ in range(cursor.array()):
             cursor.enter(4)

@@ -1,1 +1,1 @@
-"""A robot's node, and what it is made of besides its core: everything that knows a bus or a wall clock."""
+"""A robot's node: the modules that bind its core to a bus and a wall clock."""

@@ -1,4 +1,4 @@
-"""The base of a robot that is not simulated, on the bus: what it is told, and what is wrong with it."""
+"""The base of a robot that is not simulated, on the bus: its velocities, and reports of its faults."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ class AttachedBase:
     Args:
         base: the base.
         link: carries its topics.
-        say: takes what a person should know.
+        say: takes warnings for the operator.
         clock: time for the base, s.
 
     Attributes:
-        hears: topics that it wants to hear.
-        trouble: what was said last to be wrong with it; "" if nothing.
-        in_place: whether all was well with it, and the robot where it may begin, at least once.
+        hears: topics to subscribe to.
+        trouble: the fault reported last; "" if none.
+        in_place: whether the base was sound, and the robot where it may begin, at least once.
     """
 
     def __init__(
@@ -61,15 +61,15 @@ class AttachedBase:
 
     @property
     def heading(self) -> float:
-        """Which way the robot faces in the map, rad; 0 if that is not known."""
+        """Heading of the robot in the map, rad; 0 if unknown."""
         return self._base.heading
 
     def hear(self, topic: Topic, payload: bytes) -> Vector | None:
-        """A message of one of its topics arrived; as `Ros2Base.hear`."""
+        """Receive a message of one of its topics; as `Ros2Base.hear`."""
         return self._base.hear(topic, payload, self._clock())
 
     def begin(self, core: Robot, tick: Tick) -> Sense | None:
-        """What base and localisation say as a tick begins; the core is told if they begin anew."""
+        """Odometry and measurement as a tick begins; resets the core's estimate after a fault."""
         sense = self._base.begin(tick, self._clock())
         if self._base.begins_anew():
             core.begin_anew()
@@ -78,7 +78,7 @@ class AttachedBase:
         return sense
 
     def obey(self, command: Command) -> None:
-        """Carry out the Command of the tick that began last; to be called before it is sent."""
+        """Execute the Command of the tick that began last; to be called before it is sent."""
         self._base.obey(command, self._clock())
 
     def stand(self, core: Robot, *, founded: bool) -> None:
@@ -87,7 +87,7 @@ class AttachedBase:
         self.wake(core, founded=founded)
 
     def wake(self, core: Robot, *, founded: bool) -> None:
-        """Tell the base what it has to be told by now, and people what is wrong with it.
+        """Publish the velocities that are due, and report faults of the base.
 
         Args:
             core: the robot that it moves.

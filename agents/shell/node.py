@@ -1,9 +1,9 @@
 """A robot as a participant: joins a run, and binds a `Robot` to a bus.
 
-Lock-step: the State goes out when the Tick arrives, the Command when the States of all that
-take part are there. When the world tells the same tick again, both go out again, or instead of the
-Command whose States are missing. Real time: both go out at once, without waiting for peers. When a run
-ends, or the world has fenced this life, it joins again: as a new life, or to learn that it is over.
+Lock-step: the node publishes the State when the Tick arrives, the Command when all awaited States have
+arrived. When the world repeats a Tick, the node publishes both again, or in place of the Command the list of
+missing States. Real time: it publishes both at once, without waiting for peers. When a run ends, or the world
+has fenced this life, the node joins again: as a new life, or to receive the verdict.
 A robot that is not simulated has a base, too: it shows its token once it knows where it is.
 """
 
@@ -44,8 +44,8 @@ class RobotNode:
         patience: s, see PATIENCE.
         wait: s that there may be no world yet.
         namespace: of the own base's topics, if it must have a base; empty, as the scenario has it.
-        say: takes what a person should know.
-        note: takes what is worth a line in a log.
+        say: takes warnings for the operator.
+        note: takes lines for the log.
         read: decodes an answer to a request to join; its result is never changed.
 
     Raises:
@@ -97,7 +97,7 @@ class RobotNode:
     # -- joining
 
     def _join(self) -> None:
-        """Ask for a life, the next if there was one and it has ended."""
+        """Request a life: the first, or the next after one has ended."""
         try:
             reply = self._world.ask(self._health() if self.core is not None and self._ended else None)
         except BusError:
@@ -119,7 +119,7 @@ class RobotNode:
             self._begin(reply)
 
     def _goes_on(self, reply: joining.Reply) -> bool:
-        """Whether this is the answer that the present life is as it was."""
+        """Whether a reply confirms the present life."""
         core = self.core
         if core is None or self._ended or not isinstance(reply, joining.Admission):
             return False
@@ -285,9 +285,9 @@ class RobotNode:
             self._open(core, tick)
 
     def _open(self, core: Robot, tick: Tick) -> None:
-        """A tick begins: say where this robot is."""
+        """Begin a tick: publish the State."""
         if tick.roster is not None:
-            self._peers.on_roster(tick.roster, everybody=not core.scenario.hears_near)
+            self._peers.on_roster(tick.roster, hears_all=not core.scenario.hears_near)
         if tick.grants is not None and core.scenario.hears_near:
             self._peers.attend({each.peer for each in tick.grants.bindings if each.peer > 0})
         sense = None if self._base is None else self._base.begin(core, tick)
@@ -321,8 +321,8 @@ class RobotNode:
             self._report()
 
     def _repeat(self, core: Robot, tick: Tick) -> None:
-        """The world waits for a robot: perhaps for one that did not hear this robot. A robot that cannot
-        command yet says at least why."""
+        """Answer a repeated Tick: the world waits for a robot, perhaps for one that has not received this
+        robot's State. A robot that cannot command yet names the States that it lacks."""
         self._tell_state(self._said_state)
         if self._commanded:
             self._tell_command(self._said_command)

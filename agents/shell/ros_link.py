@@ -46,10 +46,10 @@ class RosLink:
             self._announce("MS", topic)
 
     def topic_of(self, event: Foreign) -> Topic:
-        """Of which topic an event is a message.
+        """The topic of an event.
 
         Raises:
-            MessageError: of none, or its type, hash or attachment is another.
+            MessageError: it has none, or another type, hash or attachment.
         """
         topic = self._topics.get(self._dialect.name(event.key))
         if topic is None:
@@ -66,14 +66,14 @@ class RosLink:
 
 
 class AttachedTools:
-    """What a robot serves to tools of ROS, on the bus.
+    """A robot's topics for tools of ROS, on the bus.
 
     Args:
-        tools: says what is published, and reads what is heard.
+        tools: makes the payloads to publish, and reads those received.
         link: carries its topics.
         bus: the process's own connection.
         operations: the key under which the world takes operations.
-        say: takes what a person should know.
+        say: takes warnings for the operator.
     """
 
     def __init__(
@@ -84,7 +84,7 @@ class AttachedTools:
         self._publish = {topic: link.publisher(topic) for topic in tools.tells}
 
     def hear(self, topic: Topic, payload: bytes) -> None:
-        """A message arrived; raises MessageError."""
+        """Receive a message; raises MessageError."""
         before = self._tools.stopped
         if request := self._tools.hear(topic, payload):
             self._bus.post(self._operations, request)
@@ -92,7 +92,7 @@ class AttachedTools:
             self._say(f"{topic.name} says {'stop; stands' if self._tools.stopped else 'go'}")
 
     def is_reply(self, event: Foreign) -> bool:
-        """Whether an event is the world's reply to an operation; people are told if it is refused."""
+        """Whether an event is the world's reply to an operation; reports a refusal to the operator."""
         if event.key != self._operations:
             return False
         outcome = decode_reply(event.payload, Outcome)
@@ -106,7 +106,7 @@ class AttachedTools:
         return self._tools.stopped
 
     def tell(self, core: Robot, command: Command, heading: float) -> None:
-        """Publish what is due once a robot that faces `heading`, rad, has commanded."""
+        """Publish the payloads that are due, once a robot with `heading`, rad, has commanded."""
         now, (position, bound) = time.monotonic(), core.place
         if position is None or not self._tools.is_due(now):
             return

@@ -17,7 +17,7 @@ _TURNS: Final = 4  # ticks in which robots withdraw subscriptions: it keeps a ro
 
 @final
 class Subscriptions:
-    """Of all peers, or of those that are near.
+    """Subscriptions to the States of all peers, or of near ones.
 
     Args:
         bus: the process's own connection.
@@ -40,7 +40,7 @@ class Subscriptions:
         self._heard: set[str] = set()  # keys that are subscribed to: a later life may know of more peers
 
     def begin(self, admission: Admission) -> None:
-        """An incarnation begins: hear all peers, unless the world will name those near."""
+        """An incarnation begins: subscribe to all peers, unless the world will name the near ones."""
         scenario = admission.scenario
         self._limits = plausible(scenario)
         self._fleet = fleet_of(scenario.robots).ids
@@ -51,19 +51,20 @@ class Subscriptions:
             self._know(peer)
         self._subscribe(self.readers)
 
-    def on_roster(self, roster: Roster, *, everybody: bool) -> None:
-        """Know which robots joined the fleet since this process was admitted, and hear them, if all are
-        heard."""
+    def on_roster(self, roster: Roster, *, hears_all: bool) -> None:
+        """Note the robots that joined the fleet since this process was admitted, and subscribe to them if
+        this robot receives the States of all peers."""
         for member in roster.members:
             peer = member.robot
             if peer == self._robot or peer in self._fleet:
                 continue
             self._fleet |= {peer}
-            if everybody:
+            if hears_all:
                 self._subscribe((self._know(peer),))
 
     def attend(self, near: Iterable[int]) -> None:
-        """Hear those that will be near, and for a while those that were; `tend` sees to it."""
+        """Note the peers that are near now or soon; `tend` subscribes to them, and later withdraws from those
+        that were."""
         self._before, self._near, self._named = self._near, frozenset(near), True
 
     def tend(self, tick: int) -> None:
@@ -96,13 +97,13 @@ class Subscriptions:
         return robot_key(self._run, peer, "state")
 
     def _know(self, peer: int) -> str:
-        """Be ready to read the States of a peer; their key."""
+        """Prepare the decoder of a peer's States; returns their key."""
         key = self._key(peer)
         self.readers[key] = PeerReader(self._robot, peer, self._epoch, self._limits)
         return key
 
     def _subscribe(self, keys: Iterable[str]) -> None:
-        """Each once."""
+        """Subscribe to keys, each once."""
         fresh = [key for key in keys if key not in self._heard]
         if fresh:
             self._bus.subscribe(*fresh)

@@ -1,4 +1,4 @@
-"""The world as one robot's process knows it: admission, the newest sign of life, the time it may be gone."""
+"""One robot process's session with the world: admission, sign of life, and a bounded wait for its return."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from protocol.errors import BusError, JoinError, MessageError
 from protocol.keys import robot_key, session_of
 from protocol.messages import Health
 
-PATIENCE: Final = 10.0  # s without a word from the world before it is asked for a sign of life, or given up
+PATIENCE: Final = 10.0  # s without a message of the world before it is asked for a sign of life, or given up
 RETRY: Final = 0.2  # s until the next question after one that was of no use
 _TIMEOUT = 2.0  # s that a question may take
 _BRIEF = 0.1  # s that it may take when the run is over: the end of the world's token may have been missed
 _REFUSALS = 5  # a dead predecessor's token may take a moment to go
-_NEWS = 0.5  # s that the world may be gone before a person is told: one that ends the run leaves at once
+_NEWS = 0.5  # s that the world may be gone before a warning: one that ends the run leaves at once
 
 
 @final
@@ -32,13 +32,13 @@ class WorldSession:
         robot: own id.
         patience: s, see PATIENCE.
         wait: s that there may be no world yet.
-        say: takes what a person should know.
-        read: takes an answer to pieces.
+        say: takes warnings for the operator.
+        read: decodes an answer.
 
     Attributes:
         session: of this process.
         epoch: of the coordinator that admitted this process last, 0 for none.
-        heard: when the world was heard last, s, monotonic.
+        heard: when the last message of the world arrived, s, monotonic.
         back: whether it was gone and is back, or another one has taken its place: this life may have ended
             meanwhile.
     """
@@ -64,7 +64,7 @@ class WorldSession:
         self._bearable, self._timeout = wait, _TIMEOUT  # s without an answer; s that one question may take
         self._away = 0.0  # s that the world may be gone and still come back, as it said itself
         self._gone = inf  # s, monotonic: since when its token is missing
-        self._told_gone = False  # whether a person was told
+        self._told_gone = False  # whether the operator was warned
         self._refused = 0
 
     def ask(self, health: Health | None) -> joining.Reply | None:
@@ -94,7 +94,7 @@ class WorldSession:
         return reply
 
     def _answer(self, request: bytes) -> joining.Reply:
-        """Of the only coordinator that there may be: between two a robot does not choose."""
+        """The reply of the only coordinator; with two of them the request fails."""
         replies = self._ask(request)
         if len(replies) > 1:
             raise BusError(f"{len(replies)} worlds of this run answer, end all but one")

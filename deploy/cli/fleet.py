@@ -211,7 +211,7 @@ def obstacles(
 def stop(run: options.Run, router: options.Router = None, secure: options.Secure = None) -> None:
     """Emergency stop: every robot brakes at once and stands until [b]disknav fleet release[/b].
 
-    It brakes in the present tick, outside the simulation in the next. The stop is repeated until all stand.
+    Simulated robots brake in the present tick, external bases in the next. Repeated until all stand.
 
     Example: disknav stop yard
 

@@ -42,7 +42,7 @@ def robot(
     alive: Alive = None,
     base: Annotated[
         Literal["ros2"] | None,
-        typer.Option(help="Drive a base outside the simulation by ROS 2 messages over zenoh."),
+        typer.Option(help="Drive an external base by ROS 2 messages over zenoh."),
     ] = None,
     namespace: Annotated[
         str | None,
@@ -87,7 +87,7 @@ def world(
     secure: options.Secure = None,
     plant: Annotated[
         str | None,
-        typer.Option(help="Plant: integrator, mujoco, or external for bases outside."),
+        typer.Option(help="Plant: integrator, mujoco, or external for external bases."),
     ] = None,
     checkpoint: Annotated[
         Path | None,

@@ -146,7 +146,7 @@ def deploy(
         options.refuse({"--router": router}, f"{orchestrator} gives the router a name of its own")
     loaded = load(scenario, setting or [], seed)
     if loaded.is_external:
-        raise UsageError("bases outside and keys cannot go together: start the fleet by hand, without")
+        raise UsageError("external bases and keys cannot go together: start the fleet by hand, without")
     added = {spec.id for spec in loaded.newcomers}
     if again := sorted(added & {*loaded.ids}):
         raise UsageError(

@@ -179,7 +179,7 @@ def _fleet(
     scenario: Scenario, options: RunOptions, recording: Path | None, bar: RunProgress
 ) -> Fleet | LocalFleet:
     if options.transport == "local" and scenario.is_external:
-        raise UsageError("bases outside are reached by the network: leave out --transport local")
+        raise UsageError("external bases are reached by the network: leave out --transport local")
     if options.transport == "local":
         return LocalFleet(
             scenario,

@@ -11,8 +11,9 @@ FIELDS = {
     "robots": "ids, ascending",
     "law": "`control.law`",
     "filter": "`control.filter`",
-    "plant": "its `kind`; the first `contacts` that a physics engine found: `pair`, `tick`; of bases outside "
-    "`reported_bound`, m, by which a reported position was off at most, and everything here rests on those",
+    "plant": "its `kind`; the first `contacts` that a physics engine found: `pair`, `tick`; of external "
+    "bases `reported_bound`, m, by which a reported position was off at most, and everything here rests on "
+    "those",
     "k": "the number in use",
     "verdict": "`collision` outranks `arrived`, `timeout`, `deadlock`, `interrupted` and `aborted`",
     "reason": "for the verdict, for people",

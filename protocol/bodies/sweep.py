@@ -1,4 +1,4 @@
-"""What a body may do within a tick: the one definition that plant, filter, proof and tests share.
+"""Positions that a body may pass within a tick: the one definition that plant, filter, proof and tests share.
 
 A tick begins with the control point q at q(0) and the nominal velocity v0, in the frame of the body, and its
 command leads to v1; without one, v1 = v0. The nominal way (`protocol.bodies.kinematics`), drawn from q(0),
@@ -89,7 +89,7 @@ class Sweep:
 
 
 def sweep(kinematics: Kinematics, motion: Motion, tolerance: Tolerance, to: Vector | None = None) -> Sweep:
-    """What the control point passes from the beginning of a tick until it stands, if nothing more is heard.
+    """Positions of the control point from the beginning of a tick until it stands without another command.
 
     Args:
         kinematics: of the body.

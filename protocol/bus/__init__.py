@@ -1,1 +1,1 @@
-"""What a process may ask of a network, on zenoh and within one process; how it connects."""
+"""The bus: publish, subscribe, request and presence, on zenoh and within one process; connections."""

@@ -1,8 +1,8 @@
-"""What a process may ask of a network, and its main loop. Two implementations: `zenoh` and `local`.
+"""The interface of a bus, and the main loop of a process. Two implementations: `zenoh` and `local`.
 
-A bus turns everything that happens into events, taken one at a time by `receive`; nothing runs
-behind the caller's back. A `Node` is whatever handles these events: it can be driven by its own
-process (`drive`) or, in one process with others, by the in-process network.
+A bus turns messages, requests and presence into events, taken one at a time by `receive`; it calls no handler
+from a thread of its own. A `Node` handles these events: its own process drives it (`drive`) or, in one
+process with others, the in-process network.
 
 A sign of life is a file whose time of change moves, for the probes of container engines, or a notification of
 systemd (`sd_notify(3)`: `READY=1` once, `WATCHDOG=1` from then on).
@@ -30,7 +30,7 @@ Publish = Callable[[bytes], None]
 @final
 @mypyc_attr(acyclic=True)
 class Sample:
-    """Something was published under `key`. Immutable."""
+    """A publication under `key`. Immutable."""
 
     __slots__ = ("key", "payload")
 
@@ -48,7 +48,7 @@ class Sample:
 
 
 class Foreign(NamedTuple):
-    """Something was published outside this fleet's streams, or replied to a `post`, under `key`."""
+    """A publication outside this fleet's streams, or a reply to a `post`, under `key`."""
 
     key: str
     payload: bytes
@@ -83,14 +83,14 @@ class Bus(Protocol):
 
     @property
     def identity(self) -> str:
-        """What tells this connection from all others, as one chunk of a key."""
+        """Unique name of this connection, as one chunk of a key."""
 
     def foreign(self, key: str, attach: Callable[[], bytes] | None = None) -> Publish:
-        """The same for a key outside this fleet; what cannot be sent at once is dropped. `attach` gives what
-        accompanies each payload."""
+        """The same for a key outside this fleet; a payload that cannot be sent at once is dropped. `attach`
+        makes the attachment of each payload."""
 
     def listen(self, key_expression: str) -> None:
-        """Ask for what others publish under a key expression outside this fleet, with its attachments."""
+        """Subscribe to a key expression outside this fleet; its events are `Foreign`, with attachments."""
 
     def is_heard(self, key: str) -> bool:
         """Whether `key` may have a subscriber; True where that is not known."""
@@ -102,7 +102,7 @@ class Bus(Protocol):
         """Ask for no more samples under a plain key."""
 
     def expect(self, keys: Iterable[str]) -> None:
-        """Say which keys will be heard by way of a pattern; under those a sample costs less to hear."""
+        """Name keys that a pattern will match; a sample under one of them costs less."""
 
     def watch(self, key_expression: str) -> None:
         """Ask for presence of liveliness tokens, those already there included."""
@@ -174,7 +174,7 @@ def drive(
 def follow(node: Node, bus: Bus, beat: Callable[[float], None] | None = None) -> None:
     """Feed `node` with the events of `bus` until it is finished or a signal asks this process to end.
 
-    What has arrived comes before a deadline that is over: the node was late, not its peers.
+    Events that have arrived precede a deadline that has passed: the node was late, not its peers.
     """
     receive, handle = bus.receive, node.handle  # looked up once: this goes round for every message
     while not (node.finished or STOP.requested):

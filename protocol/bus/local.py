@@ -51,7 +51,7 @@ class LocalNetwork:
                 node.wake(now)
 
     def next_of(self, ready: deque[LocalBus]) -> LocalBus:
-        """Take out whose events are delivered next."""
+        """Remove and return the participant whose events are delivered next."""
         return ready.popleft()
 
     def _wait(self) -> None:

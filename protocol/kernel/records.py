@@ -1,4 +1,4 @@
-"""What the rules of the kernel speak of.
+"""Data types of the kernel's rules.
 
 Every change of the ledger has a number, its version. What a change makes (a life, a region, a binding) is
 known by that number, so that no number ever returns. A **region** is a set of points that holds a whole disk:
@@ -103,7 +103,7 @@ class End:
     """One end of a binding in the ledger.
 
     Attributes:
-        disk: whose it is.
+        disk: to which it belongs.
         life: that obeys the binding; NO: a place obeys nothing.
         dead: version since which this life is over, or the end is a place; NO as long as it lives.
     """

@@ -1,1 +1,1 @@
-"""What every process has: its title, its log, and the installation that it runs from."""
+"""Parts of every process: title, log, signals, installation."""

@@ -1,7 +1,6 @@
-"""What processes say: as words on the terminal, and as lines of JSON in files where that is asked for; and
-under which title the system shows them.
+"""Logging: text on the terminal and, on request, lines of JSON in files; and the titles of processes.
 
-What has something to say uses `LOG`: `warning` and `error` for people, `info` for the files alone.
+Modules log to `LOG`: `warning` and `error` for the operator, `info` for the files alone.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ Name = Annotated[str, msgspec.Meta(max_length=100, pattern=r"^[\w.-]*$")]
 
 
 class Speaker(msgspec.Struct, frozen=True):
-    """Whose words they are.
+    """The process that logs.
 
     Attributes:
         run: name of the run.
@@ -41,7 +40,7 @@ class Speaker(msgspec.Struct, frozen=True):
 
     @property
     def label(self) -> str:
-        """What stands before its words on the terminal."""
+        """Prefix of its lines on the terminal."""
         role = "disknav" if self.role == LAUNCHER else self.role
         named = role if self.robot is None else f"{role} {self.robot}"
         return ": ".join(filter(None, (self.host, named)))

@@ -212,7 +212,7 @@ def _hull(steps: Steps, body: Body, radius: float) -> Iterator[Finding]:
 
 
 def _bases(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
-    """Bases outside: bodies that brake, keys that can be told apart, no scripted faults."""
+    """External bases: bodies that brake, keys that can be told apart, no scripted faults."""
     external = scenario.is_external
     if scenario.base is not None:
         yield from _names(("base",), scenario.base)
@@ -226,7 +226,7 @@ def _bases(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
             continue
         body = _body(scenario, sound, steps, spec)
         if external and body is not None and body.kind == "point":
-            text = 'a base outside cannot stop at once: say which body it is, such as "turtlebot3-burger"'
+            text = 'an external base cannot stop at once: say which body it is, such as "turtlebot3-burger"'
             yield (*steps, "body"), text
         if spec.id and sound("base") and sound(*steps, "base"):
             yield from _shared(steps, (base or Base()).of(spec.id), topics, keys)

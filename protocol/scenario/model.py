@@ -275,7 +275,7 @@ class Order(Operation):
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """What moves the disks: formulas, a physics engine (extra `mujoco`), or bases outside, in real time."""
+    """What moves the disks: formulas, a physics engine (extra `mujoco`), or external bases, in real time."""
 
     plant: Literal["integrator", "mujoco", "external"] = "integrator"
     lease: Positive = 0.5  # s, external: a robot stands that has not heard of the coordinator for so long

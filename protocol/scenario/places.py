@@ -1,5 +1,5 @@
 """What must hold of places in a scenario: a room, disks in it that do not overlap, obstacles, and parts; and
-how near to its start a robot outside has to stand.
+how near to its start an external robot has to stand.
 
 A check is silent about what is malformed in itself: such a number is NaN. Contact counts as overlap: phi is 1
 there, beta 0.
@@ -127,7 +127,7 @@ def _robots(scenario: Scenario, end: str) -> tuple[list[Finding], list[_Named]]:
         if _is_finite(disk):
             findings += _overlaps(disk, before, ("robots", index, end))
             before.append((f"robot {spec.id}" if spec.id else f"robots[{index}]", disk))
-    return findings, [(f"the {end} of {whose}", disk) for whose, disk in before]
+    return findings, [(f"the {end} of {robot}", disk) for robot, disk in before]
 
 
 def _parts(scenario: Scenario, end: str, room: Shape | None, others: list[_Named]) -> Iterator[Finding]:

@@ -14,7 +14,7 @@ CAMPAIGNS = {  # what each searches for, and where it is
     "skirmish": ("a broken invariant of the lines of whole robots", "models:SKIRMISH"),
     "aftermath": ("a broken invariant after a skirmish", "models:AFTERMATH"),
     "mortal-skirmish": ("the same while worlds die, at any message", "mortal_skirmish:SKIRMISH"),
-    "mortal-floor": ("contact of bases outside, under worlds and processes that die", "mortal_floor:FLOOR"),
+    "mortal-floor": ("contact of external bases, under worlds and processes that die", "mortal_floor:FLOOR"),
     "bodies": ("a body that leaves its swept disk or its lines", "models:BODIES"),
     "plants": ("contact of wheels in MuJoCo, under late, lost and noisy messages", "models:PLANTS"),
     "adversary": (

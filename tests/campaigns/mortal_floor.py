@@ -1,4 +1,4 @@
-"""Random lives of bases outside, in virtual time, whose robots want to touch: worlds die and are followed by
+"""Random lives of external bases, in virtual time, whose robots want to touch: worlds die and are followed by
 others, processes freeze or die, odometry fails, obstacles come, messages are late, lost and repeated."""
 
 from __future__ import annotations

@@ -125,9 +125,9 @@ def _conventions() -> str:
         "process ends or hangs; subscribe to `disknav/<run>/**` liveliness, with history, to see all."
     )
     admin = (
-        "Who declares which of these keys stands in zenoh's admin space of a router started with `--admin`\n"
-        "(or of a `zenohd`): `@/*/router/subscriber/disknav/<run>/**`; so do `publisher`, `queryable` and\n"
-        "`token`. `@/*/router` tells who is connected. Asking for `@/**` at once can block a router for good."
+        "A router started with `--admin`, or a `zenohd`, lists the declarations of these keys in its admin\n"
+        "space: `@/*/router/subscriber/disknav/<run>/**`; likewise `publisher`, `queryable` and `token`.\n"
+        "`@/*/router` lists the connected sessions. Asking for `@/**` at once can block a router for good."
     )
     return "\n".join([*notes, "", alive, "", admin, ""])
 

@@ -1,4 +1,4 @@
-"""Where robots outside stand that are not heard any more: no further off than their bodies can have gone."""
+"""Bound on the position of silent external robots: no farther off than their bodies can have gone."""
 
 from __future__ import annotations
 

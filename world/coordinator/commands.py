@@ -4,7 +4,7 @@ give up when a lock-step tick does not end, so that one faulty process costs one
 When the tick is told again, a robot that cannot command names the States that it lacks. Given up are:
 
 1. a robot that owes a command and is silent: it hangs, though its session lives;
-2. one whose State more than half of its receivers lack: it sends none, or what all refuse;
+2. one whose State more than half of its receivers lack: it sends none, or one that all refuse;
 3. if there is neither, one that cannot command: it does not receive what the others receive.
 
 Half of all receivers, not of those that wait: one deaf robot must not have all others given up.
@@ -25,13 +25,13 @@ class Commands:
     One that comes too late is still a sign of life where a robot obeys its own commands.
 
     Args:
-        lives: whose they are.
+        lives: of the robots that command.
         external: whether robots obey their own commands.
 
     Attributes:
         taken: in this tick, by robot.
         waiting: robots that still owe one.
-        lacking: robots whose States are missing to one that cannot command, by robot.
+        lacking: ids of missing States, by the robot that lacks them.
         missed: commands that never came, over all active robots and ticks.
         refused: commands that were not taken, by reason: late, early, incarnation (of another
             life), fenced, inactive, duplicate, unknown, ledger (it obeys what was never
@@ -60,7 +60,7 @@ class Commands:
         self.waiting = set()
 
     def drop(self, robot: int) -> None:
-        """A robot takes no part in the open tick any more; what it commanded is forgotten."""
+        """A robot leaves the open tick; its Command is discarded."""
         if self._open:
             self.missed += 1
             self.waiting.discard(robot)
@@ -113,9 +113,9 @@ def blamed(
     """Robots to give up, with reasons, in a tick that was told again; at least one, if any is waited for.
 
     Args:
-        heard_by: how many hear each robot that takes part, itself included.
+        heard_by: number of receivers of each active robot's State, itself included.
         waiting: those of them that owe a command.
-        lacking: whose States each of these said that it lacks, since the tick was told again.
+        lacking: ids of the States that each of these lacks, by its reports since the tick was told again.
     """
     silent = {robot: SILENT for robot in sorted(waiting) if not lacking.get(robot)}
     lack = Counter(peer for robot in waiting for peer in set(lacking.get(robot, ())) if peer in heard_by)

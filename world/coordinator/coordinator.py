@@ -1,6 +1,6 @@
 """The coordinator: opens and closes ticks, accepts Commands, manages membership, grants and orders.
 
-It knows no plant, no sensor and no truth; where disks are it is told.
+It knows no plant, no sensor and no truth; its caller passes it the positions of disks.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from world.coordinator.parts import Parts
 
 
 class PastCoordinator(msgspec.Struct, frozen=True):
-    """What a coordinator leaves behind for another one of the same run."""
+    """The state of a coordinator that its successor in the same run starts from."""
 
     tick: Count = 0  # that was open, or was to be opened next
     founded: bool = False
@@ -56,7 +56,7 @@ class Coordinator:
         active: ids that take part in the tick opened last.
         stopped: whether an emergency stop was asked for.
         contested: whether another coordinator of this run is there.
-        told: what each robot that may listen is to be told of the open tick; None while none is open.
+        told: the Tick for each robot that may listen; None while no tick is open.
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class Coordinator:
 
     @property
     def past(self) -> PastCoordinator:
-        """What another coordinator needs to go on from here."""
+        """The state for a successor."""
         return PastCoordinator(
             self.tick,
             self.lives.founded,
@@ -167,7 +167,7 @@ class Coordinator:
         return awaited
 
     def dismiss(self, robot: int) -> None:
-        """The process of a robot that was removed knows it, and is told no more."""
+        """The process of a removed robot was notified: send it no more Ticks."""
         if robot in self.lives.of and self.lives.roster.status(robot) in ("gone", "appearing"):
             self.lives.of[robot].joined = False
 
@@ -232,10 +232,10 @@ class Coordinator:
         bounds: Mapping[int, float] = MappingProxyType({}),
         unsettled: Set[int] = frozenset(),
     ) -> dict[int, Tick]:
-        """Begin the tick: what is to be told.
+        """Begin the tick; `told` has its Ticks.
 
         Args:
-            sensed: what every robot senses.
+            sensed: measurement and odometry of every robot.
             resting: robots that do not move until they hear another command, and where they are, m.
             bounds: by how much that may be off, m, where it may.
             unsettled: those of them that have not reported where they stand since they do.
@@ -273,7 +273,7 @@ class Coordinator:
 
     @property
     def pending(self) -> str:
-        """What is still to come of orders, given or to be given, and of parts, in words; "" for nothing."""
+        """Unfinished orders, scheduled orders and parts, as text; "" if none."""
         kinds = (
             (self.missions.pending, "orders are under way"),
             (self.membership.pending, "robots are still to appear"),
@@ -283,7 +283,7 @@ class Coordinator:
         return ", ".join(text for pending, text in kinds if pending)
 
     def is_alone(self) -> bool:
-        """Whether robots are missing for good; False for bases outside, which may return at any time."""
+        """Whether robots are missing for good; False for external bases, which may return at any time."""
         if self.scenario.is_external:
             return False
         missing = len(self.lives.up) < len(self.scenario.ids) and not self.schedule.pending
@@ -297,7 +297,7 @@ class Coordinator:
     ) -> dict[int, Tick]:
         """Ticks for all that may listen."""
         lives, goal, since = self.lives, self.missions.goal, self.missions.since
-        everybody, bound = frozenset(active), self.lives.keeper.bound
+        present, bound = frozenset(active), self.lives.keeper.bound
         leased = self.scenario.is_external
         return {
             robot: Tick(
@@ -306,7 +306,7 @@ class Coordinator:
                 self.tick,
                 active
                 if interest is None
-                else interest.heard(robot, life.incarnation, self.tick, bound(robot), everybody),
+                else interest.heard(robot, life.incarnation, self.tick, bound(robot), present),
                 sense=sensed.get(robot),
                 roster=lives.roster.news(robot),
                 goal=goal(robot) if life.is_new or life.heard < since(robot) else None,

@@ -1,4 +1,4 @@
-"""Large fleets: which robots each one hears, and what all are told of those that they do not hear."""
+"""Large fleets: the peers whose States each robot receives, and the summary of all positions."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from protocol.scenario.model import Scenario
 
 
 class Interest:
-    """Of a run in which robots hear those that they are bound to.
+    """Interest management of a run in which robots receive the States of peers that they are bound to.
 
     Attributes:
-        summary: newest that is to be told; None before the first.
+        summary: the newest to publish; None before the first.
         places: where robots were sensed last, m, by id.
     """
 
@@ -36,8 +36,8 @@ class Interest:
         sensed: Mapping[int, Sense],
         goal: Callable[[int], Vector | None],
     ) -> None:
-        """A tick begins, with what every robot is told of its own place, and where it is sent, m, unless to
-        the scenario's goal."""
+        """Begin a tick, with the measurement of every robot, and its goal, m, if that is not the
+        scenario's."""
         for robot, sense in sensed.items():
             if sense.position is not None:
                 self.places[robot] = sense.position
@@ -58,15 +58,15 @@ class Interest:
             self._slices[command.robot] = command.slice
 
     def _norms(self, ids: Iterable[int], attraction: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Of the slices of all; of one that has said none, what the attraction alone (m) gives."""
+        """Norms of all slices; for a robot that has published none, that of the attraction alone, m."""
         said = np.array([self._slices.get(robot, np.nan) for robot in ids])
         return np.where(np.isnan(said), attraction, said)
 
     def heard(
         self, robot: int, incarnation: int, tick: int, bound: Iterable[int], active: frozenset[int]
     ) -> tuple[int, ...]:
-        """Which of the active robots a life hears in this tick, itself included, if it is told of `bound`
-        peers: LEAD ticks after it was told of one it has subscribed."""
+        """The active robots whose States a life receives in this tick, itself included, given the peers that
+        it is `bound` to: it has subscribed to a peer LEAD ticks after the Tick that named it."""
         life, before = self._since.get(robot, (0, {}))
         if life != incarnation:
             before = {}
@@ -78,7 +78,7 @@ class Interest:
 
 
 def runs(ids: Iterable[int]) -> bytes:
-    """Ascending ids as a Summary has them: of each run of consecutive ones the first, and how many."""
+    """Ascending ids as a Summary encodes them: the first of each run of consecutive ids, and its length."""
     found: list[list[int]] = []
     for each in ids:
         if found and each == sum(found[-1]):

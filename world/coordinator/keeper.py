@@ -1,7 +1,7 @@
-"""The ledger at work: which robots are bound, which region each is granted, and what each is told of it.
+"""Applies the ledger's rules: binds robots, grants regions, and prepares the grants for each robot's Ticks.
 
-Nothing here decides whether something is safe: every change is a rule of `protocol.kernel.ledger`, which
-refuses what its preconditions do not allow. This says when to ask for which.
+Safety is decided elsewhere: every change is a rule of `protocol.kernel.ledger`, which refuses it unless its
+preconditions hold. This module decides when to apply which rule.
 
 In a small fleet every region is the whole plane, and every robot is bound to all that is there. In a large
 one it is a disk around the last known place, and two are bound when a region to be granted meets what the
@@ -44,8 +44,8 @@ class Keeper:
         self._geometry = RegionGeometry()
         self._first = version
         self._ledger: Ledger[Region, Line] = Ledger(version, {}, self._geometry)
-        self._changed: dict[int, int] = {}  # version in which what a disk has to be told changed last
-        self._known: dict[int, int] = {}  # version that the present life of a robot has taken in
+        self._changed: dict[int, int] = {}  # version in which the grants for a disk changed last
+        self._known: dict[int, int] = {}  # version that the present life of a robot has adopted
         self._moved: set[int] = set()  # disks whose regions have shrunk
 
     @property
@@ -111,16 +111,16 @@ class Keeper:
         self._ledger.remove(self._ledger.disks[name])
         self._change(name, *peers)
 
-    # -- what robots say
+    # -- Commands
 
     def refuses(self, command: Command) -> bool:
-        """Whether a Command says what the present life of its robot cannot have heard."""
+        """Whether a Command refers to grants that its robot's present life cannot have received."""
         disk = self._ledger.disks.get(command.robot)
         granted = 0 if disk is None else disk.held.granted
         return command.version > self.version or command.region > granted
 
     def acknowledge(self, command: Command) -> None:
-        """Take in what the present life of a robot obeys."""
+        """Record the region and bindings that the present life of a robot obeys."""
         robot = command.robot
         disk = self._ledger.disks.get(robot)
         if disk is None or disk.life == NO:
@@ -242,10 +242,10 @@ class Keeper:
         for name in names:
             self._changed[name] = self._ledger.version
 
-    # -- what is told
+    # -- grants
 
     def bound(self, robot: int) -> Iterable[int]:
-        """Robots that the present life of a robot is told that it is bound to."""
+        """Robots to which the present life of a robot is bound, by the grants in its Tick."""
         disk = self._ledger.disks.get(robot)
         if disk is None or disk.life == NO:
             return ()
@@ -256,7 +256,7 @@ class Keeper:
         ]
 
     def news(self, robot: int) -> Grants | None:
-        """What the present life of a robot has to be told; None if it knows all of it."""
+        """Grants for the present life of a robot; None if it has the newest."""
         disk = self._ledger.disks.get(robot)
         if disk is None or disk.life == NO or self._known.get(robot, 0) >= self._changed.get(robot, 0):
             return None

@@ -1,4 +1,4 @@
-"""Lives: which process stands for each robot id, what the scenario does to it, and what the roster says.
+"""Lives: the process of each robot id, its scheduled faults, and its entry in the roster.
 
 A robot id may live several times. A life begins by joining and is numbered by its incarnation; it ends when
 it is fenced, killed or followed by the next.
@@ -29,11 +29,11 @@ class Status(Enum):
 
     UP = auto()  # takes part
     PAUSED = auto()  # stopped by the scenario: hears nothing
-    GONE = auto()  # not there, or ended by the scenario
+    GONE = auto()  # absent, or ended by the scenario
     LOST = auto()  # given up on or fenced; may still listen
 
 
-Fate = Literal["", "ended", "removed"]  # what the run has made of a process; "": nothing
+Fate = Literal["", "ended", "removed"]  # of a process, by the run; "": none
 
 
 class Life(msgspec.Struct, array_like=True):
@@ -93,7 +93,7 @@ class Life(msgspec.Struct, array_like=True):
             self.status, self.awaited = (Status.UP, False) if self.goes_on else (Status.LOST, True)
 
     def restart(self) -> None:
-        """The scenario ends its process, and wants another in its place."""
+        """The scenario ends its process, to be replaced by another."""
         self._end(awaited=True)
 
     def _end(self, awaited: bool) -> None:
@@ -149,7 +149,7 @@ class Lives:
 
     @property
     def past(self) -> PastLives:
-        """What another coordinator needs to go on from here."""
+        """The state for a successor."""
         return PastLives(
             self.of,
             self._over,
@@ -230,7 +230,7 @@ class Lives:
         return Disk(*resting[robot], self.roster.members[robot].radius + bounds.get(robot, 0.0))
 
     def grants_for(self, robot: int) -> Grants | None:
-        """What the newest life of a robot has to be told of what it obeys."""
+        """Grants for the newest life of a robot; None if it has the newest."""
         return self.keeper.news(robot) if self.of[robot].begun else None
 
     def announce(self, shape: Shape) -> int:
@@ -257,7 +257,7 @@ class Lives:
         return bool(settled)
 
     def acknowledge(self, command: Command) -> None:
-        """Take in what the newest life of a robot has heard, and what it obeys."""
+        """Record the roster that the newest life of a robot has received, and the grants that it obeys."""
         life = self.of[command.robot]
         self.roster.acknowledge(command.robot, life.incarnation, command.roster)
         if life.begun:

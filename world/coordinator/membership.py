@@ -25,7 +25,7 @@ _MOST_IDS = 1200  # that ever were in a run: a roster names them all
 
 
 class FleetChange(msgspec.Struct):
-    """The fleet at a tick, and what is to change of it: what another coordinator goes on from."""
+    """The fleet at a tick and its pending changes; a successor starts from it."""
 
     robots: tuple[RobotSpec, ...] | None = None  # that are there; None: those of the scenario
     announced: dict[Id, RobotSpec] = {}  # whose disks have not appeared yet
@@ -35,7 +35,7 @@ class FleetChange(msgspec.Struct):
 
 
 class Membership:
-    """What is to change between two ticks.
+    """Changes of the fleet between two ticks.
 
     Args:
         fleet: at which an earlier coordinator had arrived.
@@ -67,7 +67,7 @@ class Membership:
         (self.fleet.awaited.add if awaited else self.fleet.awaited.discard)(spec.id)
 
     def remove(self, robot: int) -> str:
-        """Let a robot leave; returns why that cannot be, "" if it is done."""
+        """Remove a robot; returns why that is refused, "" if it is done."""
         ids = self.scenario.ids
         if robot in self.fleet.announced:
             self._lives.roster.alter(robot, status="gone", position=None)

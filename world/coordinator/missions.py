@@ -1,5 +1,4 @@
-"""Missions: what robots were ordered to do while the run goes on, point by point; and what the scenario
-orders at given times, as an operator would."""
+"""Missions: the points that robots are ordered to visit during a run; and the scenario's scheduled orders."""
 
 from __future__ import annotations
 
@@ -18,7 +17,7 @@ from protocol.scenario.model import MOST_POINTS, Journey, Operation, Scenario
 
 @dataclass(slots=True)
 class Mission:
-    """What one robot is doing: `points` are those ahead, the present one first, m."""
+    """The mission of one robot: `points` are those ahead, the present one first, m."""
 
     points: tuple[Vector, ...]
     number: int = 0
@@ -82,11 +81,11 @@ class Missions:
         return self._since.get(robot, 0)
 
     def status(self, robot: int) -> GoalStatus:
-        """How obstacles stand with a robot of the scenario."""
+        """The status of a robot's goal."""
         return self._status[robot]
 
     def news(self) -> list[GoalStatus]:
-        """What has come of orders since this was last asked for."""
+        """Changes of order status since the last call."""
         news, self._news = self._news, []
         return news
 
@@ -100,7 +99,7 @@ class Missions:
 
         Args:
             standing: disks that stand, and may stand in a point.
-            obstacles: what else stands, by number.
+            obstacles: shapes of obstacles, by number.
         """
         robot = order.robot
         if robot not in self._missions:
@@ -117,7 +116,7 @@ class Missions:
         return next((reason for reason in reasons if reason), "")
 
     def accept(self, order: Journey, tick: int, position: Vector) -> Outcome:
-        """Carry out an order that nothing speaks against, from `position` (m), at the start of `tick`."""
+        """Carry out an order that is not refused, from `position` (m), at the start of `tick`."""
         robot = order.robot
         before = self._missions[robot]
         number = before.number + 1
@@ -133,7 +132,7 @@ class Missions:
         return Outcome(True, number, self._caution(robot))
 
     def advance(self, tick: int, ids: Sequence[int], positions: Sequence[Vector]) -> list[int]:
-        """Go on to the next point where one is reached; returns whose goal is another now.
+        """Go on to the next point where one is reached; returns the robots with a new goal.
 
         Args:
             tick: the tick that begins.
@@ -182,15 +181,15 @@ class Missions:
         self._news.append(said)
 
     def covered(self, shape: Shape) -> str:
-        """Whose present goal an obstacle covers, "" if none is."""
-        whose = [
+        """Warning that names the robots whose present goals an obstacle covers; "" if there are none."""
+        robots = [
             robot
             for robot, mission in self._missions.items()
             if shape.distance(*mission.points[0]) <= self._scenario.spec(robot).radius
         ]
-        if not whose:
+        if not robots:
             return ""
-        return f"covers the goal of robot{'s' if len(whose) > 1 else ''} {', '.join(map(str, whose))}"
+        return f"covers the goal of robot{'s' if len(robots) > 1 else ''} {', '.join(map(str, robots))}"
 
     def obstacle(
         self,
@@ -216,7 +215,7 @@ class Missions:
         return ""
 
     def _caution(self, robot: int) -> str:
-        """Whose goal the last point of a robot overlaps: they cannot both be there."""
+        """Warning that names the robots whose last points overlap that of a robot; "" if there are none."""
         point, radius = self._missions[robot].points[-1], self._scenario.spec(robot).radius
         near = [
             other
@@ -226,8 +225,8 @@ class Missions:
         ]
         if not near:
             return ""
-        whose = ", ".join(map(str, near))
-        return f"overlaps the goal of robot{'s' if len(near) > 1 else ''} {whose}: they cannot all be there"
+        robots = ", ".join(map(str, near))
+        return f"overlaps the goal of robot{'s' if len(near) > 1 else ''} {robots}: they cannot all be there"
 
 
 class Operated(Protocol):

@@ -80,7 +80,8 @@ class Parts:
         return replace(scenario, robots=robots)
 
     def handle(self, asked: Mapping[int, Handling | None], at: Mapping[int, Vector]) -> bool:
-        """Do what robots asked for with their commands of the tick that ends; whether a disk is another now.
+        """Carry out the robots' requests in the Commands of the tick that ends; returns whether a disk
+        changed.
 
         Args:
             asked: by robots that take part and commanded.

@@ -1,7 +1,7 @@
-"""The roster: a directory of all robots that ever were in the run, of obstacles that came or went, of parts.
+"""The roster: a directory of all robots of the run, past and present, of obstacles placed or taken, of parts.
 
-It says what is there, for laws, carriers and monitors; its versions only grow. What robots obey, and what may
-follow what, the ledger says.
+It serves laws, carriers and monitors; its versions only grow. The constraints that robots obey are in the
+ledger.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Surroundings:
         numbered: how many there have been.
 
     Args:
-        changes: up to now, as a roster said them.
+        changes: up to now, as in a roster.
         numbered: how many there have been, with those of the scenario at least.
     """
 
@@ -49,7 +49,7 @@ class Surroundings:
 
     @property
     def changes(self) -> tuple[PlacedObstacle, ...]:
-        """What a roster says of obstacles: all but those of the scenario that still stand."""
+        """Entries of obstacles for a roster: all but those of the scenario that still stand."""
         came = {number: _obstacle(number, "appearing", shape) for number, shape in self.appearing.items()}
         for number, shape in self.standing.items():
             if number not in self._listed:
@@ -82,20 +82,20 @@ class Surroundings:
         return ""
 
     def announce(self, shape: Shape) -> int:
-        """Something is to appear; its number."""
+        """Announce an obstacle that is to appear; returns its number."""
         self.numbered += 1
         self.appearing[self.numbered] = shape
         return self.numbered
 
     def take_away(self, number: int) -> bool:
-        """Something is gone, or does not appear after all; whether it was there."""
+        """Remove an obstacle or its announcement; returns whether there was one."""
         known = number in self.standing or number in self.appearing
         self.standing.pop(number, None)
         self.appearing.pop(number, None)
         return known
 
     def put_up(self, number: int) -> None:
-        """What was announced stands."""
+        """An announced obstacle appears."""
         self.standing[number] = self.appearing.pop(number)
 
 
@@ -121,7 +121,7 @@ class RosterDirectory:
     Attributes:
         version: of the present one; 0 before anything is in it.
         members: by robot.
-        obstacles: whose changes it says.
+        obstacles: recorded in it.
     """
 
     def __init__(
@@ -131,7 +131,7 @@ class RosterDirectory:
         self.members = {each.robot: each for each in past.members}
         self.obstacles = Surroundings(scenario, past.obstacles, numbered)
         self._changes, self._parts = past.obstacles, past.parts
-        self._heard: dict[int, tuple[int, int]] = {}  # life and version that it has heard, by robot
+        self._heard: dict[int, tuple[int, int]] = {}  # life and version received, by robot
         self._newest: messages.Roster | None = None
 
     @property
@@ -165,12 +165,12 @@ class RosterDirectory:
             self.version += 1
 
     def acknowledge(self, robot: int, incarnation: int, version: int) -> None:
-        """A life has heard a version."""
+        """A life has received a version."""
         if (incarnation, version) > self._heard.get(robot, (0, 0)) and version <= self.version:
             self._heard[robot] = (incarnation, version)
 
     def news(self, robot: int) -> messages.Roster | None:
-        """The roster, if the newest life of `robot` has not heard it."""
+        """The roster, if the newest life of `robot` has not received it; else None."""
         member = self.members.get(robot)
         if member is not None and self._heard.get(robot) == (member.incarnation, self.version):
             return None

@@ -1,1 +1,1 @@
-"""What is measured of the truth: clearance, contacts, phi, deviation, trajectory, verdict."""
+"""Measurements of the truth: clearance, contacts, phi, deviation, trajectory, verdict."""

@@ -1,4 +1,4 @@
-"""Clearance: the gap between any two disks, and between a disk and what surrounds it, over continuous time.
+"""Clearance: gaps between disks, boundary and obstacles, over continuous time.
 
 Positions are complex numbers x + iy, m, shape (..., p), in the order of robot ids: any number of ticks may be
 measured at once. Gaps, shape (..., q + p + c), are those of the q pairs i < j, then of each robot to the
@@ -32,7 +32,7 @@ _THIRDS: Final = 80  # of an interval: what is left is below a double's resoluti
 
 
 class Disks:
-    """A fleet's disks, and what they can touch. Immutable.
+    """A fleet's disks, with boundary and obstacles. Immutable.
 
     Args:
         radii: by robot id, m.

@@ -16,7 +16,7 @@ VERDICTS = ("arrived", "collision", "timeout", "deadlock", "interrupted", "abort
 
 
 class PastReferee(msgspec.Struct, frozen=True):
-    """What a referee has seen of a run; for how long no robot has moved begins anew.
+    """A referee's record of a run; a successor restarts the time without motion.
 
     Attributes:
         worlds: ticks with which those worlds began that went on from others.
@@ -29,7 +29,7 @@ class PastReferee(msgspec.Struct, frozen=True):
 
 
 class Referee:
-    """What is measured of a run, and its verdict.
+    """Measures a run, and decides its verdict.
 
     arrived: all robots at once within the tolerance of their goals, or all parts at theirs.
     aborted: all robots that are up have arrived, and the others are down for good.
@@ -39,7 +39,7 @@ class Referee:
     timeout: the limit is reached.
 
     Args:
-        scenario: with the robots that are there, and what they carry.
+        scenario: with the present robots, and the radii that they have with their parts.
         positions: of all disks in the order of robot ids, m.
         parts: straight motions that a tick consists of.
         past: of an earlier world.
@@ -79,7 +79,7 @@ class Referee:
 
     @property
     def past(self) -> PastReferee:
-        """What another referee needs to go on from here."""
+        """The record for a successor."""
         return PastReferee(self.record.past, self.worlds, self.verdict, self.reason)
 
     def arrived(self, positions: Sequence[Vector]) -> list[int]:
@@ -92,7 +92,7 @@ class Referee:
         ]
 
     def reset_deadlock_timer(self, tick: int) -> None:
-        """Something happened at `tick` after which robots may move that stood still until then."""
+        """Restart the time without motion at `tick`: a change lets robots move that stood still."""
         self._moved = max(self._moved, tick)
 
     def set_goal(self, robot: int, goal: Vector, tick: int) -> None:
@@ -122,7 +122,7 @@ class Referee:
             positions: in the order of ids, m.
             up: ids of robots that take part.
             alone: whether those that are not up will not come back.
-            pending: what is still to come although robots are at their goals, in words; "" for nothing.
+            pending: what is unfinished although robots are at their goals, as text; "" for nothing.
         """
         ids, arrived = tuple(self.record.segment.goals.ways), self.arrived(positions)
         missing = [robot for robot in ids if robot not in arrived]
@@ -136,7 +136,7 @@ class Referee:
             down = f"{_names([robot for robot in ids if robot not in up])} down for good"
             self.finish("aborted", f"{down}; the others are at their goals" if up else down)
         elif tick - self._moved >= self._patience:
-            self.finish("deadlock", f"nobody moved for {self._texts[0]}; {_unfinished(missing, pending)}")
+            self.finish("deadlock", f"no robot moved for {self._texts[0]}; {_unfinished(missing, pending)}")
         elif tick >= self._limit:
             self.finish("timeout", f"{self._texts[1]} are over; {_unfinished(missing, pending)}")
 

@@ -1,1 +1,1 @@
-"""What commands do to disks: integrators with imperfect actuation."""
+"""Plants: how commands move disks."""

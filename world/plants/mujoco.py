@@ -126,7 +126,7 @@ class Physics:
 
 
 class _Wheeled:
-    """One robot: what its base makes of commands, and what its sensors say.
+    """One robot: actuators and sensors of its base.
 
     Attributes:
         motion: what the base does as the tick begins: its nominal motion in the true direction, or what its
@@ -214,7 +214,7 @@ class _Wheeled:
         self._way += math.hypot(dx, dy)
 
     def report(self) -> BaseReport:
-        """What the base says of itself."""
+        """Odometry and motion of the base."""
         arc = self._kinematics.halt(self.motion)
         cx, cy = chord(arc, self._kinematics.turn(arc))
         stop = turned(cx, cy, self.motion.heading)

@@ -35,7 +35,7 @@ class PastDisks(msgspec.Struct, frozen=True):
         headings: rad; empty where no body has one.
         ways: path length of every robot that is or was there, m; of all that had the same id together.
         bounds: by how much places may be off until all bases stand, m, where they may.
-        moving: robots outside that may not stand yet.
+        moving: external robots that may not stand yet.
         largest_bound: of all reports so far, m; None where the truth is known.
     """
 

@@ -1,1 +1,1 @@
-"""What joins the core to network, clock and disk: the node, admission, pacing, publishers, the checkpoint."""
+"""Binds the core to network, clock and disk: node, admission, pacing, publishers, checkpoint."""

@@ -1,9 +1,9 @@
-"""Admission: which process stands for which robot, as the world sees it.
+"""Admission: assigns one process to each robot.
 
-A process asks to join as often as it likes: asking again is asking once, until it says that the life it
-was given is over. One that does not show its liveliness token within a while after it was admitted makes
-room for another, and its life is over. Of two processes with one id the second is refused, and so is
-one that had to be given up again and again. One whose robot is still to be added waits.
+Requests to join are idempotent: a process that repeats one is admitted as the same life, until it reports
+that this life is over. An admitted process that does not show its liveliness token in time gives way to
+another, and its life is over. Of two processes with one id the second is refused, and so is one that was
+given up repeatedly. A process of a robot that is still to be added waits.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Slot:
     missing: float = inf  # s, by the clock: since when its token is not there, though it may be alive
     granted: int = 0  # incarnation that it was given
     health: Health | None = None  # what its process reported at the end of the run
-    notified: bool = False  # it knows that there is nothing more to do
+    notified: bool = False  # it was told that the run is over
     blamed: Counter[str] = field(default_factory=Counter)  # how often each process was given up
 
 
@@ -95,7 +95,7 @@ class Admissions:
         if status == "appearing":
             return self._wait(robot, f"the disk of robot {robot} has not appeared yet")
         if slot is None or status == "gone":
-            return self._nobody(join)
+            return self._unlisted(join)
         lives = self._world.coordinator.lives.of
         taken = self.is_present(robot) and not self.processes.fate(robot, slot.session, lives)
         if taken and slot.session != join.session:
@@ -105,7 +105,7 @@ class Admissions:
         return None
 
     def is_newest(self, join: joining.Join) -> bool:
-        """Whether no process was admitted for this robot after this one."""
+        """Whether this process is the newest admitted for its robot."""
         return self.processes.newest.get(join.robot) == join.session
 
     def may_come(self, join: joining.Join) -> bool:
@@ -115,8 +115,8 @@ class Admissions:
     def _fate(self, join: joining.Join) -> Fate:
         return self.processes.fate(join.robot, join.session, self._world.coordinator.lives.of)
 
-    def _nobody(self, join: joining.Join) -> joining.Reply:
-        """What the process of a robot is told that is not in the run, not yet or no more."""
+    def _unlisted(self, join: joining.Join) -> joining.Reply:
+        """The reply to the process of a robot that is not in the run, not yet or no more."""
         robot = join.robot
         if self._world.coordinator.schedule.adds(robot) and not self._fate(join):
             return self._wait(robot, f"robot {robot} has not been added yet")

@@ -1,15 +1,15 @@
 """The checkpoint: a small file from which another world goes on with a run after this one has died.
 
-It says what `world.world.Past` says: where the disks are, which robots there are, what was asked for, what
-was judged. It is written before anything is announced that is not in it, once a tick and with each answer,
-and so is never behind what robots, operators or the launcher know.
+It holds `world.world.Past`: positions of disks, robots of the fleet, operations, the judge's record. It is
+written before any change is published, once a tick and with each reply, and so is never behind the knowledge
+of robots, operators or the launcher.
 
-What a world does not take up from another one is its lives. It draws an epoch of its own, under which no
-message of an earlier one counts, and founds the ledger on the places, where all disks stand. A robot that has
-not joined again has no life there, and its Commands are refused; once it has, it has only lines of this
-ledger. In a simulation no disk has moved meanwhile: the plant is the world's, and its bodies stand. A base
-outside may drive on while its lease lasts: its place is held with a bound that covers this, and its next life
-begins only after it.
+A successor does not take over lives. It draws an epoch of its own, under which no message of an earlier one
+counts, and founds the ledger on the places of the disks, which all stand. A robot that has not joined again
+has no life there, and its Commands are refused; once it has, it has only lines of this ledger. In a
+simulation no disk has moved meanwhile: the plant is the world's, and its bodies stand. An external base may
+drive on while its lease lasts: its place is held with a bound that covers this, and its next life begins only
+after it.
 
 The file has two places for a state, which are written in turn, so that one of them is whole at every moment.
 It is kept by the system when this process is killed, but not forced to the disk: one from before the machine
@@ -40,7 +40,7 @@ from world.world import Past
 _MAGIC: Final = b"disknav checkpoint 1\n"
 _STATE: Final = 1 << 20  # bytes of each of the two places for a state; what is not written takes no room
 _FRAME: Final = struct.Struct("<QII")  # number and size of a state; CRC-32 of these, 0, and the state
-_KEPT: Final = 16  # earlier processes of a robot that are told what became of them
+_KEPT: Final = 16  # earlier processes of a robot that are remembered
 _BOOT: Final = Path("/proc/sys/kernel/random/boot_id")
 
 
@@ -56,14 +56,14 @@ class Processes(msgspec.Struct):
     over: dict[Id, dict[str, Fate]] = {}  # earlier ones, in the order in which they were
 
     def admit(self, robot: int, session: str, before: Fate) -> None:
-        """A process is the newest of a robot; `before` is what had become of the one before it."""
+        """A process is the newest of a robot; `before` is the fate of the one before it."""
         earlier = self.newest.get(robot, "")
         if earlier != session:
             self._keep(robot, earlier, before)
         self.newest[robot] = session
 
     def fate(self, robot: int, session: str, lives: Mapping[int, Life]) -> Fate:
-        """What became of a process; "" if it may be the robot's next life."""
+        """The fate of a process; "" if it may be the robot's next life."""
         life = lives.get(robot)
         if life is not None and session == self.newest.get(robot):
             return life.fate

@@ -1,4 +1,4 @@
-"""Failure detection: which robots' processes are taken to have failed, and which are waited for.
+"""Failure detection: gives up robots with failed processes, and decides which robots to wait for.
 
 A process fails when its liveliness token is gone, when it does not join in time, or when it does not answer
 an open tick of lock-step in time, which was told again meanwhile. A token that is gone may come back within
@@ -23,24 +23,24 @@ GRACE = 5.0  # s that a robot's token may be missing in a run whose processes ar
 
 
 def returning(gathering: float, restarts: int, *, lockstep: bool) -> float:
-    """How long a robot that was fenced may yet come back, s. Lock-step waits for a restarted robot;
-    real time goes on, and must not be over meanwhile."""
+    """Time for which a fenced robot may still return, s. Lock-step waits for a restarted robot; real time
+    goes on, and must not end meanwhile."""
     return gathering if restarts > 0 and not lockstep else 0.0
 
 
 class FailureDetector:
-    """What is done about robots that are missing, by the world of the run at hand.
+    """Handles missing robots of the present run.
 
     Args:
         run: at hand.
-        admissions: whose tokens are there.
+        admissions: processes and their tokens.
         pacing: the wait that begins again when a robot comes back.
         tell: sends each robot its Tick.
         gathering: s that robots have to join.
         patience: s that an open tick of lock-step waits for a command.
         grace: s that a token may be missing before its process is given up, 0 for none.
         restarts: how many next lives of each robot a lock-step run waits for.
-        say: takes what a person should know.
+        say: takes warnings for the operator.
 
     Attributes:
         expected: by robot, for how many next lives the world has waited so far.
@@ -68,7 +68,7 @@ class FailureDetector:
     # -- tokens
 
     def arrive(self, robot: int, session: str) -> None:
-        """A token is there. If it is the last that was missing, what was said meanwhile is lost."""
+        """A token appeared. If it was the last missing one, messages sent meanwhile are lost."""
         if not self._admissions.arrive(robot, session):
             return
         if self._run.opened and self._pacing.lockstep and not self._admissions.missing():
@@ -109,8 +109,8 @@ class FailureDetector:
     # -- gathering and answers
 
     def gather(self) -> dict[int, Tick] | None:
-        """What robots are told when the next tick opens; None while it waits for a robot. Real time waits
-        for none once it has begun; a later robot joins then."""
+        """Open the next tick; returns its Ticks, None while it waits for a robot. Real time waits for none
+        once it has begun; a later robot joins then."""
         world = self._run.world
         if not world.coordinator.lives.founded and self._admissions.absent():
             return None

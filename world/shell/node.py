@@ -1,4 +1,4 @@
-"""The world as a participant: admits robots, drives the clock, publishes what it judged.
+"""The world's node: admits robots, drives the clock, publishes the judge's result.
 
 Lock-step: a tick begins when every robot that takes part is there, and ends when each has commanded.
 Real time: ticks end by the wall clock, with or without commands; the first waits for a while. All waits are
@@ -55,11 +55,11 @@ class WorldNode:
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         restarts: how many times a robot whose process ends is started again; lock-step waits for it.
         clock: tells the time, s; for tests.
-        say: takes what a person should know.
-        note: takes what is worth a line in a log.
-        checkpoint: where to go on, and where what has to outlive this process is written before it is told.
+        say: takes warnings for the operator.
+        note: takes lines for the log.
+        checkpoint: state to go on from; changes are written to it before they are published.
             A robot that is missing may come back within GRACE, unless another process takes its seat.
-        tell: is told the report.
+        tell: takes the report.
 
     Attributes:
         report: of the run once it has ended.
@@ -147,7 +147,7 @@ class WorldNode:
             self._admissions.resume(robot, life)
 
     def _save(self) -> None:
-        """Write down where the run is, before that is told."""
+        """Write the checkpoint, before the state is published."""
         checkpoint, run = self._checkpoint, self._run
         if checkpoint is not None and checkpoint.kept:
             began = time.time() - (time.monotonic() - run.began)
@@ -307,7 +307,7 @@ class WorldNode:
         return True
 
     def _tell_again(self, ticks: Mapping[int, Tick]) -> None:
-        """What was told may have been lost, the summary too."""
+        """Publish Ticks again, and the summary: they may have been lost."""
         summary = self._run.world.coordinator.summary
         if summary is not None:
             self._publishers.summary(summary)

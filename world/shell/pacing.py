@@ -58,7 +58,7 @@ class Pacing:
         return self._repeat > REPEAT
 
     def repeats(self) -> bool:
-        """Whether it is time to tell the present tick again: what was said in it may be lost."""
+        """Whether it is time to publish the present Ticks again: messages may have been lost."""
         if self.waited() < self._repeat:
             return False
         self._repeat *= 3.0

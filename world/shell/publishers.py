@@ -1,4 +1,4 @@
-"""What the world publishes: declared once, counted, and for watchers collected for a moment."""
+"""The world's publications: declared once and counted; those for monitors are collected for a moment."""
 
 from __future__ import annotations
 
@@ -40,26 +40,26 @@ class Publishers:
             self.add(robot)
 
     def add(self, robot: int) -> None:
-        """Have another robot to tell."""
+        """Declare the Ticks of another robot."""
         if robot not in self:
             for name, publishers in (("tick", self._tick), ("goalstatus", self._goal)):
                 publishers[robot] = self._bus.publisher(STREAMS[name], robot_key(self._run, robot, name))
 
     def __contains__(self, robot: object) -> bool:
-        """Whether a robot can be told anything."""
+        """Whether a robot's Ticks are declared."""
         return robot in self._tick
 
     def goals(self, news: Iterable[GoalStatus]) -> None:
-        """Tell what came of orders."""
+        """Publish the status of orders."""
         for status in news:
             self._goal[status.robot](encode(status))
 
     def summary(self, summary: Summary) -> None:
-        """Tell all robots where every robot is."""
+        """Publish the positions of all robots."""
         self._summary(encode(msgspec.structs.replace(summary, epoch=self._epoch)))
 
     def ticks(self, told: Mapping[int, Tick]) -> None:
-        """Tell each robot its own."""
+        """Publish a Tick to each robot."""
         for robot, tick in told.items():
             self._tick[robot](encode(msgspec.structs.replace(tick, epoch=self._epoch)))
         self.published += len(told)
@@ -77,5 +77,5 @@ class Publishers:
         self._clock(encode(clock))
 
     def result(self, report: Mapping[str, Any]) -> None:
-        """Tell what came of the run."""
+        """Publish the result of the run."""
         self._result(encode(Result(msgspec.json.encode(report).decode())))

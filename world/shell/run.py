@@ -1,4 +1,4 @@
-"""The run of one world, and its end: robots report, then hear that there is nothing more to do.
+"""The run of one world, and its end: robots report, and are then told the verdict.
 
 A robot learns from a Tick that the run is over, and asks to join again with its report in hand. It is told
 to ask again until all have reported, then the verdict. Both waits are bounded, for a robot that does not come
@@ -106,7 +106,7 @@ class JudgedRun:
         return self.world.tick in self._due or bool(self.world.coordinator.newcomers)
 
     def final_ticks(self, robots: Iterable[int]) -> dict[int, Tick]:
-        """What tells robots that the run is over."""
+        """Ticks that announce the end of the run."""
         lives, tick = self.world.coordinator.lives.incarnations, self.world.tick
         return {robot: Tick(robot, lives[robot], tick, (), over=True) for robot in robots}
 
@@ -151,7 +151,7 @@ class Shutdown:
             slot.health = join.health or slot.health
 
     def reply(self, join: joining.Join) -> joining.Reply | None:
-        """What a process that asks to join is told while a run ends; None while it runs."""
+        """The reply to a request to join while a run ends; None while it runs."""
         if self._run.phase is Phase.SHUTDOWN:
             return joining.Wait(_ASK_AGAIN, "the run is being wound up")
         if self._run.phase is Phase.CLOSING:
@@ -160,7 +160,7 @@ class Shutdown:
         return None
 
     def instead(self, refusal: joining.Reply, robot: int) -> joining.Reply:
-        """What a process is told that cannot take part: at the end there is nothing to wait for."""
+        """The reply to a process that cannot take part: at the end it has nothing to wait for."""
         if self._run.phase is not Phase.CLOSING or not isinstance(refusal, joining.Wait):
             return refusal
         self._admissions.dismiss(robot)
@@ -178,13 +178,13 @@ class Shutdown:
         )
 
     def is_over(self) -> bool:
-        """Whether the processes know that there is nothing more to do, or had the time to hear it."""
+        """Whether all processes know that the run is over, or had the time to be told."""
         admissions = self._admissions
         left = not (admissions.unnotified() or admissions.is_asked_soon())
         return self._run.phase is Phase.CLOSING and (left or self._is_overdue())
 
     def report(self, published: int) -> dict[str, Any]:
-        """What came of the run up to its verdict, with what the robots reported."""
+        """The result of the run up to its verdict, with the robots' reports."""
         healths = (slot.health for slot in self._admissions.slots.values())
         return self._run.report(healths, published, self._pacing.since)
 

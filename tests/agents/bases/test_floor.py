@@ -1,4 +1,4 @@
-"""Robots with bases outside, in virtual time: whatever is late, lost, wrong or dead, nothing touches."""
+"""Robots with external bases, in virtual time: whatever is late, lost, wrong or dead, nothing touches."""
 
 from __future__ import annotations
 

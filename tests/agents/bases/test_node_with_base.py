@@ -1,4 +1,4 @@
-"""Robots' nodes with bases outside, in real time on the in-process bus."""
+"""Robots' nodes with external bases, in real time on the in-process bus."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ SETTINGS = ("time.step=0.1", "sensing.noise=0.003", "sensing.noise_bound=0.006",
 
 
 class Floor:
-    """Everybody's wheels, as one participant of the bus."""
+    """The wheels of all robots, as one participant of the bus."""
 
     def __init__(self, bus, scenario) -> None:
         self.deadline, self.finished = 0.0, False

@@ -123,7 +123,7 @@ def test_bases_outside_are_refused_for_keys_let_nothing_of_them_pass(disknav: Fo
     settings = ("--set", "world.plant=external")
     done = disknav("setup", "deploy", "compose", "turtlebots-2", *settings, "-o", tmp_path / "fleet")
     assert (done.returncode, (tmp_path / "fleet").exists()) == (2, False)
-    assert "bases outside" in done.stderr
+    assert "external bases" in done.stderr
 
 
 def test_a_pod_at_an_index_runs_the_robot_whose_keys_it_sees(tmp_path: Path, plan: Plan) -> None:

@@ -1,4 +1,4 @@
-"""Bodies, and bases outside, in scenario files."""
+"""Bodies, and external bases, in scenario files."""
 
 from __future__ import annotations
 

@@ -30,15 +30,15 @@ def sensed(at: list[Vector]) -> dict[int, Sense]:
     return {robot: Sense(place, 0, 0.0, (0.0, 0.0)) for robot, place in enumerate(at, 1)}
 
 
-def nowhere(robot: int) -> Vector | None:  # noqa: ARG001  # sent by nobody
+def nowhere(robot: int) -> Vector | None:  # noqa: ARG001  # no orders
     return None
 
 
 def test_a_peer_is_heard_once_there_was_time_to_subscribe_to_it() -> None:
-    interest, everybody = Interest(four()), frozenset((1, 2, 3, 4))
-    heard = [interest.heard(1, 1, tick, (2, 3), everybody) for tick in range(LEAD + 1)]
+    interest, active = Interest(four()), frozenset((1, 2, 3, 4))
+    heard = [interest.heard(1, 1, tick, (2, 3), active) for tick in range(LEAD + 1)]
     assert heard == [(1,)] * LEAD + [(1, 2, 3)]
-    assert interest.heard(1, 1, LEAD + 1, (3, 4), everybody) == (1, 3)
+    assert interest.heard(1, 1, LEAD + 1, (3, 4), active) == (1, 3)
     assert interest.heard(1, 1, LEAD + 2, (3, 4), frozenset((1, 4))) == (1,)
 
 
@@ -123,10 +123,10 @@ def test_what_several_robots_read_is_read_once_and_nobody_can_change_it() -> Non
         FarPicture(places_of(summary), {1: 0.1, 2: 0.2}),
         FarPicture(places_of(summary), {2: 0.3, 7: 0.4}),
     )
-    assert mine.said is theirs.said
-    for array in (mine.said.x, mine.said.y, mine.said.robots):
+    assert mine.places is theirs.places
+    for array in (mine.places.x, mine.places.y, mine.places.robots):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 5
     fields = [picture.field((9.0, 9.0), 0.1, ()) for picture in (mine, theirs)]
     assert fields[0].log_x != fields[1].log_x  # the radii are each robot's own
-    assert (mine.said.x[2], mine.said.y[2]) == (1.0, 2.0)
+    assert (mine.places.x[2], mine.places.y[2]) == (1.0, 2.0)

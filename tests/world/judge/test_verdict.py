@@ -57,7 +57,7 @@ def test_deadlock_when_nobody_gets_away_from_where_it_was():
         assert world.verdict == ""
         advance(world, {1: (0.05 * (-1) ** tick, 0.0)})  # trembling is not moving
     assert world.verdict == "deadlock"
-    assert world.reason == "nobody moved for 0.5 s; robots 1, 2 are not at the goal"
+    assert world.reason == "no robot moved for 0.5 s; robots 1, 2 are not at the goal"
 
 
 def test_slow_progress_is_no_deadlock():

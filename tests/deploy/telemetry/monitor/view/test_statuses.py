@@ -1,4 +1,4 @@
-"""What a view says of robots and of the run: who is an alarm, and who is none."""
+"""Statuses of robots and of the run in a view: which are alarms, and which are not."""
 
 from __future__ import annotations
 
@@ -82,10 +82,12 @@ def test_after_the_verdict_everybody_leaves_and_that_is_no_alarm() -> None:
 
 def test_the_reason_of_the_verdict_is_told_until_another_scenario_begins() -> None:
     it = view()
-    it.on_message(msgspec.structs.replace(clock(7, verdict="deadlock"), reason="nobody moved for 10 s"), 0.0)
+    it.on_message(
+        msgspec.structs.replace(clock(7, verdict="deadlock"), reason="no robot moved for 10 s"), 0.0
+    )
     frame = telling.snapshot(it, 0.0)
-    assert frame["reason"] == "nobody moved for 10 s"
-    assert "nobody moved for 10 s" in _printed(table(frame))
+    assert frame["reason"] == "no robot moved for 10 s"
+    assert "no robot moved for 10 s" in _printed(table(frame))
     it.begin(SCENARIO, True)
     assert telling.snapshot(it, 0.0)["reason"] == ""
 
