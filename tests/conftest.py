@@ -1,4 +1,4 @@
-"""What all tests share: how hypothesis searches, that what is tested is what the sources say, who begins."""
+"""Shared by all tests: profiles of hypothesis, a check that sources are tested, the order of tests."""
 
 import gc
 import os
@@ -42,7 +42,7 @@ def pytest_collection_finish() -> None:
 
 @pytest.fixture(scope="session")
 def disknav() -> Iterator[Forks]:
-    """The command, for those who run it to its end."""
+    """The command, for tests that run it to its end."""
     with closing(Forks()) as forks:
         yield forks
 

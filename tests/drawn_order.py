@@ -14,8 +14,8 @@ from protocol.scenario.model import Scenario
 
 
 class DrawnNetwork(LocalNetwork):
-    """Draws whose turn it is, and what it is told: of each key in the order in which it was said, as on any
-    network."""
+    """Draws which node is next, and which message it receives: of each key in the order of publication, as on
+    any network."""
 
     def __init__(self, order: Random) -> None:
         super().__init__()

@@ -13,7 +13,7 @@ ROOT = Path(__file__).parent.parent
 
 
 def ended(script: str, *arguments: object, timeout: float = 30.0) -> subprocess.CompletedProcess[str]:
-    """What became of a program once it has ended, and whoever it started; all are killed in any case.
+    """Outcome of a program after it and all processes that it started have ended; all are killed in any case.
 
     Raises:
         subprocess.TimeoutExpired: one of them has not ended within `timeout` s.

@@ -34,7 +34,7 @@ def heard(state: State) -> PeerState:
 
 @cache
 def said() -> list[tuple[Tick, dict[int, State], Command]]:
-    """What robot OWN is told and commands, tick by tick, if everybody is in step."""
+    """Ticks and Commands of robot OWN, tick by tick, if all robots are in step."""
     world, fleet = robots()
     ticks = []
     for _ in range(TICKS):
@@ -67,7 +67,7 @@ def test_commands_are_the_same_in_whatever_order_its_peers_are_heard(orders: lis
 
 
 def test_a_later_life_begins_as_the_disk_that_its_earlier_one_was() -> None:
-    """Which may have taken up a part; before its first command nobody asks what it carries."""
+    """Which may have taken up a part; before its first command no module asks for its load."""
     first = said()[0][0]
     assert first.roster is not None
     members = tuple(replace(m, radius=0.07) if m.robot == OWN else m for m in first.roster.members)

@@ -66,5 +66,5 @@ def test_a_few_on_a_circle_of_two_hundred_metres_arrive() -> None:
 @pytest.mark.campaign
 @pytest.mark.timeout(200)
 def test_a_crowd_that_swings_at_full_speed_notices_that_it_gets_nowhere() -> None:
-    """With a window of less than two periods this ended in a deadlock although everybody moved."""
+    """With a window of less than two periods this ended in a deadlock although all robots moved."""
     assert_arrives(circle(24, 19.2, 960.0, "own"))

@@ -1,4 +1,4 @@
-"""A Tick that names nobody means whom the world last called near, and the robot goes by the same."""
+"""A Tick that names no robot means those that the world named last, and the robot does the same."""
 
 from __future__ import annotations
 

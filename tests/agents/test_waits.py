@@ -68,7 +68,7 @@ def test_a_run_that_is_over_is_left_unless_its_world_may_be_back(kept: bool, tmp
 
 
 class Unanswered:
-    """A bus on which nobody answers any more once it is `mute`."""
+    """A bus without any answer once it is `mute`."""
 
     def __init__(self, bus: LocalBus) -> None:
         self._bus = bus
@@ -105,7 +105,7 @@ def test_who_asks_a_world_that_leaves_hears_that_it_has_left() -> None:
         )
     )
     nodes[1].wake(time.monotonic())
-    assert 0.0 < links[1].waited < 0.5, "the launcher tells to end whoever has not left after 2 s"
+    assert 0.0 < links[1].waited < 0.5, "the launcher ends processes that have not left after 2 s"
     assert not nodes[1].finished, "the world may be busy"
     nodes[1].handle(Presence(token(network), False))
     assert nodes[1].finished

@@ -30,7 +30,7 @@ def compare(robots: int, seconds: float, rounds: int) -> dict[str, Measured | Ra
 
 
 def _measured(robots: int, seconds: float) -> dict[str, Measured | Rate]:
-    """All of a round. In bare floors everybody hears everybody, in larger fleets near ones only."""
+    """All of a round. On bare floors robots receive all States, in larger fleets those of near peers."""
     return {
         "bare zenoh": bare.rate(robots, seconds),
         "fleet": measure(robots, seconds),

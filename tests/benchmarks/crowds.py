@@ -1,6 +1,6 @@
 """Many robots that never rest: commands missed, processor time, and contacts, by number of robots.
 
-All goals are random and renewed for ever, at the paper's density. In real time the world waits for nobody:
+All goals are random and renewed for ever, at the paper's density. In real time the world waits for no robot:
 what a robot does not command in time is missed. `us` is processor time of all processes, µs per robot and
 tick, measured after the first two seconds.
 

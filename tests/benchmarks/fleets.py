@@ -24,7 +24,7 @@ class Measured(NamedTuple):
     """What a fleet did.
 
     `cpu_ms` is the processor time of all processes per tick, `start` the time from the call to the first
-    tick (s), `private_mb` what a robot shares with nobody (the median of all processes, most of which are).
+    tick (s), `private_mb` its unshared memory (the median of all processes, most of which are).
     """
 
     ticks_per_second: float
@@ -34,8 +34,8 @@ class Measured(NamedTuple):
 
 
 def scenario(robots: int, safety: Filter = "separating-lines", interest: Interest | None = None) -> Scenario:
-    """Robots that go to and fro without end: those of a swap up to 8, else of a random instance; who hears
-    whom is as by default unless `interest` says so."""
+    """Robots that go to and fro without end: those of a swap up to 8, else of a random instance; interest is
+    the default unless given."""
     loaded = load(f"swap-{robots}" if robots <= 8 else f"random-{robots}")
     network = replace(loaded.network, interest=interest)
     journeys = (Journey(each.id, (each.goal, each.start), patrol=True) for each in loaded.robots)
@@ -106,5 +106,5 @@ class _Watch:
 
 
 def _private(process: psutil.Process) -> float:
-    """Memory that a process shares with nobody, MB."""
+    """Unshared memory of a process, MB."""
     return float(process.memory_full_info().uss) / 2**20

@@ -1,4 +1,4 @@
-"""Bytes on the links between hosts, with robots that hear near ones only and with such that hear everybody.
+"""Bytes on the links between hosts, with robots that receive near States only and with such that receive all.
 
 Hosts are network namespaces at a switch, with a router each. Robots go for ever between random places in a
 part of the workspace of their own host's. Counted is what hosts send, frames with all their headers, after

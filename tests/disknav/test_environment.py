@@ -36,7 +36,7 @@ def crossing(seed: int = 0, **control: object) -> disknav.Scenario:
 
 
 def straight(env: FleetEnv, seen: dict[str, np.ndarray]) -> dict[str, np.ndarray]:  # type: ignore[type-arg]
-    """Actions that drive everybody straight to its goal."""
+    """Actions that drive every robot straight to its goal."""
     step = env.simulation.scenario.time.step
     return {agent: each[2:4] / max(step, np.hypot(*each[2:4]) / 0.1) for agent, each in seen.items()}
 

@@ -1,4 +1,4 @@
-"""The filter as a function: nothing touches, wishes that harm nobody are kept, bad input is named."""
+"""The filter as a function: nothing touches, harmless wishes are kept, bad input is named."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ _LINK = ("link.delay=[0.1,0.3]", "link.jitter=0.1", "link.loss=0.3", "link.dupli
 
 
 def _moved_swap() -> Scenario:
-    """Off the saddle by up to 10 mm, so that no last bit decides who passes on which side."""
+    """Off the saddle by up to 10 mm, so that no last bit decides which robot passes on which side."""
     return resolved(swap(6, 0.01, 3))
 
 

@@ -1,4 +1,4 @@
-"""One run of a scenario in this process: where everybody was, and its digest."""
+"""One run of a scenario in this process: all positions, and their digest."""
 
 from __future__ import annotations
 

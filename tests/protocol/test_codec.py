@@ -65,7 +65,7 @@ def test_ticks_and_commands_end_with_the_last_field_that_says_something(message:
     said, left_out = whole[: len(short)], whole[len(short) :]
     assert short == said
     assert all(each in (None, False, 0, []) for each in left_out)
-    assert decode(key_of(message), msgspec.msgpack.encode(whole)) == message  # who writes all is understood
+    assert decode(key_of(message), msgspec.msgpack.encode(whole)) == message  # a sender may write all fields
     defaults = type(message).__struct_defaults__
     required = len(whole) - len(defaults)
     if len(short) > required:

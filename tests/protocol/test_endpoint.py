@@ -42,7 +42,7 @@ def test_what_is_left_out_is_filled_in(text: str, meant: str, address: tuple[str
 )  # fmt: skip
 def test_what_is_no_endpoint_is_named(text: str) -> None:
     with pytest.raises(UsageError) as caught:
-        Connection(connect=(text,))  # type: ignore[arg-type]  # as somebody typed it
+        Connection(connect=(text,))  # type: ignore[arg-type]  # as typed
     assert repr(text) in str(caught.value)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass
 class Stopwatch:
-    """A clock for whoever takes one."""
+    """A clock that tests set."""
 
     now: float = 0.0
 

@@ -18,7 +18,7 @@ LOST_AT = (0, 7)  # ticks
 
 @dataclass
 class Deaf:
-    """A node that does not hear the first message of a kind, from whoever it comes, at some ticks."""
+    """A node that does not hear the first message of a kind, from any sender, at some ticks."""
 
     node: Node
     kind: type[Tick | State | Command]

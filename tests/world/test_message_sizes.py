@@ -41,7 +41,7 @@ from world.judge.record import LISTED, Contact
 from world.shell.run import JudgedRun
 
 MOST = 1000
-LIFE = 2**40  # nobody will live as often
+LIFE = 2**40  # no robot has as many lives
 IDS = tuple(range(HIGHEST_ID - MOST + 1, HIGHEST_ID + 1))
 POINT = (-0.123456789, 0.987654321)
 SPECK = Obstacle(center=(40.0, 0.0), radius=0.01)

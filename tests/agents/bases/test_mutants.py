@@ -111,7 +111,7 @@ RULES = {
     "odometry must be young": (without_age, drives_on_without_odometry),
     "odometry is as old as its link is slow": (with_age_since_arrival, drives_on_with_late_odometry),
     "what comes late is lag": (without_latency, wheels_stray),
-    "who is not heard may have gone on": (without_the_way, is_taken_for_where_it_is_not),
+    "a silent robot may have gone on": (without_the_way, is_taken_for_where_it_is_not),
 }
 
 

@@ -1,4 +1,4 @@
-"""How old odometry is, by two clocks that nobody set."""
+"""Age of odometry, by two clocks that were never set."""
 
 from __future__ import annotations
 

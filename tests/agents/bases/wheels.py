@@ -14,7 +14,7 @@ from protocol.scenario.model import Scenario
 
 STEP = 0.005  # s, of the wheels
 SERVO = 0.010  # s, by which wheels lag
-EPOCH = 1_700_000_000 * NANO  # of the bases' clocks, which nobody else has
+EPOCH = 1_700_000_000 * NANO  # of the bases' clocks: no other process uses them
 Vector = tuple[float, float]
 
 

@@ -46,7 +46,7 @@ def test_swinging_every_other_tick_is_no_progress_at_any_period(period: float, l
 
 @pytest.mark.parametrize("factor", [0.01, 1000.0])
 def test_time_has_no_scale_of_its_own(factor: float) -> None:
-    """Whoever moves and computes so many times slower waits and escapes so many times longer."""
+    """A robot that moves and computes so many times slower waits and escapes so many times longer."""
     usual, slow = Progress(0.05, 0.41), Progress(0.05 * factor, 0.41 * factor)
     for tick in range(200):
         moved = 0.0 if tick % 90 < 60 else 0.005

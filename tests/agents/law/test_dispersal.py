@@ -1,4 +1,4 @@
-"""Where there is room, crowds pressed together come apart, and who has arrived lets others by."""
+"""Where there is room, crowds pressed together come apart, and robots that have arrived let others by."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ def _said(tick: int, places: dict[int, Vector]) -> Summary:
 
 
 def _picture(places: dict[int, Vector], velocities: dict[int, Vector]) -> FarPicture:
-    """Of tick BETWEEN, when everybody is at its place."""
+    """Of tick BETWEEN, when every robot is at its place."""
     radii = dict.fromkeys(places, RADIUS)
     ago = BETWEEN * PERIOD
     earlier = {
@@ -49,7 +49,7 @@ def _view(tick: int, neighbours: Neighbours, position: Vector = (0.0, 0.0)) -> V
 
 
 def _nearest(place: Vector, velocity: Vector) -> float:
-    """Brute force, of who goes WAY from the origin."""
+    """Brute force, of a robot that goes WAY from the origin."""
     times = np.linspace(0.0, AHEAD, 20001)
     x = place[0] + times * (velocity[0] - WAY[0])
     y = place[1] + times * (velocity[1] - WAY[1])

@@ -1,7 +1,7 @@
 """Whole robots that take parts up and put them down wherever they are near, while everything goes wrong.
 
-As in `tests.agents.lines.models.skirmishes` robots want to collide; who is near a part asks for it, and who
-has one asks to put it down beside itself, whether that makes sense or not.
+As in `tests.agents.lines.models.skirmishes` robots want to collide; one that is near a part asks for it, and
+a carrier asks to put its part down beside itself, whether that makes sense or not.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Far disks in a robot's slice: exact at one place, close around it, without those who are known better."""
+"""Far disks in a robot's slice: exact at one place, close around it, without peers that are known better."""
 
 from __future__ import annotations
 
@@ -71,9 +71,9 @@ def test_disks_that_may_touch_are_left_out_and_nobody_is_nothing() -> None:
     touching = far_field(0, PLACE, *np.array([PLACE]).T, np.array([0.1]), np.array([2.0]), np.array([1.5]))
     assert (touching.log_x, touching.xx) == (0.0, 0.0)
     assert (touching.gamma, touching.largest, touching.slice) == (2.0, 2.0, 1.5)
-    nobody = far_field(0, PLACE, np.zeros(1), np.zeros(1), np.ones(1), np.ones(1), np.ones(1), [0])
+    empty = far_field(0, PLACE, np.zeros(1), np.zeros(1), np.ones(1), np.ones(1), np.ones(1), [0])
     assert (
-        (nobody.count, nobody.gamma, nobody.slice)
+        (empty.count, empty.gamma, empty.slice)
         == (NOTHING.count, NOTHING.gamma, NOTHING.slice)
         == (0, 0.0, 0.0)
     )

@@ -1,4 +1,4 @@
-"""Whom a robot hears changes when nobody waits for it: it hears more at once, and less some ticks later."""
+"""Subscriptions change while no peer waits for the robot: new ones at once, withdrawals some ticks later."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 real processes and a router.
 
 The factor is simulated time per wall time, the processor time that of all processes; `plant` is what of it
-the plant itself takes. Time is until all have arrived, or nobody moves any more; path is the mean of all
+the plant itself takes. Time is until all have arrived, or no robot moves any more; path is the mean of all
 robots; in brackets both are beside points.
 
     python -m tests.benchmarks.machine.physics --robots 6 16 32
@@ -42,7 +42,7 @@ def swap(robots: int, kind: str, limit: float | None = None) -> Swap:
     """Have a fleet change places; `limit` ends it sooner, s.
 
     Raises:
-        RuntimeError: somebody touched.
+        RuntimeError: two robots touched.
     """
     ends = () if limit is None else (f"time.limit={limit}",)
     scenario = load(f"turtlebots-{robots}", (*KINDS[kind], *ends))
@@ -62,7 +62,7 @@ def swap(robots: int, kind: str, limit: float | None = None) -> Swap:
 
 
 def plant_ms(scenario: Scenario, ticks: int = _TICKS) -> float:
-    """What a tick takes the plant alone, with everybody on the way to the goal, ms."""
+    """What a tick takes the plant alone, with all robots on the way to the goal, ms."""
     plant = plant_of(scenario)
     velocities = {spec.id: (0.1 * spec.goal[0], 0.1 * spec.goal[1]) for spec in scenario.robots}
     began = time.process_time()

@@ -1,4 +1,4 @@
-"""One mover at a time: whose turn it is descends the navigation function, though others are disturbed."""
+"""One mover at a time: it descends the navigation function in its slot, though others are disturbed."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ TICKS = SCENARIO.ticks(1.0)
 
 
 def run(disturbed: tuple[int, ...]) -> tuple[LocalFleet, list[set[int]], list[float]]:
-    """The fleet at its end, who moved in each tick, and phi at the start of each.
+    """The fleet at its end, the robots that moved in each tick, and phi at the start of each.
 
     Args:
-        disturbed: turns at whose end somebody who stands is put 3 mm nearer to the middle.
+        disturbed: slots at whose end a standing robot is put 3 mm nearer to the middle.
     """
-    sensing = (Sensing(contradiction="newest"),)  # who is carried elsewhere believes its measurement
+    sensing = (Sensing(contradiction="newest"),)  # a robot carried elsewhere believes its measurement
     fleet = LocalFleet(replace(SCENARIO, sensing=sensing))
     world, moved, heights = fleet.world.world, list[set[int]](), list[float]()
     while True:

@@ -21,7 +21,7 @@ _CANDIDATES = _candidates()
 
 
 def free_ports(number: int) -> list[int]:
-    """Ports of 127.0.0.1 that nobody listens on, and that nobody is given who does not ask for them."""
+    """Free ports of 127.0.0.1, which the system assigns to no process that does not ask for them."""
     found: list[int] = []
     while len(found) < number:
         port = next(_CANDIDATES)

@@ -1,4 +1,4 @@
-"""Real processes on real zenoh: one trajectory on every transport, in every run, and who cannot take part."""
+"""Real processes on real zenoh: one trajectory on every transport, in every run; and refused processes."""
 
 from __future__ import annotations
 

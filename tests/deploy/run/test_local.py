@@ -11,7 +11,7 @@ from deploy.run.local import seldom_collecting
 
 
 class Ring:
-    """Garbage once nobody has it: it has itself, and so many others of its kind."""
+    """Garbage once it is unreachable: it refers to itself, and to so many others of its kind."""
 
     def __init__(self, more: int = 0) -> None:
         self.parts = [self, *(Ring() for _ in range(more))]

@@ -36,9 +36,9 @@ def in_process(scenario: Scenario, joining: tuple[int, ...] | None = None) -> di
 
 @pytest.mark.slow
 def test_near_robots_arrive_on_ways_as_short_as_if_all_heard_all() -> None:
-    near, everybody = (in_process(crowd(Network(interest))) for interest in ("near", "all"))
-    assert near["verdict"] == everybody["verdict"] == "arrived"
-    assert near["nrl"] < 1.05 * everybody["nrl"]
+    near, all_ = (in_process(crowd(Network(interest))) for interest in ("near", "all"))
+    assert near["verdict"] == all_["verdict"] == "arrived"
+    assert near["nrl"] < 1.05 * all_["nrl"]
 
 
 @pytest.mark.slow
@@ -54,7 +54,7 @@ def test_who_of_two_begins_anew_first_changes_nothing() -> None:
     scenario = crowd(Network("near", 0.1))
     scenario = replace(scenario, time=replace(scenario.time, limit=2.0))
     hashes = set()
-    for order in ((3, 9), (9, 3)):  # neither is told who is near before both are there
+    for order in ((3, 9), (9, 3)):  # neither is told its near peers before both are there
         faults = tuple(ProcessFault(robot, 1.05, "restart") for robot in order)
         hashes.add(in_process(replace(scenario, process=faults))["trajectory_sha256"])
     assert len(hashes) == 1
@@ -63,7 +63,7 @@ def test_who_of_two_begins_anew_first_changes_nothing() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("fenced", [False, True])
 def test_who_begins_anew_among_far_peers_moves_again(fenced: bool) -> None:
-    """By letters it gets a line with everybody, although it hears hardly anybody."""
+    """It gets a line with every peer, although it receives hardly any States."""
     faults = [ProcessFault(robot, 3.0 if fenced else 1.0, "restart") for robot in (3, 9)]
     if fenced:
         faults += [ProcessFault(robot, 1.0, "kill") for robot in (3, 9)]

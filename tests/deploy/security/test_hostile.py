@@ -51,9 +51,9 @@ _LIFE = 10.0  # s of a certificate: more than a loaded machine needs to start th
 
 
 def lies(scenario: Scenario, tick: int, own: int | None) -> list[Lie]:
-    """What each receiver would take for a message, in everybody's name but one's own."""
+    """Well-formed messages for each receiver, in the name of every role but the sender's."""
     ids = scenario.ids
-    nobody = Presences(1000 + tick, tuple(Member(i, 9, "gone", 0.03) for i in ids))
+    gone = Presences(1000 + tick, tuple(Member(i, 9, "gone", 0.03) for i in ids))
     report = {**unjudged(scenario, None, 1.0), "verdict": "arrived"}
     world: dict[str, Message] = {
         "result": Result(json.dumps(report)),
@@ -65,7 +65,7 @@ def lies(scenario: Scenario, tick: int, own: int | None) -> list[Lie]:
         if robot == own:
             continue
         said: dict[str, Message] = {
-            "tick": Tick(robot, 1, tick, (), roster=nobody, halted=True),
+            "tick": Tick(robot, 1, tick, (), roster=gone, halted=True),
             "state": State(robot, 1, tick, AWAY, 0.0, 0.0, 0.0, (0.0, 0.0)),
             "command": Command(robot, 1, tick, (0.05, 0.05)),
             "health": Health(robot, 1, tick, 0.0, 0, 0, {}, (), ()),
@@ -77,14 +77,14 @@ def lies(scenario: Scenario, tick: int, own: int | None) -> list[Lie]:
 
 
 def requests(own: int | None) -> dict[str, bytes]:
-    """What a fleet could be told by somebody who may."""
+    """Messages that an authorised sender could send to a fleet."""
     pack = msgspec.msgpack.encode
     other = next(robot for robot in SCENARIO.ids if robot != own)
     return {world_key(RUN, "operation"): pack({"halt": True}), robot_key(RUN, other, "join"): b""}
 
 
 class Liar:
-    """One who has the certificate of a role, or none, and speaks for everybody else."""
+    """A process with the certificate of a role, or none, that publishes in the name of all others."""
 
     def __init__(self, connection: Connection, own: int | None) -> None:
         self.bus, self._own = ZenohBus(connection), own
@@ -108,7 +108,7 @@ class Liar:
 
 
 class LiedTo(Fleet):
-    """A fleet among liars, who speak in every tick."""
+    """A fleet among liars, which publish in every tick."""
 
     def __init__(self, options: RunOptions, roles: dict[str, int | None]) -> None:
         super().__init__(SCENARIO, options, watch=self._lie)

@@ -1,4 +1,4 @@
-"""Hosts with a router each; somebody with everything of one of them speaks in the name of all the others."""
+"""Hosts with a router each; an attacker with all keys of one of them publishes in the name of the others."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def keys_of(name: str) -> list[str]:
 
 
 def every_key() -> Iterator[tuple[str, str]]:
-    """Each stream of everybody, with its key."""
+    """Each stream of every role, with its key."""
     for name, stream in STREAMS.items():
         yield from ((stream.name, key) for key in keys_of(name))
 
@@ -132,7 +132,7 @@ def field(keys: Path, *, guarded: bool = True) -> Iterator[Field]:
 
 
 def attack(rogue: ZenohBus) -> None:
-    """Claim to be everybody, offer to answer for the world, overhear all, and write under every key."""
+    """Claim to be every role, offer to answer for the world, overhear all, and write under every key."""
     rogue.subscribe(ALL)
     rogue.watch(ALL)
     rogue.serve(f"disknav/{RUN}/**")
@@ -143,7 +143,7 @@ def attack(rogue: ZenohBus) -> None:
 
 
 def heard(bus: ZenohBus, last: bytes) -> tuple[set[str], set[str]]:
-    """Whose keys were written under, and who showed up, up to the sample with payload `last`."""
+    """Owners of the keys written under, and of tokens seen, up to the sample with payload `last`."""
     written, present = set(), set()
     deadline = time.monotonic() + 10.0
     while time.monotonic() < deadline:
@@ -196,10 +196,10 @@ def test_without_rules_the_same_is_possible(keys: Path) -> None:
     with field(keys, guarded=False) as it:
         attack(it.rogue)
         publish(it.rogue, "state", robot_key(RUN, 3, "state"), b"its own")
-        everybody = {owner(key) for _, key in every_key()}
+        owners = {owner(key) for _, key in every_key()}
         written, present = heard(it.spy, b"its own")
-        assert written == everybody
-        assert present == everybody
+        assert written == owners
+        assert present == owners
         assert heard(it.honest, b"its own")[0] == {"robot/1", "robot/2", "robot/3", "robot/4"}
 
 

@@ -1,4 +1,4 @@
-"""The directory of keys: who may read it, what it holds, and that it is never overwritten by accident."""
+"""The directory of keys: its permissions and contents, and that it is never overwritten by accident."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The router's rules, without a router: everything declared is possible to its owner and to nobody else."""
+"""The router's rules, without a router: everything declared is possible to its owner and to no other role."""
 
 from __future__ import annotations
 

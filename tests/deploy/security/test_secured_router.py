@@ -1,4 +1,4 @@
-"""A secured router against those who do not belong, and what others are told of a wrong certificate."""
+"""A secured router against strangers, and the errors that a wrong certificate causes."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def member(keys: Path, role: str, endpoint: str, timeout: float = 5.0) -> ZenohB
 
 
 def stranger(endpoint: str, proof: Credentials | None, timeout: float = 5.0) -> ZenohBus:
-    """A session of somebody who takes no advice."""
+    """A session that ignores the rules."""
     return ZenohBus(Connection(connect=(endpoint,), timeout=timeout, credentials=proof))
 
 
@@ -79,7 +79,7 @@ def heard(spy: ZenohBus, last: bytes) -> list[tuple[str, bytes]]:
 
 
 def attack(bus: ZenohBus, run: str, own: int | None = None) -> None:
-    """Write into every stream of a run but one's own, in everybody's name, and claim to be present."""
+    """Write into every stream of a run but one's own, in the name of all others, and claim to be present."""
     for robot in ROSTER.robots:
         for stream in ("state", "command", "health", "tick"):
             if robot != own:
@@ -97,7 +97,7 @@ def test_certificates_of_another_authority_and_of_an_older_run(
     create(tmp_path / "before", ROSTER)  # same run, same roles, other keys
     with pytest.raises(CertificateError, match=r"certificate of the router .* is not accepted here"):
         member(tmp_path / "before", "robot-1", endpoint)
-    # Somebody may well have the public half of the right authority.
+    # An attacker may well have the public half of the right authority.
     shutil.copy(keys / "ca.pem", tmp_path / "before" / "ca.pem")
     with pytest.raises(CertificateError, match=r"refuses the certificate .*not signed by the authority"):
         stranger(endpoint, credentials(tmp_path / "before", "robot-1"))

@@ -1,4 +1,4 @@
-"""A router in this process, and who connects to it."""
+"""A router in this process, and its clients."""
 
 from __future__ import annotations
 

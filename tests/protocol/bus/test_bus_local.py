@@ -1,4 +1,4 @@
-"""The in-process bus keeps the promises of the interface: nobody hears itself, presence, requests, order."""
+"""The in-process bus keeps the promises of the interface: no echo, presence, requests, order."""
 
 from random import Random
 

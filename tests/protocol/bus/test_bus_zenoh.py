@@ -38,7 +38,7 @@ def exchange(first: ZenohBus, second: ZenohBus) -> None:
     answering.start()
     assert second.ask(SCENARIO, b"may I?", PATIENCE) == [b"yes"]
     answering.join()
-    publish(b"here")  # the answer came after the subscription: before, nobody might be known to listen
+    publish(b"here")  # the answer came after the subscription: before, no subscriber might be known
     assert first.receive(PATIENCE) == Sample(STATE, b"here")
     second.close()
     assert first.receive(PATIENCE) == Presence(ALIVE, False)
@@ -118,7 +118,7 @@ def test_a_bus_does_not_hear_itself(connect: Connect) -> None:
     listener.watch(ALIVE)
     assert listener.receive(PATIENCE) == Presence(ALIVE, True)
     deadline, heard = time.monotonic() + PATIENCE, None
-    while heard is None and time.monotonic() < deadline:  # until the speaker knows that somebody listens
+    while heard is None and time.monotonic() < deadline:  # until the publisher knows a subscriber
         publish(b"1")
         heard = listener.receive(0.1)
     assert heard == Sample(STATE, b"1")
@@ -143,7 +143,7 @@ def test_asking_waits_for_whoever_will_serve(connect: Connect) -> None:
     replies: list[bytes] = []
     asking = threading.Thread(target=lambda: replies.extend(asker.ask(SCENARIO, b"may I?", PATIENCE)))
     asking.start()
-    assert server.receive(0.1) is None  # the first attempts find nobody
+    assert server.receive(0.1) is None  # the first attempts find no server
     server.serve(SCENARIO)
     answer(server, b"now")
     asking.join()

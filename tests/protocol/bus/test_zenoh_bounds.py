@@ -24,7 +24,7 @@ Connect = Callable[..., ZenohBus]
 @pytest.mark.parametrize("served", [False, True])
 def test_an_unanswered_request_ends_in_time(connect: Connect, served: bool) -> None:
     if served:
-        connect().serve(SCENARIO)  # by somebody who never looks
+        connect().serve(SCENARIO)  # by a process that never receives
     begin = time.monotonic()
     with pytest.raises(BusError, match=SCENARIO):
         connect().ask(SCENARIO, b"may I?", 0.3)

@@ -25,7 +25,7 @@ def late(*faults: tuple[int, float, str], delay: float = 1.0, seed: int = 1) -> 
     )
 
 
-# The first life of robot 1 never speaks; whoever lives anew meanwhile never had the initial line with it.
+# The first life of robot 1 publishes nothing; a new life of another robot never had the initial line with it.
 LATE = [
     late((1, 0.0, "kill"), (2, 2.0, "restart"), (1, 10.0, "restart")),
     late((1, 0.0, "pause"), (2, 2.0, "restart"), (1, 10.0, "resume")),

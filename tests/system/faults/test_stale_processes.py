@@ -1,5 +1,5 @@
-"""Processes of robots that were removed, or of runs that are over: each is told so, takes nobody's place,
-keeps nobody waiting, and no trajectory shows it."""
+"""Processes of robots that were removed, or of runs that are over: each is told so, takes no other's place,
+keeps no robot waiting, and no trajectory shows it."""
 
 from __future__ import annotations
 
@@ -88,11 +88,11 @@ def test_a_late_farewell_makes_nobody_wait_for_the_next() -> None:
     before = fleet.world.world.tick
     go(fleet, 20)
     assert fleet.world.world.tick - before >= 20
-    assert not fleet.world._failures.expected  # nobody was waited for
+    assert not fleet.world._failures.expected  # no robot was waited for
 
 
 def test_a_stranger_that_asks_for_a_removed_robot_keeps_its_process_from_nothing() -> None:
-    """It asks while the world waits for somebody else, before that process could be told."""
+    """It asks while the world waits for another robot, before that process could be told."""
     orders, faults = (Order(0.5, remove=2), Order(1.0, add=AGAIN)), (ProcessFault(3, 0.5, "restart"),)
     scenario, found = replace(SWAP, orders=orders, process=faults), []
     for stranger in (False, True):

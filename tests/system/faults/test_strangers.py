@@ -1,4 +1,4 @@
-"""What strangers say under a run's name ends nobody: it is counted and dropped."""
+"""Messages of strangers under a run's name end no process: they are counted and dropped."""
 
 from __future__ import annotations
 

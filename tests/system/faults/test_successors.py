@@ -1,4 +1,4 @@
-"""Who stands for a robot while routers and worlds come and go: neither the process that a successor is to
+"""The process of a robot while routers and worlds come and go: neither the process that a successor is to
 replace nor a stranger, and no trajectory shows it."""
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Processes that are there before their robots: each waits for its disk or its order, keeps nobody else
+"""Processes that are there before their robots: each waits for its disk or its order, keeps no other process
 waiting, and no trajectory shows it."""
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def test_a_process_that_is_there_before_its_order_waits_and_no_trajectory_shows_
     fleet = LocalFleet(GUESTED)
     process = fleet.start(7)
     for _ in range(10):
-        process.wake(math.inf)  # asks to join: who is refused again and again gives up
+        process.wake(math.inf)  # asks to join: a process that is refused repeatedly gives up
     report = fleet.execute()
     assert (report["verdict"], report["robots"]) == ("arrived", [1, 2, 3, 4, 7])
     assert report["trajectory_sha256"] == LocalFleet(GUESTED).execute()["trajectory_sha256"]

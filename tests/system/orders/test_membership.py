@@ -43,7 +43,7 @@ def test_a_guest_appears_joins_and_arrives() -> None:
 
 
 def test_who_is_removed_and_added_again_at_once_has_a_process_of_its_own() -> None:
-    """Also if the ticks between are so few, or so quick, that no Clock says that nobody is to come."""
+    """Also if the ticks between are so few, or so quick, that no Clock lists the newcomers."""
     report = LocalFleet(AT_ONCE).execute()
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
     assert report["faults"]["given_up"] == []  # no process was waited for in vain
@@ -56,7 +56,7 @@ def test_nothing_appears_while_somebody_is_in_its_place() -> None:
     assert asked(fleet, {"add": replace(GUEST, start=(x, y), goal=(x, y))}).accepted
     step(fleet, 1)
     assert status(fleet, 7) == "appearing"
-    to_be(fleet, 7, "live")  # who is there makes room
+    to_be(fleet, 7, "live")  # the present robots make room
     assert result_of(fleet.world.world)["collisions"] == 0
 
 

@@ -86,7 +86,7 @@ def test_a_restarted_world_knows_who_came_and_went(tmp_path: Path) -> None:
     assert (report["verdict"], report["collisions"], report["robots"]) == ("arrived", 0, [2, 3, 4, 7])
 
 
-@pytest.mark.parametrize("removed", [False, True], ids=["who is to come", "who has gone"])
+@pytest.mark.parametrize("removed", [False, True], ids=["announced robots", "removed robots"])
 def test_a_restarted_world_can_tell_everybody_whom_its_roster_names(tmp_path: Path, removed: bool) -> None:
     Checkpoint.create(tmp_path / "checkpoint")
     fleet = LocalFleet(SWAP, checkpoint=tmp_path / "checkpoint")

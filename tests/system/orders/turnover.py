@@ -38,7 +38,7 @@ def faulty(seed: int, seconds: float) -> Scenario:
 
 
 def asked(fleet: LocalFleet, change: dict[str, Any] | None = None) -> Reply:
-    """What the world answers to a change, or to the question who is there."""
+    """The world's reply to a change, or to a request for the state."""
     replies: list[bytes] = []
     payload = b"" if change is None else msgspec.msgpack.encode(change)
     fleet.world.handle(Query(world_key(fleet.run, "operation"), payload, replies.append))
@@ -67,12 +67,12 @@ class Turnover:
                 self.changes += self._change()
 
     def settles(self, most: int) -> bool:
-        """Whether everybody still gets wherever it is sent, `most` ticks at most after all changes.
+        """Whether every robot still reaches its goal, `most` ticks at most after all changes.
 
         Goals are places on a circle, far enough apart that all can be there.
         """
         world = self.fleet.world.world
-        for _ in range(200):  # who was added appears, who died is fenced, and is started again
+        for _ in range(200):  # added robots appear, dead ones are fenced and restarted
             assert self.fleet.step()
         self._revive()
         for _ in range(40):
@@ -106,7 +106,7 @@ class Turnover:
         return bool(live) and self._send(draw.choice(live), [self._place()])
 
     def _revive(self) -> None:
-        """Start whoever is down again."""
+        """Restart robots that are down."""
         for member in asked(self.fleet).roster.members:
             if member.status == "standing" and member.incarnation:
                 self.fleet.kill(member.robot)

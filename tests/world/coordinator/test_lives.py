@@ -50,7 +50,7 @@ def test_a_lost_robot_stands_and_is_fenced_after_its_silence():
 def test_a_lost_robot_that_is_started_again_is_waited_for():
     world = joined(two(time=PATIENT))
     advance_to(world, 3)
-    world.coordinator.expect(2)  # nobody has lost it
+    world.coordinator.expect(2)  # it was not lost
     assert world.coordinator.lives.awaited == frozenset()
     world.coordinator.lost(2)
     world.coordinator.expect(2)
@@ -171,7 +171,7 @@ def test_a_long_pause_ends_in_a_new_life():
     advance_to(world, 12)
     told = world.open_tick()
     assert world.coordinator.lives.awaited == {2}
-    assert told.keys() == {2}  # it learns that it was fenced; nobody else begins the tick
+    assert told.keys() == {2}  # it learns that it was fenced; no other robot begins the tick
     assert told[2].roster.members[1].position == place(world, 2)
     assert world.coordinator.lives.roster.standing == (Standing(2, 1, place(world, 2)),)
     assert world.coordinator.join(2) == 2

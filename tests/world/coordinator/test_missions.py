@@ -159,7 +159,7 @@ def test_a_goal_is_told_until_the_robot_has_commanded_and_to_its_next_life_again
     order(world, Journey(1, (HERE,)))
     for _ in range(3):
         assert world.open_tick()[1].goal == HERE
-        world.close_tick()  # nobody commands: it may not have heard
+        world.close_tick()  # no robot commands: it may not have received the Tick
     for _ in range(2):
         advance(world)
     assert world.open_tick()[1].goal is None

@@ -1,4 +1,4 @@
-"""Parts: taken up by who keeps clear of more, put down once all keep clear, taken over from the dead."""
+"""Parts: taken up by a robot as a larger disk, put down once all keep clear, taken from static robots."""
 
 from __future__ import annotations
 

@@ -15,8 +15,8 @@ from tests.world.plants.deviations import WHEELED, lacking
 from tests.world.plants.fleet import Setting, drive
 from world.plants.mujoco import Physics
 
-# Late and lost States, lost commands, a sharp law and each at its own pace: who relies on stopping at once
-# touches.
+# Late and lost States, lost commands, a sharp law and each at its own pace: a robot that relies on stopping
+# at once touches.
 HARD = Setting(robots=6, delay=0.3, loss=0.3, dropped=0.1, speed=0.2, k=200.0, pace="own", seed=0)
 SLOW = replace(HARD, period=0.5)  # a body goes farther within a tick
 

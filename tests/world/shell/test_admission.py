@@ -1,4 +1,4 @@
-"""Joining: idempotent for each process, one process for each robot, and nobody waits for the dead."""
+"""Joining: idempotent for each process, one process for each robot, and no wait for dead processes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whose token is gone, who does not come, who does not answer. There is no bus, and time is injected."""
+"""Robots without a token, without a process, without an answer. There is no bus, and time is injected."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class Watch:
         self.turn.opened = False
 
     def go_by(self, seconds: float) -> None:
-        """Time goes by, and somebody looks then, as the node does."""
+        """Time goes by, and the detector looks then, as the node does."""
         self.clock.now += seconds
         self.failures.look(self.clock.now)
         self.failures.wait(self.clock.now)
@@ -106,7 +106,7 @@ def test_without_a_grace_a_token_that_goes_takes_its_robot_along() -> None:
     watch.open()
     watch.miss(2)
     assert watch.turn.world.coordinator.active == (1,)
-    assert [set(told) for told in watch.told] == [{1}]  # who waits for its State hears of it
+    assert [set(told) for told in watch.told] == [{1}]  # robots that wait for its State are told
     assert watch.told[0][1].active == (1,)
     assert watch.said == ["tick 0: gives up robot 2, which has gone: it ended, or is cut off"]
     assert watch.admissions.slots[2].session == ""

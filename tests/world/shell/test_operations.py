@@ -1,4 +1,4 @@
-"""What operators ask for is written down: who was sent where, who came and went, every emergency stop."""
+"""The report lists the operators' requests: goals, robots added and removed, every emergency stop."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who owes a report, who has to be notified, and for how long. There is no bus, and time is injected."""
+"""Robots that owe a report, those to be notified, and for how long. There is no bus, and time is injected."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ from world.shell.node import WorldNode
 pytestmark = pytest.mark.slow
 
 SCENARIO = load("swap-4", ["time.fence=0.2"], 1)
-SICK, FROM = 2, 30  # who is sick, from which tick on
+SICK, FROM = 2, 30  # the faulty robot, from which tick on
 OTHERS = [robot for robot in SCENARIO.ids if robot != SICK]
 LONG = 0.05  # s of patience, beyond the first repetition
 
@@ -173,7 +173,7 @@ def test_one_whose_states_are_refused_is_given_up_alone(damage: Callable[[State,
 
 
 def among(active: Collection[int]) -> dict[int, int]:
-    """Everybody hears everybody."""
+    """Every robot receives all States."""
     return dict.fromkeys(sorted(active), len(active))
 
 
@@ -225,7 +225,7 @@ def test_a_complaint_is_no_command() -> None:
 
 @pytest.mark.timeout(60)
 def test_a_world_in_which_all_have_died_hears_who_comes() -> None:
-    """In lock-step nobody is waited for then, and a run that is endless does not end."""
+    """In lock-step the world waits for no robot then, and a run that is endless does not end."""
     fleet = LocalFleet(load("swap-4", ["time.endless=true"]))
     for _ in range(10):
         assert fleet.step()

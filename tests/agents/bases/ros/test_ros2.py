@@ -46,7 +46,7 @@ def turtles(fleet: Yard) -> None:
 
 
 def stand_without_coordinator(fleet: Yard) -> None:
-    """It is stopped for a while: everybody stands, each by itself."""
+    """The world is stopped for a while: every robot stands by itself."""
     body = fleet.scenario.body_of(1)
     stops = body.hold + body.lag + body.speed / body.acceleration  # s until a base left alone stands
     fleet.processes.signal("world", signal.SIGSTOP)
@@ -65,7 +65,7 @@ def test_six_robots_swap_and_survive_what_may_happen_to_bases_and_coordinator(tm
         stops = body.hold + body.lag + body.speed / body.acceleration  # s until a base left alone stands
 
         until(lambda: all((tmp_path / f"truth-{r}").exists() for r in goals), START, "no bases")
-        until(lambda: max(map(fleet.way, goals, starts.values())) > 0.05, START, "nobody moves")
+        until(lambda: max(map(fleet.way, goals, starts.values())) > 0.05, START, "no robot moves")
 
         # a base hangs while others drive on: its robot stands, says so, and goes on
         processes.signal("base-2", signal.SIGSTOP)
@@ -80,7 +80,7 @@ def test_six_robots_swap_and_survive_what_may_happen_to_bases_and_coordinator(tm
         stand_without_coordinator(fleet)
         until(lambda: fleet.arrived(goals), 90.0, "they do not arrive")
 
-        # on the way back one base dies: its robot stands for good, nobody touches it
+        # on the way back one base dies: its robot stands for good, and no robot touches it
         for robot in (2, 3, 4):
             fleet.order("fleet", "goal", fleet.run, robot, *starts[robot])
         until(lambda: fleet.way(3, goals[3]) > 0.15, 60.0, "robot 3 does not leave")
@@ -92,7 +92,7 @@ def test_six_robots_swap_and_survive_what_may_happen_to_bases_and_coordinator(tm
         until(
             lambda: max(map(fleet.way, passing, passing.values())) > 0.1,
             30.0,
-            "nobody passes robot 3",
+            "no robot passes robot 3",
         )
 
         # the emergency stop
@@ -116,7 +116,7 @@ def planned(folder: Path, filter_: str) -> Iterator[Yard]:
 def test_planners_that_heed_no_robot_arrive_behind_the_filter_and_stand_without_a_coordinator(tmp_path):
     with planned(tmp_path, "separating-lines") as fleet:
         starts = {spec.id: spec.start for spec in fleet.scenario.robots}
-        until(lambda: max(map(fleet.way, starts, starts.values())) > 0.1, START, "nobody moves")
+        until(lambda: max(map(fleet.way, starts, starts.values())) > 0.1, START, "no robot moves")
         stand_without_coordinator(fleet)
         until(
             lambda: fleet.arrived({r.id: r.goal for r in fleet.scenario.robots}), 120.0, "they do not arrive"

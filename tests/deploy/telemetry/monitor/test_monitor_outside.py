@@ -35,7 +35,7 @@ class World:
         self.asked = False
 
     def turn(self) -> None:
-        """Answer whoever asks, and let a tick go by."""
+        """Answer all requests, and let a tick go by."""
         event: Event | None = self.bus.receive(0.02)
         if event is not None and not isinstance(event, Sample | Presence):
             event.reply(encode_reply(Overview(ring(2), True)))

@@ -1,4 +1,4 @@
-"""Fleets in this process for tests of who watches them."""
+"""Fleets in this process for tests of monitors."""
 
 from __future__ import annotations
 

@@ -8,13 +8,13 @@ from tests.deploy.telemetry.recording.recorded import scenario
 
 
 class FakeWorld:
-    """Answers who asks for the scenario, and says whatever the test wants."""
+    """Answers requests for the scenario, and publishes the messages of a test."""
 
     finished, deadline = False, float("inf")
 
     def __init__(self, bus, run: str) -> None:
         self.tick = 0
-        self.replies: list[bytes] = []  # to who asks first
+        self.replies: list[bytes] = []  # to the first request
         self._bus, self._run = bus, run
         self._publish = {}
         if hasattr(bus, "node"):

@@ -90,7 +90,7 @@ class Hosts:
             time.sleep(0.02)
 
     def cut(self, host: int) -> None:
-        """Unplug a host from the switch: what is sent is lost, and nobody is told."""
+        """Unplug a host from the switch: what is sent is lost, and no sender is told."""
         _ip("-n", self._name(0), "link", "set", f"port{host}", "down")
 
     def mend(self, host: int) -> None:

@@ -58,7 +58,7 @@ class Server:
 
 @contextmanager
 def ssh_server(folder: Path, environment: Mapping[str, str] = MappingProxyType({})) -> Iterator[Server]:
-    """Serve this user on 127.0.0.1, to whoever has the key in `folder`; shells there have `environment`."""
+    """Serve this user on 127.0.0.1, to clients with the key in `folder`; shells there have `environment`."""
     assert SSHD is not None
     if os.geteuid() == 0:
         _SEPARATION.mkdir(mode=0o755, exist_ok=True)

@@ -1,4 +1,4 @@
-"""The product without one rule of the safety protocol, as if nobody had thought of it."""
+"""The product without one rule of the safety protocol."""
 
 from __future__ import annotations
 

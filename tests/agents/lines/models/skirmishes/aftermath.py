@@ -1,6 +1,6 @@
-"""Skirmishes that end: from then on every robot has a process, everybody hears everybody and wants to stay.
+"""Skirmishes that end: from then on every robot has a process, receives all States and wants to stay.
 
-Nothing holds anybody then, so each has to become ready to move. Robots know exactly where they are here: two
+Nothing holds a robot then, so each has to become ready to move. Robots know exactly where they are here: two
 that begin anew closer to each other than the bounds of their errors cannot agree on a line.
 """
 
@@ -19,7 +19,7 @@ CALM = 80  # ticks
 
 
 def violation_of(seed: int, product: Product) -> str:
-    """What goes wrong in the run with this seed, or who stands for ever; "" if nothing does."""
+    """The violation of the run with this seed, or the robots that stand for ever; "" if there are none."""
     run = Aftermath(seed, product)
     violation = skirmish.first_violation(run, skirmish.TICKS)
     if not violation:
@@ -57,7 +57,7 @@ class Aftermath(skirmish.Skirmish):
             process.core._law = Staying()
 
     def standing(self) -> str:
-        """Who is not ready to move; "" if everybody is."""
+        """Robots that are not ready to move; "" if all are."""
         cores = [process.core for process in self.processes.values()]
         held = sorted(core.robot for core in cores if not core._filter.lines.ready)
         return f"robots {held} stand for ever" if held else ""

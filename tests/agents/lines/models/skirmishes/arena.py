@@ -58,7 +58,7 @@ def obstacle_beside(rng: Random, place: Vector) -> Obstacle:
 
 
 def _network(seed: int) -> Network:
-    """Everybody hears everybody; in two of five runs far peers write letters, in some of them nearly all."""
+    """Every robot receives all States in three of five runs, those of near peers only in the others."""
     if seed % 5 not in (1, 4):
         return Network("all")
     return Network("near", Random(f"network {seed}").choice((1e-3, 0.02, 0.1)))

@@ -1,4 +1,4 @@
-"""Whether disks overlapped each other, an obstacle or the wall while everybody moved straight for a tick."""
+"""Whether disks overlapped each other, an obstacle or the wall while all robots moved straight for a tick."""
 
 from __future__ import annotations
 

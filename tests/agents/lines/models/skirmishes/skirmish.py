@@ -123,7 +123,7 @@ class Skirmish:
             self.world.coordinator.expect(robot)
 
     def _sum_up(self, rng: Random) -> None:
-        """Whoever is lucky hears where everybody is, at any time after it was said."""
+        """Deliver the newest summary to each process, or lose it, at any time after it was made."""
         summary = self.world.coordinator.summary
         for process in (*self.processes.values(), *self.former):
             if summary is not None and rng.random() >= self.loss:
@@ -145,7 +145,7 @@ class Skirmish:
             self.world.operate(Operation(place=obstacle))
 
     def _together(self, awake: list[_Process]) -> None:
-        """All States are on their way before anybody commands."""
+        """All States are on their way before any robot commands."""
         for process in awake:
             self._open(process)
         self._deliver()
@@ -153,7 +153,7 @@ class Skirmish:
             self._command(process)
 
     def _each_by_itself(self, awake: list[_Process]) -> None:
-        """Nobody waits for anybody; who wakes handles all that it has missed."""
+        """No robot waits for another; one that wakes handles all Ticks that it has missed."""
         for process in awake:
             while process.queue:
                 self._open(process)
@@ -168,7 +168,7 @@ class Skirmish:
     # -- processes
 
     def _join(self, robot: int) -> None:
-        """A new process for the robot; whoever stood for it may talk on."""
+        """A new process for the robot; the former one may go on publishing."""
         if robot in self.processes:
             self.former.append(self.processes.pop(robot))
         self._live(_Process(), robot)
