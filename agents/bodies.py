@@ -87,8 +87,8 @@ class BodyModel(Protocol):
         """Take in what the base says that it does as a tick begins; None: it stands."""
 
     def velocity(self, desired: Vector, limits: Limits) -> Vector:
-        """The velocity to command, m/s, near the desired one: whatever is heard or lost after it, the control
-        point keeps to the limits."""
+        """The velocity to command, m/s, near the desired one: under any later messages and losses, the
+        control point keeps to the limits."""
         ...
 
 

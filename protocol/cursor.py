@@ -1,7 +1,8 @@
 """Goes through a msgpack message of the form in which libraries write it: short integers, 64-bit floats.
 
-For what a robot reads once per peer and tick: no object is made of what no caller wants. Whatever else
-msgpack allows ends in IndexError, as what is cut off does, and is left to `protocol.codec`.
+For payloads that a robot reads once per peer and tick: it creates objects only for values that the caller
+reads. Any other encoding that msgpack allows, or a truncated payload, raises IndexError, and is left to
+`protocol.codec`.
 """
 
 from __future__ import annotations

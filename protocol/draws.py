@@ -1,4 +1,4 @@
-"""Random draws by counter: the same key gives the same numbers, whatever was drawn before.
+"""Random draws by counter: the same key gives the same numbers, independent of earlier draws.
 
 Every draw is keyed by (seed, purpose, robot, tick), with one column per peer where pairs matter (a key of its
 own for each robot that joins later), so neither the order of messages nor the transport can change a run.

@@ -219,7 +219,7 @@ def _around(corners: Sequence[Point]) -> Disk:
 
 
 def defect(points: Sequence[Point]) -> str:
-    """What is wrong with a polygon's corners, "" if nothing; they may run in either sense."""
+    """Why corners form no convex polygon, "" if they do; they may run in either sense."""
     count = len(points)
     if count < 3:
         return "needs three points at least"

@@ -112,7 +112,7 @@ def _taken(run: str) -> RunTakenError:
 
 
 def supervised(*arguments: Any) -> int:
-    """As `main`; the last argument takes the report as JSON text, whatever becomes of the network."""
+    """As `main`; the last argument takes the report as JSON text, also if the network fails."""
     *others, say = arguments
 
     def tell(report: dict[str, Any]) -> None:

@@ -21,7 +21,7 @@ from world.simulation import SimulatedFleet
 class Past(msgspec.Struct, frozen=True):
     """What a world leaves behind for another one, which goes on with the same run.
 
-    It is not the state of a process: lives, lines, grants and whatever is on the way end with their world.
+    It is not the state of a process: lives, lines, grants and messages under way end with their world.
     """
 
     coordinator: PastCoordinator = PastCoordinator()
@@ -299,7 +299,7 @@ class WorldCore:
         return Outcome(True)
 
     def contest(self, contested: bool) -> None:
-        """Another coordinator of this run is there, or has left: all robots stand meanwhile, whatever is
+        """Another coordinator of this run appeared or left: all robots stand meanwhile, even if a stop is
         released."""
         if contested != self.coordinator.contested:
             before, self.coordinator.contested = self.coordinator.halted, contested

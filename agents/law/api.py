@@ -1,4 +1,4 @@
-"""What a control law is, and what it is given in every tick: a library for laws of one's own."""
+"""The interface of a control law, and its input in every tick: a library for custom laws."""
 
 from __future__ import annotations
 

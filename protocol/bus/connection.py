@@ -40,7 +40,7 @@ def key_file(role: str) -> str:
 
 
 def credentials(directory: Path, role: str) -> Credentials:
-    """What `role` shows to others, found in `directory`.
+    """The certificate and key of `role` in `directory`.
 
     Raises:
         CertificateError: a file is missing, or the private key is exposed: it may be read by its owner
@@ -95,7 +95,7 @@ class Connection:
 
 
 def configuration(connection: Connection, attempt: float | None = None) -> Mapping[str, Any]:
-    """zenoh's configuration for `connection`: what differs from its defaults, and why.
+    """zenoh's configuration for `connection`: the settings that differ from its defaults, and why.
 
     `attempt` (s) bounds one attempt to open; the whole of `connection.timeout` unless given.
     """
@@ -108,7 +108,7 @@ def configuration(connection: Connection, attempt: float | None = None) -> Mappi
             "endpoints": _endpoints(connection),
             # A client's default is to give up at once when its router is not up yet.
             "timeout_ms": round(1000 * wait),
-            # What a router or a further peer cannot reach yet, it goes on trying in the background.
+            # A router or a further peer goes on trying unreachable endpoints in the background.
             "exit_on_failure": connection.mode == "client",
             # A restarted router is found again within 0.1 s (1.5 s by default).
             "retry": {"period_init_ms": 100, "period_max_ms": 400, "period_increase_factor": 2},
@@ -149,7 +149,7 @@ def _tls(credentials: Credentials | None) -> Mapping[str, Any]:
     if credentials is None:
         return {}
     return {
-        # Whatever the endpoint says, nothing but TLS is ever spoken.
+        # Only TLS is allowed, also if an endpoint names another protocol.
         "protocols": ["tls"],
         "tls": {
             "root_ca_certificate": credentials.authority,

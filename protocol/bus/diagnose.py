@@ -59,7 +59,7 @@ def _certificates(connection: Connection) -> str | None:
 
 
 def refusal(endpoint: Endpoint, credentials: Credentials) -> str | None:
-    """What is wrong with the certificates between here and `endpoint`; None if that is not the reason."""
+    """Why certificates between here and `endpoint` are refused; None if that is not the reason."""
     address = endpoint.address
     if address is None or endpoint.protocol != "tls":
         return None

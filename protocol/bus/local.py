@@ -20,7 +20,7 @@ _LONGEST_SLEEP = 0.1
 
 
 class LocalNetwork:
-    """Where local buses meet. All buses are next in turn, and each is told all in the order of sending."""
+    """The network of local buses. Buses take turns, and each receives events in the order of sending."""
 
     def __init__(self) -> None:
         self._buses: list[LocalBus] = []

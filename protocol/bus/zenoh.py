@@ -302,7 +302,7 @@ def _reply(query: zenoh.Query, payload: bytes) -> None:
 
 
 def _prepare_router(connection: Connection) -> None:
-    """What has to be settled before the first session of a process."""
+    """Settings that precede the first session of a process."""
     zenoh.init_log_from_env_or(_ROUTER_LOG)
     if connection.linked:
         os.environ["ZENOH_RUNTIME"] = _LINKED

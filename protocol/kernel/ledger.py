@@ -259,7 +259,7 @@ class Ledger(Generic[R, L]):
         for peer in list(self.pairs[disk.name]):
             self._release(disk, self.disks[peer])
 
-    # -- what is told
+    # -- grants
 
     def told(self, disk: DiskRecord[R]) -> Told[R, L]:
         """Everything that concerns the present life of a disk, as a whole."""

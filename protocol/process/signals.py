@@ -58,7 +58,7 @@ class StopSignal:
         return 128 + self.number if self.requested else 0
 
     def check(self) -> None:
-        """Give up what goes on.
+        """Abandon the present wait if a signal came.
 
         Raises:
             Stopped: this process is to end.

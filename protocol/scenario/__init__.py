@@ -1,1 +1,1 @@
-"""Scenarios: what determines a run, how it is checked, read from TOML and written."""
+"""Scenarios: the complete description of a run; its checks, and its form in TOML."""

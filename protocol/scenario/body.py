@@ -34,7 +34,7 @@ Preset = Literal[
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """A robot's body. What it is told to do is the velocity of its control point, the centre of its disk.
+    """A robot's body. A Command sets the velocity of its control point, the centre of its disk.
 
     point: takes any velocity at once, and stands as soon as it is told nothing. The others hold the last
     velocity for `hold`, then brake. omnidirectional: moves into all directions. differential-drive: two
@@ -59,7 +59,7 @@ class Body:
 
     @property
     def ideal(self) -> bool:
-        """Whether it does at once, and exactly, what it is told, whatever odometry says of it."""
+        """Whether it executes Commands at once and exactly, for any odometry."""
         return self.kind == "point" and self.error == self.lag == self.play == 0.0
 
     @property
@@ -112,7 +112,7 @@ _Text = Annotated[str, Meta(max_length=200, description="of at most 200 characte
 
 @dataclass(frozen=True, slots=True)
 class Base:
-    """What moves a robot of a fleet that is not simulated, and tells it where it is.
+    """The external base and localisation of a robot: its topics, times and dialect.
 
     ros2: by ROS 2 messages over zenoh, in the dialect of zenoh-bridge-ros2dds or of rmw_zenoh: a Twist or
     TwistStamped to the base; Odometry from it, and a PoseStamped from a localisation; where the law is
@@ -128,10 +128,10 @@ class Base:
     stamped: bool = False  # whether velocities are TwistStamped, else Twist
     odometry: _Text = "odom"
     pose: _Text = "pose"
-    desired: _Text = "cmd_vel_desired"  # what a planner wishes, where the law is "external"
+    desired: _Text = "cmd_vel_desired"  # wishes of a planner, if the law is "external"
     map_frame: _Text = "map"  # of poses; the workspace is described in it
     odometry_frame: _Text = "odom"
-    base_frame: _Text = "base_link"  # what odometry and poses are of: the axle's middle
+    base_frame: _Text = "base_link"  # frame of odometry and poses: the middle of the axle
     timeout: Positive = 0.25  # s without a velocity, after which the base begins to brake by itself
     patience: NonNegative = 0.1  # s without a tick, after the one it is in, until the robot has it brake
     latency: NonNegative = 0.03  # s that a message between robot and base may take, one way

@@ -1,4 +1,4 @@
-"""What must hold between the fields of a scenario: ids that exist, times in order, bodies that fit the plant.
+"""Checks between the fields of a scenario: ids that exist, times in order, bodies that fit the plant.
 
 Each check reads a whole scenario and is silent about what is malformed in itself: such a number is NaN, an id
 0, and `Sound` tells where more than that has to be known.
@@ -33,7 +33,7 @@ _LONG_TEXT = 10_000  # characters
 _MEMBERS = 50_000  # of partitions' groups: the scenario is part of several messages
 _TICKS = 3  # from a Command to the Tick that says that it was heard, and one that is late
 _LARGEST_SPAN = 1e6  # s
-# what a process is -> what may happen to it -> what it is then
+# state of a process -> fault -> state afterwards
 EVENTS = {
     "running": {"kill": "killed", "pause": "paused", "restart": "running"},
     "paused": {"kill": "killed", "resume": "running", "restart": "running"},
@@ -64,7 +64,7 @@ def checked(scenario: Scenario, malformed: Collection[Steps]) -> list[Finding]:
 
 
 def misfits(spec: RobotSpec, default: Preset | Body) -> Iterator[str]:
-    """What is wrong with a robot's body, the default unless it has one of its own."""
+    """Findings about a robot's body, the default unless it has one of its own."""
     own = default if spec.body is None else spec.body
     body = PRESETS[own] if isinstance(own, str) else own
     for steps, text in (*_wheels(("body",), body), *_hull(("radius",), body, spec.radius)):
@@ -174,7 +174,7 @@ def _map(scenario: Scenario) -> Iterator[Finding]:
 
 
 def _carriers(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
-    """What does not go together with parts."""
+    """Settings that cannot be combined with parts."""
     if not scenario.parts:
         return
     plant = scenario.world.plant
@@ -330,7 +330,7 @@ def _members(scenario: Scenario) -> Iterator[tuple[Steps, int, int]]:
 
 
 def _events(scenario: Scenario) -> Iterator[Finding]:
-    """What was killed cannot be paused, and only what was paused can be resumed."""
+    """A killed process cannot be paused, and only a paused one can be resumed."""
     state: dict[int, str] = {}
     for n, fault in sorted(enumerate(scenario.process), key=lambda each: (each[1].at, each[0])):
         now = state.get(fault.robot, "running")

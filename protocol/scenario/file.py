@@ -164,7 +164,7 @@ def read_scenario(path: Path | str) -> Scenario:
 
 
 def read_document(path: Path | str) -> Document:
-    """Read a TOML file without checking what it says.
+    """Read a TOML file without checking its content.
 
     Raises:
         ScenarioError: the file cannot be read, or is not TOML.
@@ -173,7 +173,7 @@ def read_document(path: Path | str) -> Document:
 
 
 def read_toml(path: Path | str, failure: type[DocumentError]) -> Document:
-    """Read a TOML file without checking what it says; raises `failure` where it cannot be read as one."""
+    """Read a TOML file without checking its content; raises `failure` if it is not TOML."""
     try:
         text = Path(path).read_bytes().decode("utf-8-sig")
     except OSError as error:
@@ -253,7 +253,7 @@ def _loads(text: str, source: str, failure: type[DocumentError] = ScenarioError)
 
 
 def document_of(scenario: Scenario) -> Document:
-    """The scenario as plain tables, arrays and values, leaving out what holds anyway; robots come last."""
+    """The scenario as plain tables, arrays and values, without defaults; robots come last."""
     document: Document = {}
     for field in fields(Scenario):
         value = getattr(scenario, field.name)

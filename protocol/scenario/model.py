@@ -58,7 +58,7 @@ CELLS = 4.0  # of the grid on which robots plan how to move parts, to the smalle
 MOST_POINTS = 512  # that a robot has ahead, those of earlier orders included
 MOST_CELLS = 1e6  # of that grid: some 50 MB of each robot's memory
 DEFAULT_RADIUS = 0.30  # m, of the workspace
-CROWD = 32  # robots, up to which all hear all unless the scenario says otherwise
+CROWD = 32  # robots, up to which each receives all States unless the scenario says otherwise
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +83,7 @@ class Workspace:
 
     @property
     def disk_radius(self) -> float:
-        """Radius of a round workspace, m, for what is said of no other.
+        """Radius of a round workspace, m, for properties stated of no other.
 
         Raises:
             UsageError: it is a polygon.
@@ -95,7 +95,7 @@ class Workspace:
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:
-    """What stands in the workspace: a disk (`center`, `radius`), or a convex polygon (`points`), m."""
+    """An obstacle: a disk (`center`, `radius`), or a convex polygon (`points`), m."""
 
     center: Point | None = None
     radius: Length | None = None
@@ -128,12 +128,12 @@ class FloorPlan:
 
     file: Annotated[str, Meta(min_length=1, max_length=1000, description="the name of a file")]
     error: Annotated[float, Meta(ge=0, le=10)] = 0.05  # m, by which obstacles may reach into what is free
-    unknown: Literal["occupied", "free"] = "occupied"  # what the map does not know
+    unknown: Literal["occupied", "free"] = "occupied"  # cells that the map leaves unknown
 
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """What robots carry from where it stands to its goal: a disk (m)."""
+    """A part: a disk that robots carry to its goal (m)."""
 
     radius: Positive  # m
     start: Point  # m, of its centre
@@ -164,13 +164,13 @@ class Time:
 
 @dataclass(frozen=True, slots=True)
 class Control:
-    """The law: what each robot wants, how fast, and what keeps it safe."""
+    """The law: desired velocity, speed limit and safety filter."""
 
     law: LawName = "gradient"
     k: GainChoice = "auto"
-    filter: Literal["separating-lines", "none"] = "separating-lines"  # what keeps robots apart
+    filter: Literal["separating-lines", "none"] = "separating-lines"  # safety filter
     speed: Positive = 0.10  # m/s, limit
-    additions: tuple[Addition, ...] = ADDITIONS  # gradient, reciprocal: what they have beside the paper's law
+    additions: tuple[Addition, ...] = ADDITIONS  # gradient, reciprocal: additions to the paper's law
     lifetime: Positive = 0.5  # s, external: after which a wish counts no more
     turn: Positive | None = None  # s; only one robot moves at a time, in the order of ids, each for this long
 
@@ -211,7 +211,7 @@ class ProcessFault:
 
 @dataclass(frozen=True, slots=True)
 class RobotSpec:
-    """One robot: its disk (m), where it begins and where it shall be.
+    """One robot: its disk, start and goal (m).
 
     Start and goal are of the disk's centre. A body that lies beside that has a direction, too.
     """
@@ -227,11 +227,11 @@ class RobotSpec:
 
 @dataclass(frozen=True, slots=True)
 class Journey:
-    """Where a robot is sent: to `points` (m), one after another; without any it stays where it is."""
+    """An order to a robot: `points` to visit (m), one after another; without any it stays where it is."""
 
     robot: RobotId
     points: Annotated[tuple[Point, ...], Meta(max_length=MOST_POINTS)] = ()
-    queue: bool = False  # go there after what is ahead already, instead of at once
+    queue: bool = False  # after the points that are ahead, instead of at once
     patrol: bool = False  # begin anew with the first of all points after the last
     within: Positive | None = None  # s, after which it gives up and stays where it is
 
@@ -275,7 +275,7 @@ class Order(Operation):
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """What moves the disks: formulas, a physics engine (extra `mujoco`), or external bases, in real time."""
+    """The plant: formulas, a physics engine (extra `mujoco`), or external bases, in real time."""
 
     plant: Literal["integrator", "mujoco", "external"] = "integrator"
     lease: Positive = 0.5  # s, external: a robot stands that has not heard of the coordinator for so long
@@ -301,7 +301,7 @@ class Scenario:
     base: Base | None = None  # of every robot that has none of its own
     map: FloorPlan | None = None  # adds its obstacles to `obstacles`
     obstacles: Annotated[tuple[Obstacle, ...], Meta(max_length=5000)] = ()  # the first is number 1
-    parts: Annotated[tuple[Part, ...], Meta(max_length=100)] = ()  # what is carried; the first is part 1
+    parts: Annotated[tuple[Part, ...], Meta(max_length=100)] = ()  # disks to carry; the first is part 1
     carrying: Carrying = Carrying()
     orders: Annotated[tuple[Order, ...], Meta(max_length=1000)] = ()
     network: Network = Network()
@@ -364,14 +364,14 @@ class Scenario:
         raise KeyError(robot)
 
     def body_of(self, robot: int) -> Body:
-        """What carries the disk of a robot."""
+        """The body of a robot."""
         own = self.spec(robot).body
         body = self.body if own is None else own
         plain, base = PRESETS[body] if isinstance(body, str) else body, self.base_of(robot)
         return plain if base is None or plain.kind == "point" else base.carries(plain)
 
     def base_of(self, robot: int) -> Base | None:
-        """What moves a robot that is not simulated."""
+        """The external base of a robot."""
         own = self.spec(robot).base
         base = self.base if own is None else own
         return Base() if base is None and self.is_external else base

@@ -1,4 +1,4 @@
-"""How States travel between robots: delay, loss, what is radio's own, and which States a robot hears."""
+"""The network between robots: delay, loss, radio effects, and the peers whose States a robot receives."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Roaming:
 
 @dataclass(frozen=True, slots=True)
 class Distance:
-    """What States suffer in addition for each metre between two robots beyond `free`."""
+    """Additional delay and loss of States per metre between two robots beyond `free`."""
 
     free: NonNegative = 0.0  # m
     delay: NonNegative = 0.0  # s/m

@@ -18,7 +18,7 @@ from protocol.scenario.model import CELLS, MOST_CELLS, Corners, Obstacle, Point,
 from protocol.scenario.tables import Finding, Steps
 
 _NAMED = 3  # overlaps of one disk that are spelled out
-_Named = tuple[str, Shape]  # what a message calls it
+_Named = tuple[str, Shape]  # its name in messages
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Sound:
 
 
 def placed(scenario: Scenario, sound: Sound) -> tuple[Shape | None, list[Finding]]:
-    """The workspace, None where it is malformed, and everything that is wrong with places."""
+    """The workspace, None where it is malformed, and all findings about places."""
     room, findings = _room(scenario, sound)
     robots: dict[str, list[_Named]] = {}
     for end in ("start", "goal"):
@@ -77,7 +77,7 @@ def inside(room: Shape, point: Point, radius: float, steps: Steps) -> Iterator[F
 def obstacle(
     obstacle: Obstacle, steps: Steps, sound: Sound, room: Shape | None
 ) -> tuple[Shape | None, list[Finding]]:
-    """The shape of an obstacle, None where it has none, and what is wrong with it."""
+    """The shape of an obstacle, None where it has none, and findings about it."""
     shape: Shape | None = None
     findings: list[Finding] = []
     if not sound(*steps):
@@ -153,7 +153,7 @@ def _where(shape: Shape) -> str:
 
 
 def _overlaps(shape: Shape, others: Iterable[_Named], steps: Steps) -> Iterator[Finding]:
-    """What a shape overlaps or touches, in one text; one of every two is a disk."""
+    """Names of the shapes that a shape overlaps or touches, as one text; one of every two is a disk."""
     around = shape.around
     depths = [
         (name, depth)
@@ -175,7 +175,7 @@ def _depth(one: Shape, other: Shape) -> float:
 
 
 def _cells(scenario: Scenario, room: Shape | None) -> Iterator[Finding]:
-    """What makes the grid too large on which each robot plans how to carry parts."""
+    """Findings about a grid that is too large for planning parts."""
     radii = [each.radius for each in scenario.parts] + [each.radius for each in scenario.robots]
     radii = [radius for radius in radii if isfinite(radius)]
     if room is None or not radii:

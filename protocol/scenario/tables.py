@@ -22,7 +22,7 @@ from msgspec import Meta
 Step = str | int  # a key of a table, or a position in an array, from 0
 Steps = tuple[Step, ...]
 Finding = tuple[Steps, str]  # something wrong, and where
-Document = dict[str, Any]  # what tomllib makes of a file
+Document = dict[str, Any]  # a parsed TOML file
 
 _Table = TypeVar("_Table")
 _KINDS: dict[object, str] = {
@@ -128,7 +128,7 @@ def _is_of(value: Any, kind: Any) -> bool:
 
 
 def _nothing(hint: Any) -> Any:
-    """What a malformed value reads as."""
+    """The value in place of a malformed one."""
     kinds, _ = _alternatives(hint)
     if NoneType in kinds:
         return None
@@ -144,7 +144,7 @@ def _nothing(hint: Any) -> Any:
 
 @cache  # a scenario of 1000 robots asks 10 000 times
 def _alternatives(hint: Any) -> tuple[dict[Any, tuple[Meta, ...]], tuple[Meta, ...]]:
-    """What a type annotation allows, each alternative with its ranges; and what is said of all together."""
+    """The alternatives of a type annotation, each with its ranges; and their common description."""
     metas: tuple[Meta, ...] = ()
     if get_origin(hint) is Annotated:
         hint, *extra = get_args(hint)
@@ -233,7 +233,7 @@ def written(steps: Iterable[Step]) -> str:
 
 
 def unknown_key(key: str, table: type) -> str:
-    """What to say of a key that `table` does not know."""
+    """Text for a key that `table` does not have."""
     return f"unknown key; {suggestion(key, list(keys_of(table)))}"
 
 

@@ -18,7 +18,7 @@ from protocol.scenario.model import RobotSpec, Scenario
 
 
 class BaseReport(NamedTuple):
-    """What a robot's base says of itself at the start of a tick, in the world's frame."""
+    """Odometry and motion of a robot's base at the start of a tick, in the world's frame."""
 
     displacement: Vector  # m, of the control point in the tick before, by odometry
     way: float  # m, that it went then
@@ -88,7 +88,7 @@ class Plant(Protocol):
         """Go through a tick with commanded velocities (m/s) by robot id; others hear nothing."""
 
     def report(self, index: int) -> BaseReport:
-        """What the base at that place of `ids` says of itself."""
+        """The report of the base at that index of `ids`."""
         ...
 
     def stands(self, index: int) -> bool:
@@ -154,7 +154,7 @@ def truncated_normal(radial: float, angular: float, deviation: float, bound: flo
 
 
 class Uniforms:
-    """Uniform numbers in [0, 1) of one robot: the same for a tick, whatever was asked before."""
+    """Uniform numbers in [0, 1) of one robot, a function of the tick."""
 
     def __init__(self, seed: int, purpose: Purpose, robot: int, columns: int) -> None:
         self._key = (seed, purpose, robot)
