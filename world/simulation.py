@@ -92,8 +92,8 @@ _INSIDE = 1.0 - 1e-9  # keeps rounding from carrying an error past its bound
 class OdometrySensor:
     """Odometry of one robot's base, with errors up to those that the scenario states.
 
-    A base steers by its estimate of its heading, so its reports, and the Commands to it, are in a frame that is
-    turned by the same error in a tick.
+    A base steers by its estimate of its heading, so its reports, and the Commands to it, are in a frame that
+    is turned by the same error in a tick.
 
     Args:
         slips: whether what the plant reports is not exact already; then no error is added to the way.

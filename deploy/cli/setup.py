@@ -131,7 +131,7 @@ def deploy(
     """Write files with which Docker Compose, Kubernetes or systemd runs a scenario, keys included.
 
     The first lines of the main file say how to start it. Every process gets its own key and no other;
-    who has the folder has them all.
+    the folder contains all of them.
 
     Example: disknav setup deploy compose figure-1 -o fleet && cd fleet && docker compose up
     """
@@ -150,8 +150,8 @@ def deploy(
     added = {spec.id for spec in loaded.newcomers}
     if again := sorted(added & {*loaded.ids}):
         raise UsageError(
-            f"orders of the scenario add robot {again[0]} again, and nobody would start its process a second "
-            "time; give who comes an id of its own"
+            f"orders of the scenario add robot {again[0]} again, and its process would not be started "
+            "again; give the added robot another id"
         )
     run_name = fresh_run_name() if run is None else checked_run(run)
     roster = KeyRoster(run_name, tuple(sorted({*loaded.ids, *added})))

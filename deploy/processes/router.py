@@ -1,7 +1,7 @@
 """The router: a router-mode session in a process of its own, doing what a stock `zenohd` would.
 
-It relays between its clients, and between them and the routers it connects to. Whoever starts it
-learns the endpoint from the router itself, once it listens: so two fleets that start at once on one
+It relays between its clients, and between them and the routers it connects to. The process that
+starts it learns the endpoint from the router itself, once it listens: so two fleets that start at once on one
 host never take the same port.
 """
 

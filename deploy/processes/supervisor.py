@@ -100,8 +100,8 @@ class ProcessLife:
     max_rss_mb: float = 0.0
 
     def hear(self, text: str) -> None:
-        """Take a report, if its row makes any. Of what nobody asks for the newest is kept: a host that was
-        taken over may never stop."""
+        """Take a report, if its row makes any. Of unread reports the newest is kept: a host that was taken
+        over may never stop."""
         if not self.process.reports:
             return
         self.up = True

@@ -61,8 +61,8 @@ def linger(link: str) -> None:
 
 @contextmanager
 def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[str]:
-    """Serve a page that shows `fleet`; gives its address, and prints it to standard error: whoever opens it
-    may steer.
+    """Serve a page that shows `fleet`; gives its address, and prints it to standard error. Everyone with
+    the address may steer.
 
     Raises:
         UsageError: the libraries of the extra `web` are not installed.

@@ -74,7 +74,7 @@ class RunOptions:
             and (names := exposed(self.hosts))
         ):
             raise UsageError(
-                f"whoever reaches host {', '.join(names)} over the network could take part in the run: "
+                f"any process that reaches host {', '.join(names)} by the network could join the run: "
                 f"--secure DIR with keys from `disknav setup keys DIR --hosts TABLE`, or --open to allow it"
             )
 

@@ -1,6 +1,6 @@
 """The far end of a host: a fork server whose channel is an ssh connection, and facts about the host.
 
-`disknav run --hosts` starts the first on each host. It says who it is in one line, then serves requests that
+`disknav run --hosts` starts the first on each host. It names itself in one line, then serves requests that
 come in on standard input, and tells news on standard output; logs go to standard error, as lines. It ends,
 and all its processes with it, when the connection does, or when nothing has come for so long that the
 launcher, or the way to it, must be gone. `disknav setup hosts` asks for the second.
