@@ -174,7 +174,9 @@ class InertialBody:
         if motion is None:
             self._motion = Motion(0.0)
         else:
-            self._motion = self._kinematics.motion(motion.velocity, motion.heading, motion.stop)
+            self._motion = self._kinematics.motion(
+                motion.velocity, motion.heading, motion.stop, motion.before
+            )
         if self._motion.stands:
             self.swept = None
         else:

@@ -175,6 +175,7 @@ class BaseMotion(msgspec.Struct, frozen=True, array_like=True, gc=False):
     velocity: Vector  # m/s, of the robot's control point, the centre of its disk
     heading: Real  # rad, the direction that it faces
     stop: Vector  # m, from here to where it stands if it hears nothing more
+    before: tuple[Vector, ...] = ()  # m/s, ahead and aside: what else it may still do when that comes late
 
 
 class Sense(msgspec.Struct, frozen=True, array_like=True, gc=False):

@@ -15,6 +15,7 @@ from protocol.messages import BaseMotion, Vector
 from protocol.scenario.body import Base, Body
 
 _STILL: Vector = (0.0, 0.0)
+_SLOW = 1e-12  # m/s; what is less is rest
 
 
 class Lease:
@@ -93,18 +94,25 @@ class Drive:
         """
         self.advance(now)
         velocity, hold = self.told, self._alone + max(0.0, self._until - now)
-        if velocity == _STILL:  # it may not have heard that yet
-            velocity, hold = self._past[0][1], self._alone
+        before = tuple(dict.fromkeys(each for _, each in self._past))
+        if math.hypot(*velocity) < _SLOW:  # it may not have heard that yet
+            velocity, hold = max(before, key=lambda each: math.hypot(*each)), self._alone
         if velocity == _STILL:
             return None
         moving = Motion(heading, velocity[0], velocity[1], min(hold, self._hold))
         arc = self._kinematics.halt(moving)
         dx, dy = chord(arc, self._kinematics.turn(arc))
-        return BaseMotion(moving.velocity, heading, turned(dx, dy, heading))
+        return BaseMotion(moving.velocity, heading, turned(dx, dy, heading), before)
 
-    def turning(self) -> float:
-        """Turning rate that was sent to the base, rad/s."""
-        return self._kinematics.turn(Arc(*self.told, 1.0))
+    def turning(self, span: float, now: float) -> float:
+        """Angle by which the velocities sent in the last `span`, s, turn the base, rad."""
+        self.advance(now)
+        turn, end = 0.0, now
+        for begin, velocity in reversed(self._past):
+            duration = end - max(begin, now - min(span, self._late))
+            if duration > 0.0:
+                turn, end = turn + self._kinematics.turn(Arc(*velocity, duration)), begin
+        return turn
 
     def command(self, velocity: Vector, heading: float, now: float, until: float) -> None:
         """Set the velocity of the tick that begins.

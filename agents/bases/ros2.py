@@ -105,7 +105,7 @@ class Ros2Base:
         self._lease.heard(tick.heard)
         self._senses.look(now)
         ahead = self._senses.age(now) + self._base.latency
-        self._heading = self._senses.heading() + self._drive.turning() * min(ahead, self._base.age)
+        self._heading = self._senses.heading() + self._drive.turning(ahead, now)
         sense = self._senses.read(tick.tick, self._drive.motion(self._heading, now), now)
         self._blind = sense is None
         return sense
@@ -119,7 +119,8 @@ class Ros2Base:
         """Execute the Command of the tick that began last; to be called before it is sent."""
         if command.may_move:  # else the coordinator may take its robot for static at once
             self._lease.sent(command.tick, now)
-        velocity = _STILL if self._blind else command.velocity
+        late = self._senses.is_late(now)  # the decision took its time
+        velocity = _STILL if self._blind or late else command.velocity
         self._drive.command(velocity, self._heading, now, self._lease.until)
         self.due = now
 

@@ -299,6 +299,10 @@ class Senses:
         """Age of the newest odometry, s."""
         return self._odometer.age(now)
 
+    def is_late(self, now: float) -> bool:
+        """Whether that is too old to move by."""
+        return self.age(now) > self._odometer.oldest
+
     def read(self, tick: int, motion: BaseMotion | None, now: float) -> Sense | None:
         """Odometry and measurement as `tick` begins; None if they are not trusted.
 
@@ -307,7 +311,7 @@ class Senses:
         """
         self.look(now)
         fix, newest = self._fix, self._odometer.newest
-        if not self.sound or fix is None or newest is None or self.age(now) > self._odometer.oldest:
+        if not self.sound or fix is None or newest is None or self.is_late(now):
             return None
         last, self._read = self._read, newest
         moved, off = (0.0, 0.0), 0.0

@@ -34,16 +34,25 @@ Vector = tuple[float, float]
 @final
 @mypyc_attr(acyclic=True)
 class Motion:
-    """What a base does: velocity of its control point in its own frame, m/s, direction, rad, and for how long
-    it still holds that velocity when it hears nothing, s. Immutable."""
+    """What a base does: velocity of its control point in its own frame, m/s, direction, rad, for how long it
+    still holds that velocity when it hears nothing, s, and other velocities that it may have at first when it
+    is late. Immutable."""
 
-    __slots__ = ("ahead", "aside", "heading", "hold")
+    __slots__ = ("ahead", "aside", "before", "heading", "hold")
 
-    def __init__(self, heading: float, ahead: float = 0.0, aside: float = 0.0, hold: float = 0.0) -> None:
+    def __init__(
+        self,
+        heading: float,
+        ahead: float = 0.0,
+        aside: float = 0.0,
+        hold: float = 0.0,
+        before: tuple[Vector, ...] = (),
+    ) -> None:
         self.heading, self.ahead, self.aside, self.hold = heading, ahead, aside, hold
+        self.before = before
 
     def __reduce__(self) -> tuple[object, ...]:
-        return Motion, (self.heading, self.ahead, self.aside, self.hold)
+        return Motion, (self.heading, self.ahead, self.aside, self.hold, self.before)
 
     @property
     def velocity(self) -> Vector:
@@ -162,7 +171,7 @@ class Kinematics:
 
     def braking(self, motion: Motion) -> Motion:
         """The same, but told to stand: nothing is held any more."""
-        return Motion(motion.heading, motion.ahead, motion.aside, 0.0)
+        return Motion(motion.heading, motion.ahead, motion.aside, 0.0, motion.before)
 
     def coast(self, motion: Motion, duration: float) -> Arc:
         """What the base does when it hears nothing for a time, s, as an arc at its present velocity: the
@@ -188,7 +197,9 @@ class Kinematics:
         """Everything that the base still does when it hears nothing, as one arc."""
         return Arc(motion.ahead, motion.aside, motion.hold + 0.5 * self._stopping(motion))
 
-    def motion(self, velocity: Vector, heading: float, stop: Vector) -> Motion:
+    def motion(
+        self, velocity: Vector, heading: float, stop: Vector, before: tuple[Vector, ...] = ()
+    ) -> Motion:
         """What a base does that says of itself, in the world's frame, its velocity (m/s), heading (rad), and
         the vector (m) from here to where it stands if it hears nothing; of one that may turn by half a
         circle until then, which that vector does not tell, one that goes on as long as it ever does."""
@@ -199,10 +210,10 @@ class Kinematics:
         still = Motion(heading, ahead, aside)
         chord, rate = math.hypot(*stop), aside / self._offset if self._offset > 0.0 else 0.0
         if abs(rate) * (self._hold + 0.5 * self._stopping(still)) > _TURNING:
-            return Motion(heading, ahead, aside, self._hold)
+            return Motion(heading, ahead, aside, self._hold, before)
         half = abs(rate) * chord / (2.0 * speed)
         time = chord / speed * (math.asin(min(1.0, half)) / half if half > 1e-9 else 1.0)
-        return Motion(heading, ahead, aside, max(0.0, time - 0.5 * self._stopping(still)))
+        return Motion(heading, ahead, aside, max(0.0, time - 0.5 * self._stopping(still)), before)
 
     def lead(self, motion: Motion, velocity: Vector) -> Vector:
         """From the middle of a tick's way, motion.velocity * period / 2 from its beginning, to where the base

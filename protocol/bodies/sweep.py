@@ -7,8 +7,10 @@ is at p(t) after a length w(t). Until the base takes another velocity than zero,
     |q(t) - p(t)| <= error w(t) + lag d + play,        d = max(|v0|, |v1|, |v1 - v0|),
 
 from the first instant on. d is the largest change of velocity between rest and the two ends of the tick: a
-wheel that follows what it is told with a time constant T is behind by T times the change. A base that stands
-stays where it is.
+wheel that follows what it is told with a time constant T is behind by T times the change. Of a base whose
+odometry is late, q(0) is where that has it, and d the largest change among these and all velocities that it
+was told in the last `lag`: it has done, or still does, what it was told then. A base that stands stays where
+it is.
 
 The sweep is the set of all such q(t) - q(0) until the base stands. An arc lies in the triangle of its ends
 and of the point where its tangents meet, and for the point after the share u of it, the first end counts in
@@ -53,6 +55,9 @@ class Tolerance:
             math.hypot(ahead, aside),
             math.hypot(ahead - motion.ahead, aside - motion.aside),
         )
+        for x, y in motion.before:
+            more, less = math.hypot(x - motion.ahead, y - motion.aside), math.hypot(x - ahead, y - aside)
+            change = max(change, math.hypot(x, y), more, less)
         return self._lag * change + self._play
 
 

@@ -6,12 +6,14 @@ import math
 import re
 from dataclasses import replace
 from itertools import count
+from random import Random
 
 import pytest
 
 from agents.bases.ros_messages import NANO, Odometry, StampedPose, header_at
 from agents.bases.senses import Odometer
 from deploy.library.load import load
+from protocol.messages import Command, Tick
 from protocol.scenario.body import Base
 from tests.agents.bases.floor import Floor
 from world.report import result_of
@@ -156,6 +158,55 @@ def test_a_robot_stands_while_its_odometry_comes_later_and_later_and_then_late_a
     assert floor.crews[1].notes[-1] == ""
     assert result_of(floor.world)["verdict"] == "arrived"
     assert floor.closest > 0.0
+
+
+class Wavering:
+    """A law that drives at the middle or away from it, and at times hardly at all."""
+
+    failure = ""
+
+    def __init__(self, robot: int) -> None:
+        self._draw, self._wish, self._left = Random(robot), (0.0, 0.0), 0
+
+    def velocity(self, view):
+        self._left -= 1
+        if self._left < 0:
+            self._left = self._draw.randint(0, 5)
+            x, y = view.position
+            angle = math.atan2(-y, -x) + self._draw.uniform(-0.5, 0.5)
+            speed = self._draw.choice((0.2, 0.2, -0.2, 0.004, 0.0))
+            self._wish = speed * math.cos(angle), speed * math.sin(angle)
+        return self._wish
+
+    def slice_norm(self, *_):
+        return 0.0
+
+
+@pytest.mark.parametrize("age", [0.1, pytest.param(0.6, marks=pytest.mark.campaign)])
+def test_wheels_do_what_the_filter_counts_on_with_odometry_as_old_as_it_may_be(age):
+    def held_up(_, now):
+        return min(age - 0.01, max(0.0, 0.5 * (now - 3.0)))
+
+    floor = Floor(fleet(2, f"base.age={age}", "time.endless=true"), 1, delay=0.01, held_up=held_up)
+    for robot, crew in floor.crews.items():
+        crew.core._law = Wavering(robot)
+    floor.run(20.0)
+    assert floor.strayed <= 1e-6  # servos come to rest in no finite time
+    assert floor.excess <= 0.0
+    assert floor.closest > 0.0
+
+
+def test_a_decision_that_takes_too_long_does_not_move_the_base():
+    floor = Floor(PAIR, 2).run(FROM)
+    floor.cut = True
+    floor.run(FROM + STOPPED)
+    base, core = floor.crews[1].base, floor.crews[1].core
+    base._lease.until = math.inf
+    base.begin(Tick(1, core.incarnation, core.tick + 1, PAIR.ids), floor.now)
+    command = Command(1, core.incarnation, core.tick + 1, (0.2, 0.0), region=1)
+    for decided, moves in ((Base().age + Base().latency, False), (0.0, True)):
+        base.obey(command, floor.now + decided)
+        assert (base._drive.due < math.inf) is moves
 
 
 def late(now: float) -> float:
