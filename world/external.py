@@ -136,9 +136,11 @@ class External:
         return self._lease + self._stops[robot]
 
     def _moved(self, robot: int) -> float:
-        """For how long a robot may have moved since its newest report, until another Command is heard, s."""
+        """For how long a robot may have moved since its newest report, whose odometry was late, until another
+        Command is heard, s."""
         tick, heard = self._reports[robot][0], self._heard.get(robot)
-        return 0.0 if heard is None else (heard + _HURRIED - tick) * self._step + self._leased(robot)
+        late = self._bodies[robot].lag
+        return 0.0 if heard is None else (heard + _HURRIED - tick) * self._step + self._leased(robot) + late
 
     def _off(self, robot: int) -> float:
         """By how much it may be off that report then, m."""
@@ -163,7 +165,7 @@ class External:
     def _farthest(self, robot: int, seconds: float) -> float:
         """How far a robot goes at most in a time, m."""
         body, speed = self._bodies[robot], self._speed
-        return speed * seconds * (1.0 + body.error) + body.lag * speed + body.play
+        return speed * seconds * (1.0 + body.error) + body.play
 
     def set_fleet(self, scenario: Scenario) -> None:  # noqa: ARG002
         """The set of robots is fixed."""

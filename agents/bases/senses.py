@@ -45,7 +45,8 @@ class LinkDelay:
 
     Arrival less stamp is the difference of the clocks and the delay. The least of it that was seen has the
     least delay; it may rise by `DRIFT`, since clocks drift apart, so that a delay that has grown for good
-    counts again as the least one some minutes later.
+    counts again as the least one some minutes later. A stamp before the last one raises it by as much: the
+    clock was set back, or one message of a late link has overtaken another, which makes none of them young.
     """
 
     def __init__(self) -> None:
@@ -55,8 +56,8 @@ class LinkDelay:
     def take(self, stamp: float, now: float) -> None:
         """A message with a stamp, s, arrived `now`."""
         self._least += DRIFT * (now - self._arrived)
-        if stamp < self._stamp:  # its clock was set back
-            self._least = math.inf
+        if stamp < self._stamp:
+            self._least += self._stamp - stamp + now - self._arrived
         self._least = min(self._least, now - stamp)
         self._stamp, self._arrived = stamp, now
 

@@ -36,6 +36,13 @@ def test_a_delay_that_has_grown_counts_as_the_least_one_only_minutes_later():
     assert ages[-1] == pytest.approx(0.0, abs=1e-9)
 
 
+def test_a_late_message_that_was_overtaken_makes_none_of_a_late_link_young():
+    link = LinkDelay()
+    for stamp, delay in ((0.0, 0.01), (9.98, 1.0), (10.02, 1.0), (10.0, 1.03), (10.04, 1.0)):
+        link.take(stamp, stamp + delay)
+        assert link.age(stamp, stamp + delay) > delay - 0.1
+
+
 def test_a_clock_that_is_set_back_begins_a_new_difference_and_one_set_forward_makes_nothing_old():
     link = LinkDelay()
     for stamp, now in ((100.0, 0.0), (1000.0, 1.0), (20.0, 2.0)):
