@@ -72,7 +72,7 @@ def test_a_restarted_world_knows_who_carries_what(tmp_path: Path) -> None:
     fleet.kill_world()
     fleet.start_world()
     after = fleet.world.world.coordinator.lives
-    assert after.roster.parts == before.roster.parts
+    assert after.roster.message.parts == before.roster.message.parts
     assert [after.radius_of(robot) for robot in SCENARIO.ids] == [
         before.radius_of(robot) for robot in SCENARIO.ids
     ]

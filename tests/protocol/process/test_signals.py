@@ -108,7 +108,8 @@ def test_a_process_that_looks_at_nothing_can_still_be_ended(number: int) -> None
     """Code of others may be stuck; two seconds are enough to see that."""
     process = ended(
         "import math, signal\nfrom protocol.process import signals\nsignals._HELD_UP = math.inf\n"
-        f"signals.STOP.listen()\nsignal.raise_signal({int(number)})\nsignal.raise_signal({int(number)})\n"
+        f"signal.signal({int(number)}, signal.SIG_DFL)\nsignals.STOP.listen()\n"  # nohup has hangups ignored
+        f"signal.raise_signal({int(number)})\nsignal.raise_signal({int(number)})\n"
         "print('held up', flush=True)\nsignals._HELD_UP = 0.0\n"
         f"signal.raise_signal({int(number)})\nprint('never')\n"
     )

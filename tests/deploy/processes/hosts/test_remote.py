@@ -22,6 +22,7 @@ from tests.system.hosts.testbed.ssh_server import ROOT
 pytestmark = [pytest.mark.process, pytest.mark.timeout(60)]
 
 CODE = (
+    "import signal; signal.signal(signal.SIGHUP, signal.SIG_DFL); "  # nohup has hangups ignored
     "from deploy.processes.hosts.remote import main; main(('tests.deploy.processes.children',), {patience})"
 )
 
