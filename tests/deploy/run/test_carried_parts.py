@@ -73,8 +73,8 @@ def test_a_restarted_world_knows_who_carries_what(tmp_path: Path) -> None:
     fleet.start_world()
     after = fleet.world.world.coordinator.lives
     assert after.roster.message.parts == before.roster.message.parts
-    assert [after.radius_of(robot) for robot in SCENARIO.ids] == [
-        before.radius_of(robot) for robot in SCENARIO.ids
+    assert [after.roster.members[robot].radius for robot in SCENARIO.ids] == [
+        before.roster.members[robot].radius for robot in SCENARIO.ids
     ]
     finished(fleet)
 
