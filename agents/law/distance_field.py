@@ -55,8 +55,9 @@ class Clearances:
         xs: Reals = self._left + self.step * np.arange(self.width, dtype=np.float64)
         ys: Reals = self._low + self.step * np.arange(self._height, dtype=np.float64)
         clear = np.minimum(self.reach, -_distances(room, xs[None, :], ys[:, None]))
-        self._buckets: dict[tuple[int, int], list[Shape]] = {}
+        self._buckets: dict[tuple[int, int], list[tuple[Shape, Disk, float]]] = {}
         for shape in shapes:
+            entry = shape, shape.around, (self.reach + shape.around.radius) ** 2
             (x0, y0), (x1, y1) = shape.box
             i, j = np.searchsorted(xs, (x0 - self.reach, x1 + self.reach)).tolist()
             k, m = np.searchsorted(ys, (y0 - self.reach, y1 + self.reach)).tolist()
@@ -64,16 +65,19 @@ class Clearances:
             np.minimum(part, _distances(shape, xs[None, i:j], ys[k:m, None]), out=part)
             for column in range(self._bucket(x0 - self.reach), self._bucket(x1 + self.reach) + 1):
                 for row in range(self._bucket(y0 - self.reach), self._bucket(y1 + self.reach) + 1):
-                    self._buckets.setdefault((column, row), []).append(shape)
+                    self._buckets.setdefault((column, row), []).append(entry)
         clear[[0, -1], :] = clear[
             :, [0, -1]
         ] = -self.step  # a rim, so that every other point has eight neighbours
-        self._grid: Reals = clear
         self.clear: list[float] = clear.ravel().tolist()
 
     def near(self, x: float, y: float) -> list[Shape]:
-        """Obstacles that may be within `reach` of (x, y)."""
-        return self._buckets.get((self._bucket(x), self._bucket(y)), [])
+        """Obstacles within `reach` of (x, y), as far as the disks around them tell."""
+        return [
+            shape
+            for shape, around, reach in self._buckets.get((self._bucket(x), self._bucket(y)), [])
+            if (around.x - x) ** 2 + (around.y - y) ** 2 <= reach
+        ]
 
     def _bucket(self, length: float) -> int:
         return math.floor(length / self.reach)
@@ -91,25 +95,28 @@ class Clearances:
 
     def at(self, x: float, y: float) -> float:
         """Clearance of (x, y), m, between the points of the grid."""
-        return float(self._between(np.array([x]), np.array([y]))[0])
+        u = min(max((x - self._left) / self.step, 0.0), self.width - 1.001)
+        v = min(max((y - self._low) / self.step, 0.0), self._height - 1.001)
+        i, j = int(u), int(v)
+        u, v, clear, below = u - i, v - j, self.clear, j * self.width + i
+        above = below + self.width
+        low = (1.0 - u) * clear[below] + u * clear[below + 1]
+        return (1.0 - v) * low + v * ((1.0 - u) * clear[above] + u * clear[above + 1])
 
     def sees(self, begin: Vector, end: Vector, clear: float) -> bool:
-        """Whether the straight way keeps `clear` (m) of everything, or nearly what is clear at its ends."""
-        needed = min(clear, _NEARER * self.at(*begin), _NEARER * self.at(*end))
-        parts = np.linspace(0.0, 1.0, 2 + int(2.0 * math.dist(begin, end) / self.step))
-        x = begin[0] + parts * (end[0] - begin[0])
-        y = begin[1] + parts * (end[1] - begin[1])
-        return bool((self._between(x, y) >= needed).all())
+        """Whether the straight way keeps `clear` (m) of everything, or nearly what is clear at its ends.
 
-    def _between(self, x: Reals, y: Reals) -> Reals:
-        u = np.clip((x - self._left) / self.step, 0.0, self.width - 1.001)
-        v = np.clip((y - self._low) / self.step, 0.0, self._height - 1.001)
-        i, j = u.astype(np.intp), v.astype(np.intp)
-        u, v = u - i, v - j
-        grid = self._grid
-        below = (1.0 - u) * grid[j, i] + u * grid[j, i + 1]
-        found: Reals = (1.0 - v) * below + v * ((1.0 - u) * grid[j + 1, i] + u * grid[j + 1, i + 1])
-        return found
+        From where more is clear the next place looked at is as much farther: no clearance shrinks faster.
+        """
+        needed = min(clear, _NEARER * self.at(*begin), _NEARER * self.at(*end))
+        (x, y), length, done = begin, math.dist(begin, end), 0.0
+        while done < length:
+            part = done / length
+            here = self.at(x + part * (end[0] - x), y + part * (end[1] - y))
+            if here < needed:
+                return False
+            done += max(0.5 * self.step, here - needed)
+        return True
 
 
 @lru_cache(maxsize=16)
@@ -142,6 +149,7 @@ class FieldRoute:
         self._open: list[tuple[float, int]] = []
         self._way: list[int] = []  # that was found last, and how far along it the robot is sent
         self._sent = 0
+        self._seen: tuple[Vector, Vector, float] | None = None  # from where, what, and the rest of the way, m
 
     def ahead(self, position: Vector, goal: Vector) -> tuple[Vector, float] | None:
         """Where the way to the goal leads straight to, and the length of all of it, m.
@@ -150,8 +158,20 @@ class FieldRoute:
         """
         if goal != self._goal:
             self._begin(goal)
+        seen = self._seen
+        if seen is None or not self._is_fresh(position, seen[0], seen[1]):
+            seen = self._seen = self._look(position, goal)
+        return None if seen is None else (seen[1], math.dist(position, seen[1]) + seen[2])
+
+    def _is_fresh(self, position: Vector, begin: Vector, corner: Vector) -> bool:
+        """Whether what was seen from `begin` still counts: the grid tells no more half a step farther."""
+        step = self._map.step
+        return math.dist(position, begin) < 0.5 * step and math.dist(position, corner) > step
+
+    def _look(self, position: Vector, goal: Vector) -> tuple[Vector, Vector, float] | None:
+        """The farthest place in sight on the way, and the rest from there, m."""
         if self._map.sees(position, goal, self._clear):
-            return goal, math.dist(position, goal)
+            return position, goal, 0.0
         if not self._way or not self._map.sees(position, self._map.place(self._way[self._sent]), self._clear):
             begin = self._join(position)
             if begin is None:
@@ -159,12 +179,11 @@ class FieldRoute:
             self._way, self._sent = self._follow(begin), 0
         self._advance(position)
         index = self._way[self._sent]
-        corner = self._map.place(index)
-        return corner, math.dist(position, corner) + self._rest[index]
+        return position, self._map.place(index), self._rest[index]
 
     def _begin(self, goal: Vector) -> None:
         count = len(self._map.clear)
-        self._goal, self._way = goal, []
+        self._goal, self._way, self._seen = goal, [], None
         self._rest, self._next, self._settled = [_INFINITE] * count, [-1] * count, bytearray(count)
         self._open = []
         for index in self._around(goal):

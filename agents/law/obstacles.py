@@ -298,7 +298,7 @@ class Attraction:
     def __init__(self, room: Shape, radius: float, alone: bool = False) -> None:
         self._room, self._radius = room, radius
         self._widths = ((1.0, False), (1.0, True)) if alone else ((_TWO, False), (1.0, False), (1.0, True))
-        self._obstacles: list[Shape] = []
+        self._obstacles: tuple[Shape, ...] = ()
         self._routes: list[Route | FieldRoute] = []
         self._clearances: Clearances | None = None
         self._goal: Vector | None = None
@@ -315,7 +315,7 @@ class Attraction:
         """The goal as it were if the shortest way to it were straight: ahead of `position`, as far, m."""
         self.straight = math.inf
         if not obstacles:
-            self._obstacles, self.winds = [], False
+            self._obstacles, self.winds = (), False
             return goal
         self._follow(obstacles)
         if goal != self._goal:
@@ -363,16 +363,17 @@ class Attraction:
         return None
 
     def _follow(self, obstacles: Sequence[Shape]) -> None:
-        if self._obstacles == list(obstacles):
+        obstacles = tuple(obstacles)  # one that did not change is the same object: there may be very many
+        if obstacles is self._obstacles or obstacles == self._obstacles:
             return
-        self._obstacles, self._routes, self._choice = list(obstacles), [], 0
+        self._obstacles, self._routes, self._choice = obstacles, [], 0
         self._clearances = None
         self.winds = not is_sphere_world(self._room, dict(enumerate(obstacles, 1)), self._radius)
 
     @property
     def _map(self) -> Clearances:
         if self._clearances is None:
-            self._clearances = clearances(self._room, tuple(self._obstacles), self._radius)
+            self._clearances = clearances(self._room, self._obstacles, self._radius)
         return self._clearances
 
     def _route(self, choice: int) -> Route | FieldRoute:
@@ -385,4 +386,4 @@ class Attraction:
     def _ways(self, clear: float, narrow: bool) -> Route | FieldRoute:
         if len(self._obstacles) > MANY:
             return FieldRoute(self._map, clear)
-        return Route(way_points(self._room, tuple(self._obstacles), clear, narrow))
+        return Route(way_points(self._room, self._obstacles, clear, narrow))

@@ -41,7 +41,7 @@ class KnownRoster:
         self.parts: tuple[PartPlace, ...] = ()
         self._robot, self._listed = robot, listed
         self.members: Mapping[int, Member] = {}
-        self.shapes: list[Shape] = list(listed.values())
+        self.shapes = tuple(listed.values())
 
     def update(self, roster: Roster) -> list[Member]:
         """Adopt a roster if it is newer; returns the entries of peers that changed, by id."""
@@ -54,7 +54,7 @@ class KnownRoster:
                 shapes.pop(obstacle.number, None)
                 if obstacle.status != "gone":
                     shapes[obstacle.number] = obstacle.shape
-            self.shapes = list(shapes.values())
+            self.shapes = tuple(shapes.values())
         self.version, self.obstacles, self.parts = roster.version, roster.obstacles, roster.parts
         return [
             each

@@ -28,9 +28,9 @@ def test_obstacles_are_those_of_the_scenario_but_for_what_came_and_went() -> Non
         PlacedObstacle(3, "appearing", ((2.0, 0.0),), 0.2),
     )
     known = KnownRoster(1, listed)
-    assert known.shapes == list(listed.values())
+    assert known.shapes == tuple(listed.values())
     known.update(Roster(2, (), (PlacedObstacle(1, "gone"), came)))
-    assert known.shapes == [listed[2], came.shape]
+    assert known.shapes == (listed[2], came.shape)
 
 
 def test_a_life_is_over_once_its_disk_stands_or_a_newer_one_is_there() -> None:
