@@ -137,7 +137,7 @@ class PointBody:
 
 @final
 class InertialBody:
-    """Implements `agents.bodies.Body`.
+    """Implements `agents.bodies.BodyModel`.
 
     Args:
         kinematics: of the body.

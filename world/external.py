@@ -19,7 +19,7 @@ _HOPE = 5.0  # s after a base has come to rest, in which its robot may still lea
 
 
 class External:
-    """In place of `world.simulation.Simulation`: an external fleet as its coordinator sees it.
+    """In place of `world.simulation.SimulatedFleet`: an external fleet as its coordinator sees it.
 
     A robot moves only under its lease (`agents.bases.drive`). So a robot that was not heard for lease, hold
     and braking together stands, no further from its last report than it can have gone by then.

@@ -258,7 +258,7 @@ def held_of(x: str) -> Any:
 
 
 def disk_of(x: str) -> Any:
-    disk = records.Disk(CODE[x], held_of(x), 0)
+    disk = records.DiskRecord(CODE[x], held_of(x), 0)
     disk.phase, disk.life = Number(S[f"{x}.phase"]), Number(S[f"{x}.life"])
     disk.still = Truth(S[f"{x}.still"])
     return disk
@@ -358,7 +358,7 @@ def bound_state(bound: Any, after: dict[str, Any], b: str, x: str) -> None:
 
 def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any] = ()) -> Any:
     """The process of the present life of X."""
-    made = robot.Robot(CODE[x], Number(S[f"{x}.life"]), S[f"{x}.body"], geometry)
+    made = robot.RobotLife(CODE[x], Number(S[f"{x}.life"]), S[f"{x}.body"], geometry)
     made.own = S[f"{x}.own"]
     made.part = Number(z3.If(S[f"{x}.reach"], CODE[OTHER[x]], 0))
     made.version, made.number = Number(S[f"{x}.taken"]), Number(S[f"{x}.obeyed"])

@@ -230,7 +230,7 @@ class Missions:
 
 
 class Operated(Protocol):
-    """Carries out operations: `world.world.World`."""
+    """Carries out operations: `world.world.WorldCore`."""
 
     def operate(self, operation: Operation, *, awaited: bool = False) -> Outcome: ...
 
