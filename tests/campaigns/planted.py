@@ -77,7 +77,7 @@ def not_waiting(modules: Modules, _: pytest.MonkeyPatch) -> None:
 def drawing_as_it_comes(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """What the link does depends on the order in which messages come."""
     draws = np.random.default_rng(0)
-    link = modules["agents.peers.link"].Link
+    link = modules["agents.peers.link"].StateLink
     before = link._delayed
 
     def delayed(self: Any, state: Any, late: float, _: float, jitter: float) -> int:

@@ -52,4 +52,4 @@ class Product:
         modules: dict[str, ModuleType] = dict(zip(names, interpreted(*names, edits=edits), strict=True))
         self.Line: Any = modules["protocol.line"].Line
         self.Robot: Any = modules["agents.robot"].Robot
-        self.World: Any = modules["world.world"].World
+        self.World: Any = modules["world.world"].WorldCore
