@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from random import Random
-from unittest.mock import patch
+from unittest.mock import Mock, patch
 
 import msgspec
 
@@ -15,6 +15,8 @@ from agents.peers.state import PeerReader, PeerState
 from agents.shell.node import RobotNode
 from deploy.library.instances import crash
 from deploy.library.load import load
+from deploy.processes.supervisor import Supervisor
+from deploy.run.assembly import Assembly
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
@@ -245,6 +247,8 @@ def _take_part(drawn: list[_Drawn]) -> bool:
     watcher = watch_local(network, _RUN)
     watcher.wake(0.0)
     launcher = Fleet(_participants_of(), RunOptions())
+    launcher._supervisor = Mock(spec=Supervisor, names=(), **{"running.return_value": ()})  # of no processes
+    launcher._assembly = Mock(spec=Assembly)
     handlers: list[Callable[[Event], object]] = [robot.handle, watcher.handle, launcher._take, world.handle]
     for happens, key, payload in drawn:
         event: Event
