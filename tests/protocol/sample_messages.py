@@ -5,24 +5,20 @@ from __future__ import annotations
 from typing import Any
 
 from hypothesis import strategies as st
+from msgspec import inspect
 
 from protocol.messages import (
-    LARGEST,
     Answer,
-    BaseMotion,
-    Claim,
     Clock,
     Command,
-    FirstLine,
     GoalStatus,
     Grants,
-    Handling,
     Health,
     ListedBinding,
     Member,
     Message,
+    PlacedObstacle,
     Proposal,
-    Report,
     Result,
     Roster,
     Sense,
@@ -33,120 +29,51 @@ from protocol.messages import (
     Truth,
     Wish,
 )
+from protocol.streams import STREAMS
 
-numbers = st.floats(-LARGEST, LARGEST)
-sizes = st.floats(0, LARGEST)
-cosines = st.floats(-1.0, 1.0)
-ids = st.integers(1, 999_999_999)
-counts = st.integers(0, 2**53)
-epochs = st.integers(0, 2**32 - 1)
-vectors = st.tuples(numbers, numbers)
-positions = st.none() | vectors
-
-
-def several(one: st.SearchStrategy[Any]) -> st.SearchStrategy[Any]:
-    return st.lists(one, max_size=3).map(tuple)
-
-
-downs = several(st.builds(Standing, ids, counts, vectors))
-members = several(
-    st.builds(Member, ids, counts, st.sampled_from(["live", "gone"]), sizes, positions, sizes)
-    | st.builds(Member, ids, counts, st.sampled_from(["appearing", "standing"]), sizes, vectors, sizes)
-)
-rosters = st.none() | st.builds(Roster, counts, members)
-proposals = several(st.builds(Proposal, ids, counts, counts, cosines, cosines, numbers))
-answers = several(st.builds(Answer, ids, counts, counts, counts))
-motions = st.none() | st.builds(BaseMotion, vectors, numbers, vectors)
-senses = st.none() | st.builds(Sense, positions, counts, sizes, vectors, sizes, motions)
-claims = st.none() | st.builds(Claim, ids, sizes, sizes)
-states = st.builds(
-    State, ids, counts, counts, positions, sizes, sizes, sizes, vectors, epochs, proposals, answers, claims
-)
-disks = st.integers(-999_999_999, 999_999_999)
-lines = st.tuples(cosines, cosines, numbers)
-bindings = several(
-    st.builds(ListedBinding, counts, disks, st.none() | lines)
-    | st.builds(ListedBinding, counts, disks, st.none() | lines, st.tuples(vectors), sizes, st.booleans())
-)
-grants = st.none() | st.builds(
-    Grants, counts, counts, counts, st.none() | st.tuples(numbers, numbers, sizes), bindings
-)
-firsts = several(st.builds(FirstLine, counts, cosines, cosines, numbers))
-handlings = st.none() | st.builds(Handling, ids, sizes, positions)
-ANY: dict[str, st.SearchStrategy[Any]] = {
-    "tick": st.builds(
-        Tick,
-        ids,
-        counts,
-        counts,
-        several(ids),
-        epochs,
-        senses,
-        rosters,
-        positions,
-        st.booleans(),
-        st.booleans(),
-        heard=st.none() | counts,
-        grants=grants,
-    ),
-    "state": states,
-    "command": st.builds(
-        Command,
-        ids,
-        counts,
-        counts,
-        vectors,
-        epochs,
-        counts,
-        several(ids),
-        report=st.none() | st.builds(Report, vectors, sizes),
-        version=counts,
-        region=counts,
-        firsts=firsts,
-        handles=handlings,
-        slice=st.none() | sizes,
-    ),
-    "clock": st.builds(
-        Clock,
-        counts,
-        sizes,
-        several(ids),
-        downs,
-        st.text(max_size=9),
-        numbers,
-        numbers,
-        st.text(max_size=9),
-        st.booleans(),
-    ),
-    "summary": st.builds(
-        Summary, counts, st.binary(max_size=8), st.binary(max_size=32), st.binary(max_size=16)
-    ),
-    "truth": st.builds(Truth, counts, several(ids), several(vectors), numbers, numbers),
-    "health": st.builds(
-        Health,
-        ids,
-        counts,
-        counts,
-        sizes,
-        counts,
-        counts,
-        st.dictionaries(st.text(max_size=9), counts, max_size=2),
-        several(st.tuples(ids, counts)),
-        several(st.tuples(ids, cosines, cosines, numbers)),
-        st.text(max_size=9),
-    ),
-    "goalstatus": st.builds(
-        GoalStatus,
-        ids,
-        counts,
-        counts,
-        st.sampled_from(["under way", "arrived", "cancelled", "given up"]),
-        vectors,
-        counts,
-    ),
-    "wish": st.builds(Wish, ids, vectors),
-    "result": st.builds(Result, st.text(max_size=50)),
+_POINT = ((0.5, -0.25),)  # of what is checked beyond its types: a disk's centre
+_CHECKED: dict[type, dict[str, st.SearchStrategy[Any]]] = {
+    Member: {"position": st.just(_POINT[0])},
+    ListedBinding: {"points": st.just(_POINT)},
+    PlacedObstacle: {"points": st.just(_POINT)},
 }
+
+
+_PLAIN: dict[type[inspect.Type], st.SearchStrategy[Any]] = {
+    inspect.StrType: st.text(max_size=9),
+    inspect.BytesType: st.binary(max_size=32),
+    inspect.BoolType: st.booleans(),
+    inspect.NoneType: st.none(),
+}
+
+
+def _of(kind: Any) -> st.SearchStrategy[Any]:
+    """Any value of a type of messages, within the bounds that its annotation states."""
+    match kind:
+        case inspect.Metadata():
+            return _of(kind.type)
+        case inspect.StructType():
+            fields = {each.name: _of(each.type) for each in kind.fields}
+            return st.builds(kind.cls, **(fields | _CHECKED.get(kind.cls, {})))
+        case inspect.UnionType():
+            return st.one_of(*map(_of, kind.types))
+        case inspect.TupleType():
+            return st.tuples(*map(_of, kind.item_types))
+        case inspect.VarTupleType():
+            return st.lists(_of(kind.item_type), max_size=3).map(tuple)
+        case inspect.DictType():
+            return st.dictionaries(_of(kind.key_type), _of(kind.value_type), max_size=2)
+        case inspect.LiteralType():
+            return st.sampled_from(kind.values)
+        case inspect.IntType():
+            return st.integers(kind.ge, kind.le)
+        case inspect.FloatType():
+            return st.floats(kind.ge, kind.le)
+    return _PLAIN[type(kind)]
+
+
+ANY = {name: _of(inspect.type_info(stream.message)) for name, stream in STREAMS.items()}
+ids = _of(inspect.type_info(Wish).fields[0].type)
 
 _DOWN = (Standing(2, 1, (0.3, 0.4)),)
 _ROSTER = Roster(4, (Member(1, 2, "live", 0.04), Member(2, 1, "standing", 0.04, (0.3, 0.4), 0.0)))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from random import Random
-
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,14 +11,6 @@ from protocol.draws import Purpose, generator
 keys = st.tuples(
     st.integers(0, 2**63 - 1), st.sampled_from(Purpose), st.integers(0, 2**32 - 1), st.integers(0, 2**32 - 1)
 )
-
-
-@given(st.lists(keys, min_size=2, max_size=8, unique=True), st.randoms(use_true_random=False))
-def test_order_of_drawing_does_not_matter(drawn: list[tuple[int, Purpose, int, int]], order: Random) -> None:
-    first = {key: generator(*key).uniform(size=3).tolist() for key in drawn}
-    shuffled = list(drawn)
-    order.shuffle(shuffled)
-    assert {key: generator(*key).uniform(size=3).tolist() for key in shuffled} == first
 
 
 @given(st.lists(keys, min_size=2, max_size=8, unique=True))

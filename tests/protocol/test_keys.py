@@ -9,16 +9,13 @@ from hypothesis import strategies as st
 from protocol.errors import KeyGrammarError
 from protocol.keys import (
     ROBOT_STREAMS,
-    TOKEN,
     WORLD_STREAMS,
     Address,
     checked_run,
     every_robot,
     parse,
     robot_key,
-    robot_token,
     world_key,
-    world_token,
 )
 
 runs = st.from_regex(r"[A-Za-z0-9_-]{1,30}", fullmatch=True)
@@ -33,22 +30,6 @@ def test_robot_keys_parse_back(run: str, robot: int, stream: str) -> None:
 @given(runs, st.sampled_from(WORLD_STREAMS))
 def test_world_keys_parse_back(run: str, stream: str) -> None:
     assert parse(world_key(run, stream)) == Address(run, None, stream)
-
-
-@given(
-    st.text()
-    | st.from_regex(r"disknav/[^/]*/(robot/[^/]*|world)/[a-z]*", fullmatch=True)
-    | st.from_regex(r"disknav/[a-z]{1,3}/(robot/[0-9]|world)/(state|clock|alive/[^/]{0,2})", fullmatch=True)
-)
-def test_whatever_parses_is_what_would_be_built(key: str) -> None:
-    try:
-        run, robot, stream, session = parse(key)
-    except KeyGrammarError:
-        return
-    if stream == TOKEN:
-        assert key == (world_token(run, session) if robot is None else robot_token(run, robot, session))
-    else:
-        assert key == (world_key(run, stream) if robot is None else robot_key(run, robot, stream))
 
 
 @pytest.mark.parametrize(

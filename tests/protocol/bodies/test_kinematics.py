@@ -125,9 +125,3 @@ def test_no_way_is_longer_than_wheels_can_make_it_whatever_speed_is_asked_for():
     base = Kinematics(BURGER, PERIOD)
     assert base.reach(1e6) == base.reach(base.top_speed)
     assert base.reach(1e6) < 0.22 * (PERIOD + BURGER.hold + 0.5 * 0.22 / BURGER.acceleration) + 1e-12
-
-
-@given(st.floats(0.001, 2.0))
-def test_no_arc_of_a_tick_is_longer_than_a_servo_needs_to_follow(period):
-    assert period / steps_of(period) <= 0.02 * (1.0 + 1e-9)
-    assert steps_of(period) >= 5

@@ -86,24 +86,6 @@ def test_it_contains_the_arcs_and_is_not_much_larger(body, period, heading, ahea
     assert passed.extent(nx, ny) <= farthest + (0.25 + tolerance.error) * way + slip + ROUNDING
 
 
-def test_lag_and_play_are_there_before_any_way_is_made():
-    """Straight away from an edge that is nearer than these is no way out."""
-    kinematics, motion = Kinematics(WHEELLESS, 0.05), Motion(0.0)
-    passed = sweep(kinematics, motion, Tolerance(WHEELLESS), (-0.025, 0.0))
-    assert passed.extent(1.0, 0.0) == WHEELLESS.lag * 0.025 + WHEELLESS.play
-
-
-def test_lag_counts_for_the_largest_change_of_velocity_until_the_body_stands():
-    tolerance = Tolerance(Body(lag=1.0))
-    assert tolerance.slip(Motion(0.0, 0.3), (0.1, 0.0)) == 0.3
-    assert tolerance.slip(Motion(0.0, 0.1), (0.3, 0.0)) == 0.3
-    assert math.isclose(tolerance.slip(Motion(2.0, 0.1), (-0.3, 0.0)), 0.4)
-
-
-def test_a_direction_that_is_off_turns_the_whole_way():
-    assert math.isclose(Tolerance(Body(error=0.1), 0.02, 0.2).error, 0.12 + 2.0 * math.sin(0.1))
-
-
 def test_a_body_that_comes_back_to_where_it_began_still_has_a_sweep():
     passed = Sweep([0.0, 0.0], [0.0, 0.0], [0.001, 0.002])
     assert (passed.radius, passed.spread, passed.extent(0.0, 1.0)) == (0.002, 0.002, 0.002)

@@ -1,14 +1,11 @@
 """The in-process bus keeps the promises of the interface: no echo, presence, requests, order."""
 
-from random import Random
-
 import pytest
 
 from protocol.bus.bus import Event, Presence, Query, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.errors import BusError
 from protocol.streams import STREAMS
-from tests.drawn_order import DrawnNetwork
 
 STATE = STREAMS["state"]
 
@@ -54,32 +51,6 @@ def test_subscribers_hear_in_order_and_nobody_hears_itself() -> None:
     assert everything(one) == everything(three) == []
 
 
-def test_in_a_drawn_order_each_key_is_heard_in_its_own() -> None:
-    network = DrawnNetwork(Random(1))
-    ears, mouth = network.connect(), network.connect()
-    ears.subscribe("a", "b")
-    ears.node = listener = Listener()
-    say = [mouth.publisher(STREAMS["state"], key) for key in ("a", "b")]
-    for number in range(20):
-        for each in say:
-            each(bytes([number]))
-    network.run(lambda: len(listener.events) == 40)
-    heard = [(event.key, event.payload[0]) for event in listener.events if isinstance(event, Sample)]
-    assert [number for key, number in heard if key == "a"] == list(range(20))
-    assert [number for key, number in heard if key == "b"] == list(range(20))
-    assert heard != sorted(heard, key=lambda each: each[1])
-
-
-def test_a_later_subscription_hears_what_comes_later() -> None:
-    network = LocalNetwork()
-    one, two = network.connect(), network.connect()
-    publish = one.publisher(STATE, "disknav/r/robot/1/state")
-    publish(b"early")
-    two.subscribe("disknav/r/**")
-    publish(b"late")
-    assert everything(two) == [Sample("disknav/r/robot/1/state", b"late")]
-
-
 def test_presence_comes_with_history_and_goes_with_close() -> None:
     network = LocalNetwork()
     one, two = network.connect(), network.connect()
@@ -101,18 +72,6 @@ def test_requests_are_answered_by_the_node_that_serves() -> None:
     assert two.ask("disknav/r/world/scenario", b"x", 1.0) == [b"re:x"]
     with pytest.raises(BusError, match="no answer under"):
         two.ask("disknav/r/world/control", b"", 1.0)
-
-
-def test_the_network_runs_nodes_until_told() -> None:
-    network = LocalNetwork()
-    one, two = network.connect(), network.connect()
-    listener = two.node = Listener()
-    two.subscribe("disknav/r/**")
-    publish = one.publisher(STATE, "disknav/r/robot/1/state")
-    for _ in range(3):
-        publish(b"")
-    network.run(lambda: len(listener.events) == 3)
-    assert len(listener.events) == 3
 
 
 def test_it_is_known_whether_anybody_hears_a_key() -> None:

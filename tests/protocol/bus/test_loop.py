@@ -167,20 +167,6 @@ class Node:
         self.deadline = inf
 
 
-def test_driving_ends_with_the_node(connect: Connect) -> None:
-    class Announced(Node):
-        def wake(self, now: float) -> None:
-            super().wake(now)
-            other.announce(ALIVE)
-
-    bus, other = connect(), connect()
-    bus.watch(ALIVE)
-    node = Announced(1, deadline=time.monotonic())
-    drive(node, bus)
-    assert (node.left, node.woken) == (0, 1)
-    assert bus._session.is_closed()
-
-
 def test_a_signal_ends_driving_after_last_words(connect: Connect) -> None:
     class Interrupted(Node):
         def wake(self, now: float) -> None:

@@ -1,16 +1,32 @@
-"""Scenario files: what is accepted, forms that mean the same, orders, rooms and obstacles, and the schema."""
+"""Scenario files: what is accepted and written back, forms that mean the same, and the schema."""
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any
 
 import pytest
 
 from protocol.errors import ScenarioError
 from protocol.geometry import ConvexPolygon, Disk
+from protocol.scenario.body import Actuation, Base
 from protocol.scenario.file import json_schema, parse_document, parse_toml, read_scenario, write_toml
-from protocol.scenario.model import Journey, Obstacle, RobotSpec, Sensing
-from protocol.scenario.network import WIRELESS, Burst
+from protocol.scenario.model import (
+    Carrying,
+    Control,
+    Journey,
+    Obstacle,
+    Order,
+    Part,
+    ProcessFault,
+    RobotSpec,
+    Scenario,
+    Sensing,
+    Time,
+    Workspace,
+    World,
+)
+from protocol.scenario.network import WIRELESS, Burst, Link, Network
 from tests.protocol.scenario.scenario_texts import ROBOTS, document, problems
 
 
@@ -113,3 +129,32 @@ def test_what_is_given_outranks_a_preset(preset: str) -> None:
     link = parse_document(document() | {"link": given}).link
     assert (link.delay, link.burst, link.loss) == (0.3, Burst(loss=0.5), 0.1)
     assert link.roaming == plain.roaming
+
+
+def test_every_field_is_written() -> None:
+    said: dict[str, Any] = {
+        "name": "all",
+        "description": "of them",
+        "seed": 3,
+        "workspace": Workspace(0.4),
+        "time": Time(limit=9.0),
+        "control": Control(k=7.0),
+        "sensing": (Sensing(dropout=0.5),),
+        "link": Link(loss=0.5),
+        "network": Network("near", 0.2),
+        "process": (ProcessFault(1, 1.0, "restart"),),
+        "actuation": Actuation(0.1),
+        "world": World("mujoco"),
+        "base": Base(patience=0.05),
+        "body": "e-puck",
+        "obstacles": (Obstacle(center=(0.0, 0.2), radius=0.01),),
+        "parts": (Part(0.01, (0.0, -0.2), (0.0, -0.3)),),
+        "carrying": Carrying(0.02),
+        "orders": (Order(1.0, halt=True),),
+        "robots": (RobotSpec(1, 0.06, (0.0, 0.0), (0.1, 0.0)),),
+    }
+    assert said.keys() | {"map"} == {field.name for field in fields(Scenario)}  # it stands for `obstacles`
+    plain: dict[str, Any] = {"world": World(), "body": "point", "base": None, "network": Network()}
+    for otherwise in ({"parts": ()}, plain):  # not everything goes together with parts
+        scenario = Scenario(**(said | otherwise))
+        assert parse_toml(write_toml(scenario)) == scenario

@@ -78,14 +78,11 @@ def test_a_scenario_that_no_message_has_room_for_is_refused(key: str, value: Any
     assert [problem.path for problem in caught.value.problems] == [key]
 
 
-@pytest.mark.slow
 def test_partitions_that_no_message_has_room_for_are_refused() -> None:
-    partition = "[[link.partition]]\nfrom = {0}\nuntil = {1}\ngroups = [[1], [2]]\n"
-    text = "".join(partition.format(n, n + 1) for n in range(25_001))
-    found = problems(text + ROBOTS)
-    assert found == {
-        "link.partition": "the groups of all partitions name 50002 robots; at most 50000 are allowed"
-    }
+    robots = [{"id": n, "radius": 0.04, "start": [0.1 * n, 0], "goal": [0.1 * n, 0]} for n in range(1, 101)]
+    apart = [{"from": n, "until": n + 1, "groups": [list(range(1, 101))]} for n in range(501)]
+    with pytest.raises(ScenarioError, match="name 50100 robots; at most 50000 are allowed"):
+        parse_document({"workspace": {"radius": 20}, "robots": robots, "link": {"partition": apart}})
 
 
 def test_a_room_in_which_no_robot_could_plan_for_parts_is_refused() -> None:
