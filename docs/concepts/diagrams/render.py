@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -36,7 +37,9 @@ def _draw(source: Path) -> None:
         browser.write_text(json.dumps({"executablePath": shutil.which("chromium"), "args": ["--no-sandbox"]}))
         looks.write_text(json.dumps(_LOOKS))
         files = ["-p", browser, "-c", looks, "-i", source, "-o", picture]
-        subprocess.run(["npx", "--yes", _MERMAID, "--quiet", "-b", "white", *map(str, files)], check=True)
+        command = ["npx", "--yes", _MERMAID, "--quiet", "-b", "white", *map(str, files)]
+        environment = {**os.environ, "PUPPETEER_SKIP_DOWNLOAD": "1"}  # the machine's Chromium draws
+        subprocess.run(command, env=environment, check=True)
     picture.write_text(picture.read_text().rstrip() + "\n" + signature(source))
 
 
