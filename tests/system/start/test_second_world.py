@@ -97,8 +97,7 @@ def test_fleets_on_networks_that_are_joined_stand_until_one_has_left(
         here, there = router(first), router(second)
         with driving(first, here, run) as operator, driving(second, there, run):
             router(link, *here.connect, *there.connect)
-            until(lambda: operator.operate().halted)
-            assert f"2 worlds of run {run!r}" in caplog.text
+            until(lambda: operator.operate().halted and f"2 worlds of run {run!r}" in caplog.text)
             assert operator.operate(RELEASE).text.startswith("another world of this run")
             assert operator.operate().halted
             second.stop()
