@@ -297,8 +297,8 @@ def _names(ids: tuple[int, ...], found: Margins, row: int) -> tuple[int, ...] | 
 
 
 CAVEAT = (
-    "The conditions are sufficient and very conservative (the paper's own simulations never check them): "
-    "where they fail, the theory is silent, it does not say that the fleet will fail."
+    "The conditions are sufficient and very conservative; the paper's own simulations never check them. "
+    "Where they fail the theory says nothing about arrival."
 )
 
 
@@ -383,9 +383,11 @@ def _verdict(found: CheckReport) -> list[str]:
             "change their orientation, and start and goal differ in it."
         ]
     if found.bounds is None and found.assumption_1.status == found.assumption_2.status == "holds":
-        return ["Proven: nothing for any k: Proposition C.3 also needs goals and clusters well off the rim."]
+        return [
+            "Arrival is not proven for any k: Proposition C.3 also needs goals and clusters well off the rim."
+        ]
     if found.bounds is None:
-        return ["Proven: nothing for any k, since the assumptions are not shown."]
+        return ["Arrival is not proven for any k, since the assumptions are not shown."]
     reach = "is above it: guaranteed" if found.guaranteed else "is below it: not covered"
     return [
         f"Proven: for k > {found.bounds.polar:.4g} the goal is the only minimum and almost every start leads "

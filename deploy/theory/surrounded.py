@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -37,15 +37,15 @@ def theorem_for(scenario: Scenario) -> tuple[Theorem | None, tuple[str, ...]]:
     """
     reasons = []
     if not isinstance(scenario.workspace.shape, Disk):
-        reasons.append("the workspace is a polygon, and both theorems are about disks")
+        reasons.append("the workspace is a polygon, not a disk")
     shapes = scenario.shapes
     polygons = [number for number, shape in shapes.items() if not isinstance(shape, Disk)]
     if polygons:
-        reasons.append(f"{_counted(len(polygons), 'obstacle')} among the robots {_are(polygons)} no disk")
+        reasons.append(f"{_counted(len(polygons), 'obstacle')} {_are(polygons)} not round")
     if scenario.parts:
-        reasons.append("no theorem is known for parts that are carried")
+        reasons.append("no theorem covers carried parts")
     if shapes and len(scenario.robots) > 1:
-        reasons.append("no theorem is known for several robots among obstacles that stand")
+        reasons.append("no theorem covers several robots among static obstacles")
     if shapes and not reasons:
         reasons += _not_apart(scenario)
     if reasons:
@@ -54,7 +54,7 @@ def theorem_for(scenario: Scenario) -> tuple[Theorem | None, tuple[str, ...]]:
 
 
 def _not_apart(scenario: Scenario) -> Iterator[str]:
-    """Things that one robot does not pass between."""
+    """Obstacles that the robot does not pass between."""
     pairs = obstructed(scenario.workspace.shape, scenario.shapes, scenario.robots[0].radius)
     for one, other in pairs:
         between = f"obstacle {other} and the boundary" if one == ROOM else f"obstacles {one} and {other}"
@@ -74,15 +74,15 @@ _SAYS: dict[Theorem | None, str] = {
         "A sphere world: for every k above some bound phi is a navigation function (Koditschek, Rimon 1990), "
         "so almost every start leads to the goal. The bound is not evaluated here."
     ),
-    None: "Proven of arrival: nothing, for any k.",
+    None: "Arrival is not proven for any k.",
 }
 _LAW = {
     True: "In a sphere world the law pulls straight, as in the theorem.",
-    False: "The law follows the shortest way among the obstacles; only tests say how often it arrives.",
+    False: "The law follows the shortest way around the obstacles; arrival is tested, not proven.",
 }
 _ORDER = {
-    True: "Parts find their way to their goals one after another; only tests say how often all do.",
-    False: "No order was found in which parts find their way to their goals: some must be put aside first.",
+    True: "Parts can reach their goals one after another; arrival is tested, not proven.",
+    False: "No order of the parts leads all to their goals: some must be put aside first.",
 }
 
 
@@ -160,13 +160,13 @@ class Surrounded:
         table.add_row("tight", "not defined" if self.tight is None else f"{self.tight:.2f}")
         table.add_row("k in use", f"{self.k:.4g} (auto gives {self.automatic_k:.4g})")
         says = [
-            *(f"Karagoz, Bozma and Koditschek's Theorem 1 does not apply: {each}." for each in self.reasons),
+            *_inapplicable(self.reasons),
             _SAYS[self.theorem],
             _LAW[self.theorem is not None] if self.order is None else _ORDER[self.order],
-            "That nothing touches does not depend on any of this (docs/safety.md).",
+            "Collision avoidance does not depend on any of this (docs/safety.md).",
             *(_barred(each) for each in self.unreachable),
             *(
-                f"NO WAY FOUND for robot {robot}, although there is one: it is pulled straight to its goal."
+                f"NO WAY FOUND for robot {robot}, although one exists: the law pulls it straight to its goal."
                 for robot in self.no_way
             ),
             *(_held(each, self.k, self.automatic_k) for each in self.doors),
@@ -221,6 +221,11 @@ def _without_way(scenario: Scenario, unreachable: set[int]) -> list[int]:
     specs = [scenario.spec(robot) for robot in scenario.ids if robot not in unreachable]
     pulls = {spec.radius: Attraction(room, spec.radius, alone=len(scenario.robots) == 1) for spec in specs}
     return [spec.id for spec in specs if not pulls[spec.radius].leads(spec.start, spec.goal, shapes)]
+
+
+def _inapplicable(reasons: Sequence[str]) -> list[str]:
+    theorem = "Karagoz, Bozma and Koditschek's Theorem 1 does not apply"
+    return [f"{theorem}: {'; '.join(reasons)}."] if reasons else []
 
 
 def _barred(found: BarredWay) -> str:
