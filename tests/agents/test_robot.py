@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from agents.peers.state import PeerState, addressed_to
+from agents.peers.state import PeerState, addressed_to, plausible
 from agents.robot import Robot
 from deploy.library.load import load
 from protocol.messages import Claim, Command, Proposal, Sense, State, Tick
@@ -109,30 +109,6 @@ def test_a_peer_is_the_disk_that_its_tick_says_whichever_comes_first(
     assert (known.tick, known.radius) == (1, max(0.02, claimed))
 
 
-def test_who_no_longer_takes_part_is_not_awaited() -> None:
-    robot = robots()[1][OWN]
-    opened, states, _ = said()[0]
-    robot.begin(opened)
-    for peer in OTHERS[1:]:
-        robot.hearing.on_state(heard(states[peer]))
-    assert not robot.hearing.complete
-    robot.hearing.reconsider(Tick(OWN, 1, 0, (OWN, *OTHERS[1:]), sense=opened.sense))
-    assert robot.hearing.complete
-
-
-def test_a_state_of_a_tick_before_is_not_what_is_awaited() -> None:
-    robot = robots()[1][OWN]
-    (first, states, _), (second, _, _) = said()[:2]
-    robot.begin(first)
-    for peer in OTHERS:
-        robot.hearing.on_state(heard(states[peer]))
-    robot.command()
-    robot.begin(second)
-    for peer in OTHERS:
-        robot.hearing.on_state(heard(states[peer]))
-    assert not robot.hearing.complete
-
-
 def test_a_life_that_there_is_not_holds_up_nobody() -> None:
     """Anybody may say so on an open network: what the true one says is no news then, but it is there."""
     robot = robots()[1][OWN]
@@ -179,3 +155,10 @@ def test_a_robot_that_senses_nothing_reports_no_place() -> None:
     assert robot.command().report is not None
     robot.begin(Tick(own, 1, 1, scenario.ids))
     assert robot.command().report is None
+
+
+def test_a_robot_that_cannot_be_where_it_is_told_to_be_does_not_know_where_it_is() -> None:
+    """Else its peers would refuse what it says, and give it up."""
+    far = Sense((2.0 * plausible(SCENARIO).place, 0.0), 0, 0.0, (0.0, 0.0))
+    for sense, place in ((far, None), (replace(far, position=(0.1, 0.1)), (0.1, 0.1))):
+        assert Robot(SCENARIO, OWN, 1).begin(Tick(OWN, 1, 0, (OWN,), sense=sense)).position == place

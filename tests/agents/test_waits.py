@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -12,11 +13,14 @@ from agents.shell.world_session import PATIENCE
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.bus import Presence, Sample
-from protocol.bus.local import LocalBus, LocalNetwork
+from protocol.bus.local import LocalNetwork
 from protocol.codec import encode
 from protocol.errors import BusError
 from protocol.keys import robot_key
 from protocol.messages import Tick
+from protocol.scenario.model import ProcessFault
+from protocol.scenario.network import Network
+from tests.skipped_waits import skipped_waits
 from tests.world.driving import token
 from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
@@ -32,20 +36,6 @@ def test_without_a_world_a_robot_waits_as_long_as_asked_and_no_longer() -> None:
     with pytest.raises(BusError, match="no world answers"):
         network.run(lambda: False)
     assert 0.3 <= time.monotonic() - began < PATIENCE
-
-
-def test_a_robot_that_is_there_first_joins_a_world_that_comes_later() -> None:
-    network = LocalNetwork()
-    began = time.monotonic()
-    for robot in SCENARIO.ids:
-        bus = network.connect()
-        bus.node = RobotNode(bus, "yard", robot)
-    network.run(lambda: time.monotonic() > began + 0.3)
-    bus = network.connect()
-    world = bus.node = WorldNode(bus, "yard", SCENARIO)
-    network.run(lambda: world.finished)
-    assert world.report is not None
-    assert world.report["verdict"] == "arrived"
 
 
 @pytest.mark.parametrize("kept", [False, True])
@@ -67,48 +57,26 @@ def test_a_run_that_is_over_is_left_unless_its_world_may_be_back(kept: bool, tmp
         fleet.network.run(lambda: all(robot is not None and robot.finished for robot in robots))
 
 
-class Unanswered:
-    """A bus without any answer once it is `mute`."""
-
-    def __init__(self, bus: LocalBus) -> None:
-        self._bus = bus
-        self.mute, self.waited = False, 0.0
-
-    def __getattr__(self, name: str) -> object:
-        return getattr(self._bus, name)
-
-    def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
-        if not self.mute:
-            return self._bus.ask(key, payload, timeout)
-        self.waited += timeout
-        raise BusError("no answer")
-
-
 def test_who_asks_a_world_that_leaves_hears_that_it_has_left() -> None:
     """A question keeps a robot from hearing anything: at the end of a run it is short."""
-    network = LocalNetwork()
-    bus = network.connect()
-    world = bus.node = WorldNode(bus, "yard", SCENARIO)
-    buses = {robot: network.connect() for robot in SCENARIO.ids}
-    links = {robot: Unanswered(bus) for robot, bus in buses.items()}
-    nodes = {robot: RobotNode(link, "yard", robot) for robot, link in links.items()}
-    for robot, bus in buses.items():
-        bus.node = nodes[robot]
-    network.run(lambda: world.world.tick > 10)
-    links[1].mute = True
-    core = nodes[1].core
-    assert core is not None
-    nodes[1].handle(
-        Sample(
-            robot_key("yard", 1, "tick"),
-            encode(Tick(1, 1, world.world.tick, (), epoch=core.epoch, over=True)),
-        )
-    )
-    nodes[1].wake(time.monotonic())
-    assert 0.0 < links[1].waited < 0.5, "the launcher ends processes that have not left after 2 s"
-    assert not nodes[1].finished, "the world may be busy"
-    nodes[1].handle(Presence(token(network), False))
-    assert nodes[1].finished
+    fleet, waited = LocalFleet(SCENARIO), list[float]()
+    fleet.network.run(lambda: fleet.world.world.tick > 10)
+    node = fleet.robots[1].node
+    assert isinstance(node, RobotNode)
+    assert node.core is not None
+
+    def ask(_: str, __: bytes, timeout: float) -> list[bytes]:
+        waited.append(timeout)
+        raise BusError("no answer")
+
+    fleet.robots[1].ask = ask  # type: ignore[method-assign]
+    over = Tick(1, 1, node.core.tick, (), epoch=node.core.epoch, over=True)
+    node.handle(Sample(robot_key("local", 1, "tick"), encode(over)))
+    node.wake(time.monotonic())
+    assert 0.0 < sum(waited) < 0.5, "the launcher ends processes that have not left after 2 s"
+    assert not node.finished, "the world may be busy"
+    node.handle(Presence(token(fleet.network), False))
+    assert node.finished
 
 
 def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_takes_part() -> None:
@@ -130,19 +98,46 @@ def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_tak
 
 
 def test_a_life_that_goes_on_does_not_notice_that_it_asked() -> None:
-    network = LocalNetwork()
-    bus = network.connect()
-    world = bus.node = WorldNode(bus, "yard", SCENARIO)
-    robots = []
-    for robot in SCENARIO.ids:
-        bus = network.connect()
-        robots.append(RobotNode(bus, "yard", robot))
-        bus.node = robots[-1]
-    network.run(lambda: world.world.tick > 10)
+    fleet = LocalFleet(SCENARIO)
+    fleet.network.run(lambda: fleet.world.world.tick > 10)
     for there in (False, True):  # the router was gone for a moment
-        for robot in robots:
-            robot.handle(Presence(token(network), there))
-    network.run(lambda: world.finished)
-    assert world.report is not None
-    assert world.report["trajectory_sha256"] == LocalFleet(SCENARIO).execute()["trajectory_sha256"]
-    assert set(world.world.coordinator.lives.incarnations.values()) == {1}
+        for bus in fleet.robots.values():
+            assert bus.node is not None
+            bus.node.handle(Presence(token(fleet.network), there))
+    report = fleet.execute()
+    assert report["trajectory_sha256"] == LocalFleet(SCENARIO).execute()["trajectory_sha256"]
+    assert set(fleet.world.world.coordinator.lives.incarnations.values()) == {1}
+
+
+def test_a_tick_of_an_earlier_life_does_not_shorten_whom_a_robot_awaits() -> None:
+    fleet = LocalFleet(load("swap-4"))
+    fleet.step()
+    node = fleet.robots[1].node
+    assert isinstance(node, RobotNode)
+    core = node.core
+    assert core is not None
+    core.incarnation = 2  # a life of this process began within the tick
+    fleet.world_bus.node = None
+    node._commanded = False
+    core.hearing._awaited = {2, 3, 4}
+    node.handle(Sample("disknav/local/robot/1/tick", encode(Tick(1, 1, core.tick, (1, 2), core.epoch))))
+    assert core.hearing.missing == [2, 3, 4]
+    node.handle(Sample("disknav/local/robot/1/tick", encode(Tick(1, 2, core.tick, (1, 2), core.epoch))))
+    assert core.hearing.missing == [2]
+
+
+def test_who_missed_when_others_came_near_waits_for_nobody_who_is_gone() -> None:
+    """A Tick that names no robot means those that the world named last, and the robot does the same."""
+    base, ids = load("random-14"), (1, 4, 5, 8, 10, 12, 13)
+    scenario = replace(
+        base,
+        robots=tuple(spec for spec in base.robots if spec.id in ids),
+        network=Network("near", 0.1),
+        process=tuple(
+            ProcessFault(robot, tick * 0.05, event)
+            for robot, tick, event in ((1, 42, "pause"), (5, 47, "kill"), (1, 50, "resume"))
+        ),
+        time=replace(base.time, limit=4.0),
+    )
+    with skipped_waits(), LocalFleet(scenario) as fleet:
+        assert fleet.execute()["faults"]["given_up"] == []

@@ -1,7 +1,7 @@
-"""Short ways to set up and drive a world without robots."""
+"""Short ways to set up and drive a world without robots, and time that goes on when it is told to."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from protocol.bus.local import LocalNetwork
@@ -81,3 +81,13 @@ def play(setting: Scenario, most: int = 1000) -> WorldCore:
 def token(network: LocalNetwork, robot: int | None = None) -> str:
     """Key of the liveliness token of a robot's newest process, or of the world."""
     return [key for key in network.tokens() if parse(key).robot == robot][-1]
+
+
+@dataclass
+class Stopwatch:
+    """A clock that tests set."""
+
+    now: float = 0.0
+
+    def __call__(self) -> float:
+        return self.now

@@ -128,15 +128,6 @@ def test_another_world_bounds_what_a_base_may_cover_until_its_lease_is_over() ->
     assert later.bounds == {1: 2e-3}
 
 
-def test_a_base_that_never_had_a_lease_may_begin_in_another_world_at_once() -> None:
-    outside = External(SETTING)
-    outside.hear(Command(1, 1, 0, (0.0, 0.0), report=Report((0.0, 0.0), 2e-3)))
-    later = External(SETTING, outside.past, 1)
-    later.sense(1)
-    later.hear(Command(1, 2, 1, (0.0, 0.0), report=Report((0.0, 0.0), 1e-3)))
-    assert (later.resting(), later.bounds) == ({1: (0.0, 0.0)}, {1: 1e-3})
-
-
 def test_a_base_that_stands_is_settled_where_it_is_known_exactly_or_after_a_while() -> None:
     outside, exact = External(SETTING), 0.1 * 0.05
     outside.hear(Command(1, 1, 4, (0.1, 0.0), report=Report((0.05, 0.0), 0.5 * exact)))

@@ -13,8 +13,8 @@ import pytest
 from agents.lines.negotiation import OUTSTANDING
 from agents.lines.separating_lines import SeparatingLines
 from agents.peers.neighbours import Neighbours
-from agents.peers.state import PeerState, addressed_to
-from protocol.codec import REASONS, decode, encode
+from agents.peers.state import PeerState
+from protocol.codec import decode, encode
 from protocol.kernel.pair import Owner
 from protocol.keys import robot_key, world_key
 from protocol.line import Line
@@ -24,7 +24,6 @@ from protocol.messages import (
     Command,
     FirstLine,
     Grants,
-    Health,
     ListedBinding,
     Result,
     Standing,
@@ -107,33 +106,6 @@ def test_a_state_fits_after_any_partition(place: int) -> None:
     assert len(answers) == place
     said = [(offer.peer, offer.number) for offer in proposals]
     assert said == [(peer, LIFE + OUTSTANDING) for peer in IDS[place + 1 :]]  # of each the newest
-
-
-@pytest.mark.parametrize("place", [0, 500, MOST - 1])
-def test_a_health_message_fits_after_any_partition(place: int) -> None:
-    lines = cut_off(place).obeyed_lines()
-    heard = tuple((peer, LIFE) for peer in IDS if peer != IDS[place])
-    rejected = dict.fromkeys(REASONS, LIFE)
-    health = Health(IDS[place], LIFE, LIFE, 0.1, LIFE, LIFE, rejected, heard, lines)
-    assert_fits(health, robot_key("r", IDS[place], "health"))
-    assert {line[0] for line in lines} == set(IDS) - {IDS[place]}
-
-
-def test_the_tightest_line_of_each_pair_is_shown_if_all_are_too_many() -> None:
-    shown = cut_off(0).obeyed_lines()
-    assert len(shown) == MOST - 1
-    x, y = POINT
-    for peer, nx, ny, limit in shown:
-        place = peer - IDS[1]
-        slacks = [-x] + [
-            100.0 + turn - math.cos(place + turn) * x - math.sin(place + turn) * y
-            for turn in range(OUTSTANDING)
-        ]
-        assert limit - nx * x - ny * y == pytest.approx(min(slacks), abs=1e-9)
-
-
-def tell(listener: SeparatingLines, own: int, state: State) -> None:
-    listener.on_state(addressed_to(own, state, 0.04))
 
 
 def test_a_command_with_all_first_lines_fits() -> None:

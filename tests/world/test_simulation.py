@@ -11,11 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from protocol.bodies.kinematics import turned
-from protocol.draws import Purpose, generator
 from protocol.scenario.body import Body
 from protocol.scenario.model import Scenario, Sensing
 from tests.world.driving import STEP, advance, joined, two
-from world.plants.plant import BaseReport, Uniforms, truncated_normal
+from world.plants.plant import BaseReport, truncated_normal
 from world.simulation import OdometrySensor, Sensor
 
 TRUTH = (0.123, -0.0456)
@@ -61,19 +60,6 @@ def test_the_largest_draw_keeps_its_bound_in_spite_of_rounding(x, y, angular, bo
     assert math.hypot((x + nx) - x, (y + ny) - y) <= bound
 
 
-def test_a_bound_far_below_the_deviation_still_takes_one_draw():
-    x, y = truncated_normal(0.999999, 0.3, 1.0, 1e-6)
-    assert math.hypot(x, y) <= 1e-6
-
-
-def test_ideal_sensing_tells_the_truth_and_draws_nothing(monkeypatch):
-    monkeypatch.setattr("world.plants.plant.generator", lambda *_: pytest.fail("a random draw"))
-    eye = sensor(noise_bound=0.01)
-    assert [eye.measure(tick, (0.1 * tick, 0.0)) for tick in range(3)] == [
-        ((0.1 * tick, 0.0), tick) for tick in range(3)
-    ]
-
-
 @pytest.mark.parametrize(("delay", "ticks"), [(STEP, 1), (0.1, 2), (0.11, 3), (0.001, 1), (0.15, 3)])
 def test_a_fixed_delay_takes_effect_at_the_first_tick_at_or_after_it(delay, ticks):
     eye = sensor(delay=delay)
@@ -113,16 +99,6 @@ def test_sensing_faults_may_name_robots():
     assert Sensor(setting, 2).measure(0, TRUTH) == ((TRUTH[0] + 0.01, TRUTH[1]), 0)
 
 
-def test_draws_of_a_tick_do_not_depend_on_what_was_asked_before():
-    forward, backward = (Uniforms(9, Purpose.SENSING, 4, 3) for _ in range(2))
-    ticks = range(200)
-    one = {tick: forward.at(tick) for tick in ticks}
-    other = {tick: backward.at(tick) for tick in reversed(ticks)}
-    assert one == other
-    assert len({tuple(draws) for draws in one.values()}) == len(ticks)
-    assert one[70] == generator(9, Purpose.SENSING, 4, 1).random((64, 3))[6].tolist()
-
-
 component = st.floats(-0.1, 0.1)
 BASE = Body("omnidirectional", acceleration=0.2, hold=0.2, odometry=0.1, drift=1e-3)
 
@@ -150,12 +126,6 @@ def test_a_base_takes_commands_in_the_frame_that_it_reports_in(vx, vy, tick):
     assert motion.velocity == pytest.approx(turned(0.1, 0.05, askew))
     assert motion.stop == pytest.approx(turned(0.02, 0.01, askew))
     assert odometer.obeyed((vx, vy), tick) == pytest.approx(turned(vx, vy, -askew))
-
-
-def test_a_point_says_what_it_did_and_nothing_else():
-    odometer = OdometrySensor(two(), 1, slips=False)
-    assert odometer.read(BaseReport((0.1, 0.2), math.hypot(0.1, 0.2)), 3) == ((0.1, 0.2), 0.0, None)
-    assert odometer.obeyed((0.1, 0.2), 3) == (0.1, 0.2)
 
 
 @given(component, component, st.integers(0, 10**6))

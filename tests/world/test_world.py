@@ -9,9 +9,8 @@ from protocol.errors import JoinError
 from protocol.messages import Command
 from protocol.scenario.body import Actuation
 from protocol.scenario.model import Operation, Sensing
-from tests.world.driving import STEP, advance, joined, play, scenario, toward, two
+from tests.world.driving import STEP, advance, joined, play, toward, two
 from world.report import result_of
-from world.world import WorldCore
 
 FAULTS = {
     "sensing": (Sensing(delay=(0.0, 0.3), noise=0.002, dropout=0.2),),
@@ -34,33 +33,12 @@ FIELDS = {
 }
 
 
-def test_robots_join_before_the_first_tick():
-    world = WorldCore(two())
-    assert world.coordinator.lives.awaited == {1, 2}
-    assert world.open_tick() == {}
-    assert world.coordinator.join(1) == 1
-    assert world.open_tick() == {}
-    assert world.coordinator.join(2) == 1
-    assert world.open_tick().keys() == {1, 2}
-    assert (world.coordinator.active, world.coordinator.waiting, world.coordinator.lives.incarnations) == (
-        (1, 2),
-        {1, 2},
-        {1: 1, 2: 1},
-    )
-
-
 def test_joining_twice_or_as_nobody_is_refused():
     world = joined(two())
     with pytest.raises(JoinError, match="robot 1 is already running; stop it or use another id"):
         world.coordinator.join(1)
     with pytest.raises(JoinError, match=r"no robot 3 in scenario 'scenario'; there are 1, 2"):
         world.coordinator.join(3)
-
-
-def test_a_tick_must_be_opened_before_it_is_closed():
-    world = WorldCore(two())
-    with pytest.raises(RuntimeError, match="tick 0 is not open"):
-        world.close_tick()
 
 
 def test_measurements_lead_from_truth_to_truth_bit_for_bit():
@@ -93,37 +71,6 @@ def test_missing_commands_mean_standing_still_and_are_counted():
     assert truth.positions[0] == (-0.1, 0.1)
     assert truth.positions[1] == (-0.1 + 0.1 * STEP, -0.1)
     assert result_of(world)["missed_commands"] == 1
-
-
-def test_commands_are_refused_by_reason():
-    world = joined(two())
-    assert not world.accept(Command(1, 1, 0, (0.1, 0.0)))  # not open yet
-    advance(world)
-    world.open_tick()
-    refused = [
-        Command(1, 1, 0, (0.1, 0.0)),
-        Command(1, 1, 2, (0.1, 0.0)),
-        Command(1, 2, 1, (0.1, 0.0)),
-        Command(3, 1, 1, (0.1, 0.0)),
-    ]
-    assert not any(world.accept(command) for command in refused)
-    assert world.accept(Command(1, 1, 1, (0.0, 0.0)))
-    assert not world.accept(Command(1, 1, 1, (0.1, 0.0)))
-    world.coordinator.lost(2)
-    assert not world.accept(Command(2, 1, 1, (0.1, 0.0)))
-    world.close_tick()
-    assert world.truth.positions == ((-0.1, 0.1), (-0.1, -0.1))
-    assert result_of(world)["rejected_commands"] == {
-        **{"early": 2, "late": 1, "incarnation": 1},
-        **{"unknown": 1, "duplicate": 1, "inactive": 1},
-    }
-
-
-@given(st.floats(-1e6, 1e6), st.floats(-1e6, 1e6))
-def test_nobody_is_faster_than_the_limit(x, y):
-    world = joined(scenario(((0.0, 0.0), (0.1, 0.0))))
-    advance(world, {1: (x, y)})
-    assert math.hypot(*world.truth.positions[0]) <= 0.1 * STEP * (1 + 1e-15)
 
 
 def follow_measurements(seed, reverse=False):

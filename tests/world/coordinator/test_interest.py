@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.peers.far import FarPicture, places_of
+from agents.peers.far import places_of
 from protocol.crowd import LEAD, period
 from protocol.errors import MessageError
 from protocol.messages import Command, Sense, Summary, Vector
@@ -55,12 +55,6 @@ def test_the_summary_says_where_everybody_was_sensed() -> None:
     assert np.allclose(np.frombuffer(interest.summary.positions, "<f4").reshape(-1, 2), at)
     away = [math.dist(place, spec.goal) ** 2 for place, spec in zip(at, setting.robots, strict=True)]
     assert np.allclose(np.frombuffer(interest.summary.gammas, "<f4"), away)
-
-
-def test_a_tick_names_only_those_who_are_heard() -> None:
-    world = joined(four())
-    assert {told.active for told in world.open_tick().values()} == {(robot,) for robot in world.scenario.ids}
-    assert world.coordinator.active == world.scenario.ids
 
 
 def test_a_tick_names_a_robot_that_takes_no_part_no_more() -> None:
@@ -114,19 +108,3 @@ SIGNALLING = np.full(1, 0x7FA00001, "<u4").tobytes()  # NaN of which a conversio
 def test_slices_that_are_no_norms_are_refused(slices: bytes) -> None:
     with pytest.raises(MessageError):
         places_of(Summary(0, runs([1]), bytes(8), bytes(4), slices))
-
-
-def test_what_several_robots_read_is_read_once_and_nobody_can_change_it() -> None:
-    flat = np.arange(3, dtype="<f4").tobytes()
-    summary = Summary(4, runs([1, 2, 7]), flat + flat, flat, flat)
-    mine, theirs = (
-        FarPicture(places_of(summary), {1: 0.1, 2: 0.2}),
-        FarPicture(places_of(summary), {2: 0.3, 7: 0.4}),
-    )
-    assert mine.places is theirs.places
-    for array in (mine.places.x, mine.places.y, mine.places.robots):
-        with pytest.raises(ValueError, match="read-only"):
-            array[0] = 5
-    fields = [picture.field((9.0, 9.0), 0.1, ()) for picture in (mine, theirs)]
-    assert fields[0].log_x != fields[1].log_x  # the radii are each robot's own
-    assert (mine.places.x[2], mine.places.y[2]) == (1.0, 2.0)

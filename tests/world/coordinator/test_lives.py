@@ -64,20 +64,6 @@ def test_a_lost_robot_that_is_started_again_is_waited_for():
     assert world.open_tick()[2].active == (2,)
 
 
-def test_losing_a_robot_in_an_open_tick_tells_the_others():
-    world = joined(two(time=PATIENT))
-    before = world.open_tick()
-    world.accept(Command(2, 1, 0, (0.1, 0.0)))
-    world.coordinator.lost(2)
-    after = world.open_tick()
-    assert (before[1].active, after[1].active) == ((1, 2), (1,))
-    assert after[1].sense == before[1].sense
-    assert world.coordinator.waiting == {1}
-    world.close_tick()
-    assert place(world, 2) == (-0.1, -0.1)
-    assert result_of(world)["missed_commands"] == 2
-
-
 def test_a_live_robot_that_sends_nothing_is_fenced_too():
     world = joined(two(time=PATIENT))
     for tick in range(FENCE):
@@ -100,19 +86,6 @@ def test_one_command_in_time_keeps_a_robot_from_being_fenced():
     assert world.coordinator.lives.roster.standing == ()
 
 
-def test_a_fenced_robot_joins_again_as_a_new_life():
-    world = joined(two(time=PATIENT))
-    advance_to(world, 2)
-    world.coordinator.lost(2)
-    advance_to(world, 2 + FENCE)
-    assert world.coordinator.join(2) == 2
-    assert world.coordinator.lives.roster.standing == ()
-    told = world.open_tick()
-    assert (told[2].incarnation, told[1].active) == (2, (1, 2))
-    assert not world.accept(Command(2, 1, world.tick, (0.1, 0.0)))
-    assert world.accept(Command(2, 2, world.tick, (0.1, 0.0)))
-
-
 def test_joining_in_an_open_tick_takes_part_from_the_next_one():
     world = joined(two(time=PATIENT))
     world.coordinator.lost(2)
@@ -124,19 +97,6 @@ def test_joining_in_an_open_tick_takes_part_from_the_next_one():
     world.close_tick()
     assert world.open_tick().keys() == {1, 2}
     assert world.coordinator.active == (1, 2)
-
-
-def test_a_new_life_is_given_its_own_time_before_it_is_fenced():
-    world = joined(two(time=PATIENT))
-    world.coordinator.lost(2)
-    advance_to(world, 10)
-    world.coordinator.join(2)
-    for tick in range(10, 10 + FENCE):
-        assert world.coordinator.lives.roster.standing == ()
-        world.open_tick()
-        world.accept(Command(1, 1, tick, (0.0, 0.0)))
-        world.close_tick()
-    assert world.coordinator.lives.roster.standing == (Standing(2, 2, (-0.1, -0.1)),)
 
 
 def test_kill_excludes_from_its_tick_on_and_the_dead_are_told_nothing():
@@ -178,19 +138,6 @@ def test_a_long_pause_ends_in_a_new_life():
     assert world.open_tick()[1].active == (1, 2)
 
 
-def test_a_process_that_is_paused_before_it_joined_joins_when_it_is_resumed():
-    world = faulty((2, 3, "restart"), (2, 3, "pause"), (2, 6, "resume"))
-    advance_to(world, 3)
-    assert world.open_tick().keys() == {1}
-    with pytest.raises(JoinError, match="robot 2 is paused by the scenario"):
-        world.coordinator.join(2)
-    advance_to(world, 6)
-    world.open_tick()
-    assert world.coordinator.lives.awaited == {2}
-    assert world.coordinator.join(2) == 2
-    assert world.open_tick().keys() == {1, 2}
-
-
 def test_restart_waits_for_a_new_life():
     world = faulty((2, 3, "restart"))
     advance_to(world, 3)
@@ -202,14 +149,6 @@ def test_restart_waits_for_a_new_life():
     assert world.coordinator.join(2) == 2
     assert world.open_tick().keys() == {1, 2}
     assert len(result_of(world)["faults"]["process"]) == 1
-
-
-def test_a_robot_that_never_starts_is_a_disk_that_stands():
-    world = joined(two(time=PATIENT), [1])
-    world.coordinator.give_up_waiting(2)
-    assert world.open_tick().keys() == {1}
-    advance_to(world, FENCE)
-    assert world.coordinator.lives.roster.standing == (Standing(2, 0, (-0.1, -0.1)),)
 
 
 @pytest.mark.parametrize("event", ["kill", "pause", "restart"])
@@ -228,10 +167,9 @@ def test_faults_of_the_first_tick_wait_until_everybody_is_there(event):
     assert world.coordinator.active == ((1, 2) if event == "restart" else (1,))
 
 
-def test_a_pause_from_the_start_ends_in_the_first_life():
-    faults = (ProcessFault(2, 0.0, "pause"), ProcessFault(2, 2 * STEP, "resume"))
-    world = joined(two(process=faults, time=PATIENT))
-    advance_to(world, 2)
-    told = world.open_tick()
-    assert (world.coordinator.active, world.coordinator.lives.incarnations) == ((1, 2), {1: 1, 2: 1})
-    assert told[2].grants.number > told[2].grants.life
+def test_a_robot_that_never_starts_is_a_disk_that_stands():
+    world = joined(two(time=PATIENT), [1])
+    world.coordinator.give_up_waiting(2)
+    assert world.open_tick().keys() == {1}
+    advance_to(world, FENCE)
+    assert world.coordinator.lives.roster.standing == (Standing(2, 0, (-0.1, -0.1)),)

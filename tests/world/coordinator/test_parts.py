@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from protocol.messages import Command, Handling, PartPlace, Vector
-from protocol.scenario.model import Operation, Part, RobotSpec, Time, Workspace
+from protocol.scenario.model import Operation, Part, Time, Workspace
 from tests.world.driving import joined, obeying, scenario
 from world.report import result_of
 from world.world import WorldCore
@@ -130,26 +130,6 @@ def test_who_leaves_with_this_tick_takes_nothing_up() -> None:
     found.close_tick()
     assert found.coordinator.lives.roster.status(1) == "gone"
     assert where(found) == PartPlace(1, 1)
-
-
-def test_whoever_is_added_is_with_a_part_the_larger_of_its_own_disk_and_that() -> None:
-    found = world()
-    assert found.operate(Operation(remove=1)).text == ""
-    larger = RobotSpec(1, 1.5 * LARGE, (0.095, 0.13), (0.3, 0.3))
-    guest = RobotSpec(3, SMALL, (0.095, -0.095), (0.3, -0.3))
-    assert all(found.operate(Operation(add=spec)).accepted for spec in (larger, guest))
-    for _ in range(4):
-        tick(found)
-    for robot in (1, 3):
-        found.coordinator.join(robot)
-    tick(found, {1: Handling(1, 1.5 * LARGE)})
-    assert (where(found).carrier, radius(found, 1)) == (1, 1.5 * LARGE)
-    for _ in range(5):
-        tick(found, {3: TAKE}, silent=(1,))
-    assert (where(found).carrier, radius(found, 1), radius(found, 3)) == (1, 1.5 * LARGE, SMALL)
-    _move(found, 3, (0.095, 0.01))
-    tick(found, {3: TAKE}, silent=(1,))
-    assert (where(found).carrier, radius(found, 1), radius(found, 3)) == (3, 1.5 * LARGE, LARGE)
 
 
 def _move(found: WorldCore, robot: int, place: Vector) -> None:

@@ -4,15 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import msgspec
 import pytest
 
-from agents.robot import Robot
 from protocol import messages
-from protocol.codec import decode
-from protocol.errors import MessageError
-from protocol.geometry import Disk
-from protocol.messages import Member, PlacedObstacle, Tick
+from protocol.messages import Member
 from protocol.scenario.model import Obstacle as Listed
 from protocol.scenario.model import Operation, Workspace
 from tests.world.driving import advance, joined, obeying, scenario, two
@@ -28,20 +23,6 @@ def filled(version: int = 0) -> RosterDirectory:
     for robot in (1, 2, 3):
         roster.put(Member(robot, 1, "live", 0.1))
     return roster
-
-
-def test_every_change_is_a_new_version_and_versions_go_on_from_earlier_coordinators():
-    roster = filled(7)
-    assert roster.version == 10
-    roster.alter(2, status="standing", position=HERE)
-    number = roster.obstacles.announce(Disk(0.0, 0.0, 0.01))
-    roster.follow()
-    roster.follow()
-    assert (roster.version, roster.message.obstacles[0].number) == (12, number)
-    again = RosterDirectory(two(), roster.message)
-    assert again.message == roster.message
-    assert again.status(2) == "standing"
-    assert [each.robot for each in again.standing] == [2]
 
 
 def test_a_roster_is_told_until_the_present_life_has_acknowledged_it():
@@ -80,7 +61,7 @@ def statuses(found: WorldCore) -> dict[int, str]:
     return {each.number: each.status for each in found.coordinator.lives.obstacles.changes}
 
 
-def test_a_obstacle_appears_once_everybody_keeps_clear_of_it() -> None:
+def test_an_obstacle_appears_once_everybody_keeps_clear_of_it() -> None:
     found = world()
     reply = found.operate(Operation(place=WALL))
     assert (reply.accepted, reply.number) == (True, 2)
@@ -108,7 +89,7 @@ def test_what_the_scenario_lists_can_go_and_leaves_the_judge() -> None:
     assert result_of(found)["collisions"] == 0
 
 
-def test_a_obstacle_that_came_is_judged_and_then_forgotten() -> None:
+def test_an_obstacle_that_came_is_judged_and_then_forgotten() -> None:
     found = world()
     number = found.operate(Operation(place=Listed(center=(-0.3, 0.0), radius=0.02))).number
     for _ in range(3):
@@ -140,33 +121,6 @@ def test_a_refusal_says_why_and_changes_nothing(order: Listed, words: str) -> No
     assert found.coordinator.past == before
 
 
-def test_a_obstacle_on_a_goal_is_accepted_with_a_warning() -> None:
+def test_an_obstacle_on_a_goal_is_accepted_with_a_warning() -> None:
     reply = world().operate(Operation(place=Listed(center=(0.4, 0.05), radius=0.02)))
     assert (reply.accepted, reply.text) == (True, "covers the goal of robot 1")
-
-
-def test_a_robot_in_the_way_gets_off_before_anything_is_put_up() -> None:
-    setting = replace(scenario(((0.0, 0.0), (0.0, 0.0)), ((0.3, 0.3), (0.3, 0.3))), workspace=Workspace(0.6))
-    found = WorldCore(setting)
-    robot = Robot(setting, 1, found.coordinator.join(1))
-    found.coordinator.give_up_waiting(2)
-    shape = Listed(center=(0.02, 0.0), radius=0.02).shape
-    for tick in range(30):
-        robot.begin(found.open_tick()[1])
-        found.accept(robot.command())
-        if tick == 0:
-            found.coordinator.lives.announce(shape)
-        found.close_tick()
-        x, y = found.truth.positions[0]
-        assert statuses(found)[1] == "appearing" or shape.distance(x, y) > 0.04
-    assert statuses(found)[1] == "standing"
-
-
-def test_what_is_no_shape_is_dropped_on_arrival() -> None:
-    tick = msgspec.to_builtins(
-        Tick(1, 1, 0, (), roster=messages.Roster(1, (), (PlacedObstacle(1, "standing", BOX),)))
-    )
-    for points in ([], [[0.0, 0.0], [1.0, 0.0]], [BOX[0], BOX[2], BOX[1], BOX[3]]):
-        tick[7][2][0][2] = points
-        with pytest.raises(MessageError):
-            decode("disknav/run/robot/1/tick", msgspec.msgpack.encode(tick))

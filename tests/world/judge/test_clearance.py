@@ -14,7 +14,7 @@ from protocol.geometry import ConvexPolygon, Disk, Shape
 from tests.protocol.shapes import disks, points, polygons, shapes
 from tests.world.driving import scenario
 from world.judge import clearance
-from world.judge.clearance import Disks, NearestGaps, Plane, Reals, close_pairs, gaps, sublevel
+from world.judge.clearance import Disks, NearestGaps, Plane, Reals, close_pairs, gaps
 
 SAMPLES = 400
 ROBOTS = 60
@@ -63,12 +63,6 @@ def test_closest_approach_lies_inside_the_tick():
     assert found[1] == 0.29 - abs(0.1 + 0.05j)
 
 
-def test_gaps_are_named_by_id():
-    fleet = Disks({1: 0.1, 2: 0.1, 3: 0.1}, Disk(0.0, 0.0, 9.0), {7: Disk(5.0, 0.0, 1.0)})
-    assert [fleet.names(n) for n in range(6)] == [(1, 2), (1, 3), (2, 3), (0, 1), (0, 2), (0, 3)]
-    assert [fleet.names(n) for n in range(6, 9)] == [(-7, 1), (-7, 2), (-7, 3)]
-
-
 @settings(max_examples=40)
 @given(st.one_of(disks, polygons()), points, points, radii)
 def test_an_overlap_lasts_while_the_gap_is_negative(shape, start, end, radius):
@@ -110,12 +104,6 @@ def test_beta_is_the_squared_distance_less_that_of_contact(obstacles, robots) ->
             else:
                 wanted.append(max(shape.distance(x, y), 0.0) ** 2 - radius**2)
     assert np.allclose(found, [wanted] * 2, rtol=0.0, atol=1e-12)
-
-
-def test_a_sublevel_has_both_its_ends():
-    assert np.allclose(sublevel(lambda t: (t - 0.5) ** 2, 0.01), (0.4, 0.6), atol=1e-12)
-    assert sublevel(lambda t: t, -0.1) is None
-    assert sublevel(lambda t: -t, 5.0) == (0.0, 1.0)
 
 
 # -- a large fleet

@@ -116,31 +116,12 @@ def test_one_passage_over_several_ticks_is_one_contact_with_exact_times():
     assert result_of(world)["min_clearance"] == contact["deepest"]
 
 
-def test_coming_back_is_a_second_contact():
-    world = joined(passing(0.05))
-    for velocity in (2.0, 2.0, 2.0, 2.0, -2.0, -2.0, -2.0, -2.0):
-        advance(world, {1: (velocity, 0.0)})
-    assert result_of(world)["collisions"] == 2
-
-
 @pytest.mark.parametrize(("distance", "contacts"), [(0.08, 0), (0.08 - 0.5e-9, 0), (0.08 - 2e-9, 1)])
 def test_an_exact_touch_is_no_contact(distance, contacts):
     world = joined(passing(distance))
     for _ in range(4):
         advance(world, {1: (2.0, 0.0)})
     assert result_of(world)["collisions"] == contacts
-
-
-def test_leaving_the_workspace_and_coming_back():
-    """Out in one tick and in again in the next is one contact."""
-    world = joined(scenario(((0.2, 0.0), (0.0, 0.0)), control=FAST))
-    advance(world, {1: (2.0, 0.0)})
-    advance(world, {1: (-2.0, 0.0)})
-    (contact,) = result_of(world)["contacts"]
-    assert contact["pair"] == [0, 1]
-    assert contact["from"] == pytest.approx(0.03, abs=1e-8)
-    assert contact["until"] == pytest.approx(0.07, abs=1e-8)
-    assert contact["deepest"] == pytest.approx(0.26 - 0.3)
 
 
 def test_crossing_the_workspace_from_outside_to_outside_ends_one_contact_and_begins_another():

@@ -24,13 +24,6 @@ def test_arrived_means_all_robots_at_once():
     assert result_of(world)["nrl"] == pytest.approx(0.195 / 0.2)
 
 
-def test_no_verdict_before_the_first_tick():
-    world = joined(scenario(((0.1, 0.0), (0.1, 0.0))))
-    assert world.verdict == ""
-    advance(world)
-    assert world.verdict == "arrived"
-
-
 def test_timeout_at_the_limit():
     setting = two(time=Time(step=STEP, limit=1.02, deadlock=5.0))
     world = joined(setting)
@@ -58,13 +51,6 @@ def test_deadlock_when_nobody_gets_away_from_where_it_was():
         advance(world, {1: (0.05 * (-1) ** tick, 0.0)})  # trembling is not moving
     assert world.verdict == "deadlock"
     assert world.reason == "no robot moved for 0.5 s; robots 1, 2 are not at the goal"
-
-
-def test_slow_progress_is_no_deadlock():
-    world = joined(two())
-    for _ in range(5 * DEADLOCK):
-        advance(world, {2: (0.02, 0.0)})
-    assert world.verdict == ""
 
 
 @pytest.mark.parametrize(

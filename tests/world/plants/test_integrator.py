@@ -37,13 +37,6 @@ def test_actuation_noise_keeps_its_bound_and_the_speed_limit(x, y, tick, seed):
     assert off <= setting.actuation.bound * math.hypot(*asked) * STEP * (1 + 1e-12)
 
 
-def test_actuation_noise_disturbs_and_differs_between_robots_and_ticks():
-    actuation = Actuators(two(actuation=ActuationFaults(noise=0.1)))
-    drawn = {actuation.displacement((0.05, 0.0), robot, tick) for robot in (1, 2) for tick in range(200)}
-    assert len(drawn) == 400
-    assert actuation.displacement((0.0, 0.0), 1, 0) == (0.0, 0.0)
-
-
 def test_displacements_lead_exactly_from_one_position_to_the_next():
     bodies = Integrator(two(actuation=ActuationFaults(noise=0.1)))
     for tick in range(50):

@@ -10,7 +10,6 @@ import pytest
 pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install 'disknav[mujoco]'")
 
 from protocol.scenario.body import PRESETS
-from protocol.scenario.model import Time
 from tests.world.plants.deviations import WHEELED, lacking
 from tests.world.plants.fleet import Setting, drive
 from world.plants.mujoco import Physics
@@ -39,14 +38,6 @@ def test_robots_that_know_their_bodies_do_not(setting: Setting) -> None:
     assert (report["plant"]["kind"], report["plant"]["contacts"]) == ("mujoco", [])
 
 
-@pytest.mark.campaign
-def test_the_same_run_twice_is_the_same() -> None:
-    setting = Setting(robots=4, noise=0.003, heading=0.03, dropped=0.1, seed=3)
-    one, other = drive(setting), drive(setting)
-    assert one["trajectory_sha256"] == other["trajectory_sha256"]
-    assert one["verdict"] == "arrived"
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("period", [0.01, 0.1])
 @pytest.mark.parametrize("name", WHEELED)
@@ -63,27 +54,6 @@ def test_a_servo_without_its_integral_part_does_not(monkeypatch: pytest.MonkeyPa
     assert lacking(PRESETS["turtlebot3-burger"], 0.2, 12).play > 0.0
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("body", "period"), [("turtlebot3-burger", 0.5), ("e-puck", 0.2)])
-def test_the_papers_law_does_not_touch_at_long_periods(body: str, period: float) -> None:
-    report = drive(Setting(robots=4, body=body, radius=PRESETS[body].disk or 0.0, period=period, speed=0.2))
-    assert report["min_clearance"] > 0.0
-    assert report["plant"]["contacts"] == []
-
-
-@pytest.mark.slow
-def test_robots_that_face_each_other_exactly_leave_the_saddle() -> None:
-    setting = Setting(robots=4)
-    facing = []
-    for number, spec in enumerate(setting.scenario.robots):
-        angle = 0.25 * math.tau * number
-        x, y = round(0.8 * math.cos(angle), 12), round(0.8 * math.sin(angle), 12)
-        heading = math.remainder(angle + math.pi, math.tau)
-        facing.append(replace(spec, start=(x, y), goal=(0.0 - x, 0.0 - y), heading=heading))
-    report = drive(setting, scenario=replace(setting.scenario, robots=tuple(facing)))
-    assert report["verdict"] == "arrived"
-
-
 def test_a_base_stands_only_once_its_wheels_do() -> None:
     plant = Physics(Setting(robots=2).scenario)
     for tick in range(20):
@@ -95,11 +65,3 @@ def test_a_base_stands_only_once_its_wheels_do() -> None:
     for _ in range(20):
         plant.move({}, tick)
     assert math.dist(before, plant.positions[0]) < 1e-5
-
-
-def test_every_period_can_be_parted() -> None:
-    scenario = replace(Setting(robots=2).scenario, time=Time(step=0.033))
-    plant = Physics(scenario)
-    for tick in range(30):
-        plant.move({1: (0.05, 0.0), 2: (0.0, 0.05)}, tick)
-    assert plant._data.time == pytest.approx(30 * 0.033 + 0.2, abs=2e-3)

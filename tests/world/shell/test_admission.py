@@ -2,15 +2,9 @@
 
 from __future__ import annotations
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.shell.node import RobotNode
-from deploy.library.load import load
-from deploy.run.local import LocalFleet
-from protocol.bus.local import LocalBus
-from protocol.errors import BusError, JoinError
 from protocol.joining import (
     Admission,
     Finished,
@@ -20,14 +14,10 @@ from protocol.joining import (
     Wait,
 )
 from protocol.messages import Health
-from tests.world.driving import two
-from tests.world.stopwatch import Stopwatch
+from tests.world.driving import Stopwatch, two
 from world.coordinator.lives import Life, Status
 from world.shell.admission import RESERVATION, Admissions
-from world.shell.checkpoint import Processes
 from world.shell.run import JudgedRun
-
-SWAP = load("swap-4")
 
 
 class Desk:
@@ -142,20 +132,6 @@ def test_who_lost_its_seat_while_the_scenario_held_it_still_goes_on() -> None:
     assert desk.admitted("next") == 2  # it has not woken: its successor is not kept out
 
 
-def test_those_who_asked_too_often_are_forgotten_at_last() -> None:
-    processes = Processes()
-    for number in range(1000):
-        processes.admit(1, f"{number}", "removed")
-    assert list(processes.over[1]) == [f"{number}" for number in range(983, 999)]
-    assert processes.newest == {1: "999"}
-
-
-def test_nobody_is_given_the_seat_of_a_robot_that_is_not_there() -> None:
-    reply = Desk().ask("a", robot=3)
-    assert isinstance(reply, Refusal)
-    assert "robot 3 is not in scenario" in reply.text
-
-
 @given(
     st.lists(
         st.tuples(
@@ -194,64 +170,3 @@ def test_no_two_processes_live_and_no_life_twice(events: list[tuple[str, str]]) 
             desk.clock.now += RESERVATION
         newest = desk.run.world.coordinator.lives.incarnations[1]
         assert sum(life == newest for life in lives.values()) <= 1
-
-
-class Lossy:
-    """The bus of a robot that misses the first replies."""
-
-    def __init__(self, bus: LocalBus, losses: int) -> None:
-        self._bus, self.losses = bus, losses
-
-    def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
-        reply = self._bus.ask(key, payload, timeout)
-        self.losses -= 1
-        if self.losses >= 0:
-            raise BusError("the reply is lost")
-        return reply
-
-    def __getattr__(self, name: str) -> object:
-        return getattr(self._bus, name)
-
-
-@pytest.mark.slow
-def test_a_lost_reply_costs_nothing() -> None:
-    fleet = LocalFleet(SWAP)
-    bus = fleet.robots[2]
-    lossy = Lossy(bus, 2)
-    bus.node = RobotNode(lossy, fleet.run, 2)  # type: ignore[arg-type]
-    report = fleet.execute()
-    assert lossy.losses < 0
-    assert report["trajectory_sha256"] == LocalFleet(SWAP).execute()["trajectory_sha256"]
-
-
-@pytest.mark.slow
-def test_a_twin_does_not_disturb_a_run() -> None:
-    fleet = LocalFleet(SWAP, speed=6.0)  # long enough for the twin to be refused
-    first = fleet.robots[2]
-    fleet.start(2)
-    twin = fleet.robots[2]
-    refused: list[str] = []
-
-    class Excused:
-        """The twin's process: it ends when it is refused."""
-
-        finished = False
-
-        def __init__(self, node: object) -> None:
-            self.node = node
-
-        def __getattr__(self, name: str) -> object:
-            return getattr(self.node, name)
-
-        def wake(self, now: float) -> None:
-            try:
-                self.node.wake(now)  # type: ignore[attr-defined]
-            except JoinError as error:
-                refused.append(str(error))
-                twin.close()
-
-    twin.node = Excused(twin.node)  # type: ignore[assignment]
-    fleet.robots[2] = first
-    report = fleet.execute()
-    assert report["trajectory_sha256"] == LocalFleet(SWAP).execute()["trajectory_sha256"]
-    assert "already running" in "".join(refused)

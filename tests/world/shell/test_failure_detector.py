@@ -8,8 +8,7 @@ import pytest
 
 from protocol.joining import Join
 from protocol.messages import Command, Tick
-from tests.world.driving import two
-from tests.world.stopwatch import Stopwatch
+from tests.world.driving import Stopwatch, two
 from world.shell.admission import Admissions
 from world.shell.failure_detector import FailureDetector
 from world.shell.pacing import REPEAT, Pacing

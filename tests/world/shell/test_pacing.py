@@ -6,8 +6,7 @@ import pytest
 
 from agents.shell.node import RobotNode
 from protocol.bus.local import LocalNetwork
-from tests.world.driving import STEP, two
-from tests.world.stopwatch import Stopwatch
+from tests.world.driving import STEP, Stopwatch, two
 from world.shell.failure_detector import GATHERING
 from world.shell.node import WorldNode
 from world.shell.pacing import BEAT, FIRST, Pacing

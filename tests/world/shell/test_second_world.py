@@ -79,24 +79,6 @@ def test_an_emergency_stop_outlasts_the_other_world() -> None:
     assert not asked(fleet.world, halt=False).halted
 
 
-def test_of_two_that_are_started_at_once_one_remains() -> None:
-    network = LocalNetwork()
-    buses = [network.connect(), network.connect()]
-    worlds = [WorldNode(bus, "local", SWAP) for bus in buses]
-    for bus, world in zip(buses, worlds, strict=True):
-        bus.node = world
-        while (event := bus.receive(0.0)) is not None:
-            world.handle(event)
-    assert [world.refused for world in worlds] == [False, True]
-    buses[1].close()
-    for robot in SWAP.ids:
-        bus = network.connect()
-        bus.node = RobotNode(bus, "local", robot)
-    network.run(lambda: worlds[0].finished)
-    assert worlds[0].report is not None
-    assert worlds[0].report["verdict"] == "arrived"
-
-
 def test_a_robot_does_not_choose_between_two_worlds() -> None:
     network, said = LocalNetwork(), list[str]()
     for _ in range(2):

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from protocol.joining import Finished, Join, Reply, Wait
 from protocol.messages import Health
-from tests.world.driving import two
-from tests.world.stopwatch import Stopwatch
+from tests.world.driving import Stopwatch, two
 from world.shell.admission import Admissions
 from world.shell.pacing import Pacing
 from world.shell.run import SHUTDOWN, JudgedRun, Phase, Shutdown

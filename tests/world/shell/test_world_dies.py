@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
@@ -23,6 +23,7 @@ from protocol.keys import robot_key, world_key
 from protocol.messages import Grants, Tick, Truth, Vector
 from protocol.scenario.model import ProcessFault, Scenario
 from protocol.streams import Stream
+from tests.proxy import Proxy
 from tests.system.orders.test_scheduled_orders import EVERYTHING
 from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
@@ -80,25 +81,6 @@ class Doom:
 _pwrite = os.pwrite
 
 
-class DoomedBus:
-    """A bus whose publications pass by the doom."""
-
-    def __init__(self, bus: Bus, doom: Doom) -> None:
-        self._bus, self._doom = bus, doom
-
-    def publisher(self, stream: Stream, key: str) -> Publish:
-        publish = self._bus.publisher(stream, key)
-
-        def doomed(payload: bytes) -> None:
-            self._doom.pass_by()
-            publish(payload)
-
-        return doomed
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._bus, name)
-
-
 class MortalFleet(LocalFleet):
     """A world that dies by its doom, and has a successor at once."""
 
@@ -110,41 +92,33 @@ class MortalFleet(LocalFleet):
     def start_world(self) -> None:
         try:
             super().start_world()
-            self.world_bus.node = Mortal(self)
+            node = self.world
+            self.world_bus.node = Proxy(node, handle=self._mortal(node.handle), wake=self._mortal(node.wake))
         except Death:
             self.kill_world()
             self.start_world()
 
     def _world(self, bus: Bus) -> WorldNode:
-        return super()._world(DoomedBus(bus, self.doom))
+        def publisher(stream: Stream, key: str) -> Publish:
+            publish = bus.publisher(stream, key)
 
+            def doomed(payload: bytes) -> None:
+                self.doom.pass_by()
+                publish(payload)
 
-class Mortal:
-    """The node of such a world."""
+            return doomed
 
-    def __init__(self, fleet: MortalFleet) -> None:
-        self._fleet, self._node = fleet, fleet.world
+        return super()._world(cast(Bus, Proxy(bus, publisher=publisher)))
 
-    def handle(self, event: Event) -> None:
-        self._live(lambda: self._node.handle(event))
+    def _mortal(self, act: Callable[..., None]) -> Callable[..., None]:
+        def live(*told: Any) -> None:
+            try:
+                act(*told)
+            except Death:
+                self.kill_world()
+                self.start_world()
 
-    def wake(self, now: float) -> None:
-        self._live(lambda: self._node.wake(now))
-
-    def _live(self, act: Callable[[], None]) -> None:
-        try:
-            act()
-        except Death:
-            self._fleet.kill_world()
-            self._fleet.start_world()
-
-    @property
-    def deadline(self) -> float:
-        return self._node.deadline
-
-    @property
-    def finished(self) -> bool:
-        return self._node.finished
+        return live
 
 
 class Witness:
