@@ -15,7 +15,7 @@ from protocol.scenario.model import Order, ProcessFault
 from tests.skipped_waits import skipped_waits
 from tests.system.orders.guests import GUEST, GUESTED, SWAP, status, step, to_be
 from tests.system.orders.turnover import asked
-from tests.world.stopwatch import Stopwatch
+from tests.world.driving import Stopwatch
 from world.shell.admission import Admissions
 from world.world import WorldCore
 

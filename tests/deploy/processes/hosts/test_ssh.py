@@ -23,7 +23,7 @@ from deploy.processes.hosts.ssh import FramedMessages, Relay, SshSpawner
 from deploy.processes.hosts.table import Host
 from deploy.processes.spawn import MAX_NEWS, Exited, Started, decode_news, encode_news
 from protocol.errors import ProcessError
-from tests.world.stopwatch import Stopwatch
+from tests.world.driving import Stopwatch
 
 PATIENCE = 5.0
 
