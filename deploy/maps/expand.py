@@ -38,7 +38,8 @@ def expanded(document: Document, folder: Path, source: str) -> Document:
 
     grid = read_map(folder / plan.file)
     radius = min((radius for radius in _numbers(document, "radius")), default=0.0)
-    found = floor_plan(grid, plan.error, radius, unknown_is_free=plan.unknown == "free")
+    workspace = document.get("workspace")
+    found = floor_plan(grid, plan.error, radius, unknown_is_free=plan.unknown == "free", rim=bool(workspace))
     problems = []
     if not found.workspace:
         problems = [Problem("map.file", f"has no free space for a disk of {radius:g} m")]
@@ -61,7 +62,8 @@ def expanded(document: Document, folder: Path, source: str) -> Document:
         *rest.get("obstacles", []),
         *({"points": list(map(list, piece))} for piece in found.obstacles),
     ]
-    workspace = rest.get("workspace") or {"points": list(map(list, found.workspace))}
+    if not workspace:
+        workspace = {"points": list(map(list, found.workspace))}
     return rest | {"obstacles": obstacles, "workspace": workspace}
 
 

@@ -38,7 +38,12 @@ class PlanOfPieces(NamedTuple):
 
 
 def floor_plan(
-    grid: Occupancy, error: float, radius: float = 0.0, *, unknown_is_free: bool = False
+    grid: Occupancy,
+    error: float,
+    radius: float = 0.0,
+    *,
+    unknown_is_free: bool = False,
+    rim: bool = False,
 ) -> PlanOfPieces:
     """Obstacles that cover all that is not free, and reach at most `error` (m) into what is.
 
@@ -47,6 +52,7 @@ def floor_plan(
         error: m.
         radius: of the smallest robot, m; free space that it does not fit into anywhere is left out.
         unknown_is_free: whether robots may go where the map knows nothing.
+        rim: whether obstacles cover the cells around the workspace as well, for a workspace that is larger.
     """
     solid = grid.occupied if unknown_is_free else grid.occupied | grid.unknown
     free = _roomy(~solid, radius / grid.resolution)
@@ -54,11 +60,11 @@ def floor_plan(
         return PlanOfPieces((), [], free)
     rows, columns = (np.flatnonzero(free.any(axis=axis)) for axis in (1, 0))
     bottom, top, left, right = int(rows[0]), int(rows[-1]) + 1, int(columns[0]), int(columns[-1]) + 1
-    inside = free[bottom:top, left:right]
+    inside = np.pad(free[bottom:top, left:right], int(rim))
     edges = ~inside & ndimage.binary_dilation(inside, _AROUND)
     allowed = _near(~inside, error / grid.resolution)
     pieces = [
-        tuple(grid.place(left + column, bottom + row) for column, row in piece)
+        tuple(grid.place(left + column - rim, bottom + row - rim) for column, row in piece)
         for piece in _pieces(edges, _Forbidden(allowed))
     ]
     around = ((left, bottom), (right, bottom), (right, top), (left, top))

@@ -76,24 +76,25 @@ def test_the_origin_places_and_turns_the_map(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@given(st.integers(0, 2**32 - 1), st.floats(0.0, 3.0), st.floats(0.2, 0.9), st.booleans())
+@given(st.integers(0, 2**32 - 1), st.floats(0.0, 3.0), st.floats(0.2, 0.9), st.booleans(), st.booleans())
 @settings(max_examples=8, deadline=None)
 def test_pieces_cover_what_is_solid_and_reach_no_farther_than_the_error(
-    seed: int, error: float, share: float, blobs: bool
+    seed: int, error: float, share: float, blobs: bool, rim: bool
 ) -> None:
     random = np.random.default_rng(seed)
     field = random.random((16, 21))
     field = ndimage.gaussian_filter(field, 2.0) if blobs else field
     solid: Mask = field < np.quantile(field, share)
-    plan = floor_plan(Occupancy(solid, np.zeros_like(solid), 1.0), error)
+    plan = floor_plan(Occupancy(solid, np.zeros_like(solid), 1.0), error, rim=rim)
     assert (plan.free == ~solid).all()
+    around = np.pad(solid, 1, constant_values=True)  # beyond the map nothing is free
     assert not [piece for piece in plan.obstacles if defect(piece)]
     shapes, room = [ConvexPolygon(piece) for piece in plan.obstacles], ConvexPolygon(plan.workspace)
-    for row, column in np.argwhere(solid & ndimage.binary_dilation(~solid, np.ones((3, 3)))).tolist():
-        if room.distance(column + 0.5, row + 0.5) < 0.0:  # each cell that a free one touches, whole
+    for row, column in (np.argwhere(around & ndimage.binary_dilation(~around, np.ones((3, 3)))) - 1).tolist():
+        if rim or room.distance(column + 0.5, row + 0.5) < 0.0:  # each cell that a free one touches, whole
             corners = [(column + x, row + y) for x in (0, 1) for y in (0, 1)]
             assert any(all(shape.distance(*corner) < 1e-9 for corner in corners) for shape in shapes)
-    cells = np.argwhere(solid) + 0.5
+    cells = np.argwhere(around) - 0.5
     for shape in shapes:
         for x, y in random.uniform(*shape.box, (40, 2)).tolist():
             if shape.distance(x, y) < 0.0:
@@ -185,6 +186,14 @@ def test_a_scenario_names_its_map_beside_it(tmp_path: Path) -> None:
     assert len(scenario.obstacles) == 2
     assert scenario.workspace.shape.box == (pytest.approx((0.1, 0.1)), pytest.approx((0.9, 0.5)))
     assert parse_toml(write_toml(scenario)) == scenario  # what is shown is complete
+
+
+def test_walls_are_obstacles_in_a_workspace_beyond_them(tmp_path: Path) -> None:
+    workspace = "workspace.points=[[-1.0, -1.0], [2.0, -1.0], [2.0, 2.0], [-1.0, 2.0]]"
+    scenario = load(written(tmp_path, "[0.7, 0.25]"), [workspace])
+    assert scenario.workspace.shape.box == ((-1.0, -1.0), (2.0, 2.0))
+    for x, y in ((0.05, 0.3), (0.95, 0.3), (0.5, 0.05), (0.5, 0.55)):
+        assert min(shape.distance(x, y) for shape in scenario.shapes.values()) <= 0.0
 
 
 @pytest.mark.parametrize(
