@@ -10,7 +10,6 @@ import time
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +27,6 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.keys import world_key
 from protocol.messages import Clock
-from protocol.scenario.file import write_toml
-from protocol.scenario.model import ProcessFault
 from tests.deploy.processes.ports import free_ports
 from tests.deploy.processes.test_spawn import gone
 from tests.deploy.processes.test_titles import title
@@ -165,18 +162,6 @@ def assert_logged(folder: Path) -> None:
         assert all((line["run"], line["host"]) == ("yard", host) for line in lines)
         ended = {line["robot"] for line in lines if line["text"] == "ends with status 0"}
         assert ended == {None, *robots}
-
-
-@pytest.mark.campaign
-def test_scheduled_faults_reach_other_hosts(server: Server, disknav: Forks, tmp_path: Path) -> None:
-    scenario = tmp_path / "scenario.toml"
-    scenario.write_text(write_toml(replace(SCENARIO, process=(ProcessFault(3, 0.5, "restart"),))))
-    hosts, _ = table(server, tmp_path, ["left"])
-    done = disknav("run", scenario, "--hosts", hosts, "--json", "-")
-    assert done.returncode == 0, done.stderr
-    restarts = {row["name"]: row["restarts"] for row in json.loads(done.stdout)["processes"]}
-    assert restarts["robot-3"] == 1
-    assert sum(restarts.values()) == 1
 
 
 def test_a_launcher_that_is_killed_leaves_nothing(server: Server, tmp_path: Path) -> None:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from deploy.library.load import load
+from agents.shell.node import RobotNode
+from deploy.library.load import load, resolved
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.operator import operating
@@ -17,13 +19,14 @@ from protocol.bus.connection import Connection
 from protocol.messages import Clock
 from protocol.operations import Reply
 from protocol.scenario.body import Body
-from protocol.scenario.model import Operation, Order, RobotSpec
-from tests.system.orders.guests import GUEST, SWAP, status, step, to_be
-from tests.system.orders.turnover import asked
+from protocol.scenario.file import parse_toml
+from protocol.scenario.model import Operation, Order, ProcessFault, RobotSpec
+from tests.campaigns.observe import observe
+from tests.skipped_waits import skipped_waits
+from tests.system.orders.guests import GUEST, GUESTED, SWAP, status, step, to_be
+from tests.system.orders.turnover import Turnover, asked
 from world.report import result_of
-
-COMINGS = [(0.2, {"add": GUEST}), (1.0, {"remove": 7}), (1.3, {"add": GUEST})]
-AT_ONCE = replace(SWAP, orders=tuple(Order(at, **order) for at, order in COMINGS))
+from world.shell.checkpoint import Checkpoint
 
 
 def guested(tick: int, seed: int = 0) -> dict[str, Any]:
@@ -34,19 +37,13 @@ def guested(tick: int, seed: int = 0) -> dict[str, Any]:
     return fleet.execute()
 
 
+@pytest.mark.slow
 def test_a_guest_appears_joins_and_arrives() -> None:
     report = guested(20)
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
     assert report["robots"] == [1, 2, 3, 4, 7]
     assert math.dist(report["positions"]["7"], GUEST.goal) <= SWAP.time.tolerance
     assert report["min_clearance"] > 0.0
-
-
-def test_who_is_removed_and_added_again_at_once_has_a_process_of_its_own() -> None:
-    """Also if the ticks between are so few, or so quick, that no Clock lists the newcomers."""
-    report = LocalFleet(AT_ONCE).execute()
-    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
-    assert report["faults"]["given_up"] == []  # no process was waited for in vain
 
 
 def test_nothing_appears_while_somebody_is_in_its_place() -> None:
@@ -60,6 +57,7 @@ def test_nothing_appears_while_somebody_is_in_its_place() -> None:
     assert result_of(fleet.world.world)["collisions"] == 0
 
 
+@pytest.mark.slow
 def test_who_is_removed_ends_and_may_come_back() -> None:
     fleet = LocalFleet(replace(SWAP, time=replace(SWAP.time, endless=True)))
     step(fleet, 20)
@@ -150,3 +148,113 @@ def test_processes_come_and_go() -> None:
     assert [reply.accepted for reply in guests.told] == [True, True]
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
     assert rows["robot-7"]["exit_code"] == 0
+
+
+@pytest.mark.slow
+def test_a_process_that_is_there_before_its_disk_waits_for_it() -> None:
+    fleet = LocalFleet(SWAP)
+    step(fleet, 10)
+    assert asked(fleet, {"add": GUEST}).accepted
+    process = fleet.start(7)
+    process.wake(math.inf)  # asks to join
+    assert status(fleet, 7) == "appearing"
+    to_be(fleet, 7, "standing")
+    process.wake(math.inf)
+    report = fleet.execute()
+    assert (report["verdict"], report["robots"]) == ("arrived", [1, 2, 3, 4, 7])
+
+
+@pytest.mark.slow
+def test_a_process_that_is_there_before_its_order_waits_and_no_trajectory_shows_it() -> None:
+    fleet = LocalFleet(GUESTED)
+    process = fleet.start(7)
+    for _ in range(10):
+        process.wake(math.inf)  # asks to join: a process that is refused repeatedly gives up
+    report = fleet.execute()
+    assert (report["verdict"], report["robots"]) == ("arrived", [1, 2, 3, 4, 7])
+    assert report["trajectory_sha256"] == LocalFleet(GUESTED).execute()["trajectory_sha256"]
+    assert fleet.robots[7].node is process
+    assert isinstance(process, RobotNode)
+    assert process.verdict == "arrived"
+
+
+def test_a_process_that_waits_for_an_order_that_never_comes_is_told_so() -> None:
+    fleet = LocalFleet(replace(GUESTED, time=replace(SWAP.time, limit=0.15)))
+    process = fleet.start(7)
+    process.wake(math.inf)
+    report = fleet.execute()
+    assert (report["verdict"], report["faults"]["given_up"]) == ("timeout", [])
+    assert isinstance(process, RobotNode)
+    process.wake(math.inf)
+    assert process.verdict == "timeout"
+
+
+@pytest.mark.slow
+def test_a_guest_that_appears_as_the_run_ends_is_told_that_it_is_over() -> None:
+    """A robot that was removed while it was paused keeps the world waiting for what it reports."""
+    orders = (Order(0.0, add=GUEST), Order(0.0, remove=2))
+    pause = (ProcessFault(2, 0.0, "pause"),)
+    for limit in range(1, 6):
+        time_ = replace(SWAP.time, limit=limit * SWAP.time.step)
+        with skipped_waits():
+            fleet = LocalFleet(replace(SWAP, time=time_, orders=orders, process=pause))
+            assert fleet.execute()["verdict"] == "timeout"
+
+
+@pytest.mark.slow
+def test_no_fault_that_the_world_passes_over_ends_the_process_of_the_next_robot() -> None:
+    """However late a launcher gets to the first: robot 2 is not there, and its next process comes."""
+    text = """
+        time = { step = 0.05, limit = 0.3 }
+        workspace = { radius = 3.0 }
+        process = [{ robot = 2, at = 0.04, event = "restart" }, { robot = 2, at = 0.053, event = "restart" }]
+        robots = [
+            { id = 1, radius = 0.3, start = [0.0, 1.0], goal = [0.0, 0.0] },
+            { id = 2, radius = 0.3, start = [0.0, 0.0], goal = [0.0, -1.0] },
+        ]
+        [[orders]]
+        at = 0.0
+        remove = 2
+        [[orders]]
+        at = 0.05
+        add = { id = 2, radius = 0.09, start = [0.0, 0.0], goal = [0.0, 1.0] }
+    """
+    scenario = resolved(parse_toml(text))
+    calm = observe(scenario)
+    assert calm.report is not None
+    assert calm.report["faults"]["given_up"] == []
+    assert [fault["tick"] for fault in calm.report["faults"]["process"]] == [2]
+    assert {observe(scenario, busy=seed).trajectory for seed in (1, 2)} == {calm.trajectory}
+
+
+@pytest.mark.slow
+def test_a_restarted_world_knows_who_came_and_went(tmp_path: Path) -> None:
+    Checkpoint.create(tmp_path / "checkpoint")
+    fleet = LocalFleet(SWAP, checkpoint=tmp_path / "checkpoint")
+    step(fleet, 10)
+    assert asked(fleet, {"add": GUEST}).accepted
+    to_be(fleet, 7, "live")
+    assert asked(fleet, {"remove": 1}).accepted
+    step(fleet, 5)
+    before = fleet.world.world
+    fleet.kill_world()
+    fleet.start_world()
+    after = fleet.world.world
+    assert after.truth == before.truth
+    then, now = (
+        before.coordinator.lives.roster.message.members,
+        after.coordinator.lives.roster.message.members,
+    )
+    for one, other in zip(then, now, strict=True):
+        assert (one.robot, one.incarnation, one.radius) == (other.robot, other.incarnation, other.radius)
+    report = fleet.execute()
+    assert (report["verdict"], report["collisions"], report["robots"]) == ("arrived", 0, [2, 3, 4, 7])
+
+
+@pytest.mark.slow
+def test_comings_and_goings_under_faults() -> None:
+    turnover = Turnover(0)
+    turnover.run(300)
+    assert result_of(turnover.fleet.world.world)["collisions"] == 0
+    assert turnover.changes >= 10
+    assert turnover.settles(2400)

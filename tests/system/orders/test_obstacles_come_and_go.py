@@ -11,7 +11,6 @@ from typing import Any
 import msgspec
 import pytest
 
-import disknav
 from deploy.library.load import load
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
@@ -91,22 +90,6 @@ def test_a_recording_says_from_when_until_when(tmp_path: Path) -> None:
     assert (first.since, second.until) == (0.0, math.inf)
     assert 0.5 < second.since < 1.5 < first.until < 3.0
     assert second.words == f"from {second.since:.1f} s"
-
-
-def test_from_python() -> None:
-    simulation = disknav.Simulation(SWAP)
-    simulation.step()
-    number = simulation.orders.place((0.0, 0.0), radius=0.02)
-    assert simulation.orders.obstacles() == {}
-    for _ in range(3):
-        simulation.step()
-    assert list(simulation.orders.obstacles()) == [number]
-    with pytest.raises(disknav.UsageError, match="overlaps robot"):
-        simulation.orders.place(tuple(simulation.positions[0]), radius=0.1)
-    with pytest.raises(disknav.UsageError, match="three points"):
-        simulation.orders.place((0.0, 0.0), (0.1, 0.0))
-    simulation.orders.take(number)
-    assert simulation.orders.obstacles() == {}
 
 
 @pytest.mark.process

@@ -1,23 +1,15 @@
-"""Sends a signal to a command at a random moment of its life, and looks at what is left.
-
-    python -m tests.system.signals.moments --moments 200 --seed 1
-
-does so 200 times to a recorded run, and prints every seed whose outcome is not what is promised.
-"""
+"""Sends a signal to a command at a random moment of its life, and looks at what is left."""
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
 from pathlib import Path
 from random import Random
-from tempfile import TemporaryDirectory
 from typing import NamedTuple
 from uuid import uuid4
 
@@ -204,36 +196,3 @@ def _recording(folder: Path) -> list[str]:
     except Exception as error:  # noqa: BLE001  # whatever a stock reader says
         return [f"the recording cannot be read: {error!r}"]
     return [] if "recorder" in names else [f"the recording has metadata {names} only"]
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """The campaign of a command line; the exit status."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--moments", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=1, help="of the first moment; the others follow")
-    parser.add_argument("--transport", choices=TRANSPORTS, action="append", help="routed unless given")
-    options = parser.parse_args(arguments)
-    transports = options.transport or ["routed"]
-    faulty, statuses = 0, dict[int, int]()
-    with TemporaryDirectory(prefix="moments-") as folder:
-        spans = {transport: life(_folder(folder, transport), transport) for transport in transports}
-        print(", ".join(f"{name}: {span:.2f} s a run" for name, span in spans.items()), flush=True)
-        for seed in range(options.seed, options.seed + options.moments):
-            transport = transports[seed % len(transports)]
-            outcome = interrupted(_folder(folder, str(seed)), seed, spans[transport], transport)
-            statuses[outcome.status] = statuses.get(outcome.status, 0) + 1
-            if outcome.faults:
-                faulty += 1
-                print(f"seed {seed}, {transport}: {'; '.join(outcome.faults)}", flush=True)
-    print(f"{options.moments} moments, statuses {statuses}, {faulty} at fault")
-    return 1 if faulty else 0
-
-
-def _folder(parent: str, name: str) -> Path:
-    folder = Path(parent) / name
-    folder.mkdir()
-    return folder
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -77,17 +76,6 @@ def test_robots_first_router_last(tmp_path: Path) -> None:
     assert "the run is over: timeout" in said_by["robot-1"]
     assert "ends: timeout" in said_by["world"]
     assert it.endpoint in said_by["router"]
-
-
-def test_a_world_that_is_told_to_stop_says_so(tmp_path: Path) -> None:
-    alive = tmp_path / "alive"
-    with by_hand() as it:
-        it.start("router")
-        world = it.start("world", "figure-2", "--alive", str(alive))
-        until(alive.exists)
-        world.send_signal(signal.SIGTERM)
-        found, report = said(world)
-        assert (found, report["verdict"]) == (128 + signal.SIGTERM, "interrupted")
 
 
 @pytest.mark.long(8)

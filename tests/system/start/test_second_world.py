@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
@@ -16,6 +15,7 @@ from deploy.run.options import fresh_run_name
 from protocol.bus.connection import Connection
 from protocol.errors import BusError
 from protocol.scenario.model import Journey, Operation
+from tests.deploy.telemetry.monitor.watched import until
 from tests.forks import Forks
 from world.process import REFUSED
 
@@ -28,18 +28,12 @@ RELEASE = Operation(halt=False)
 
 def rows(connection: Connection, run: str) -> list[table.Process]:
     robots = [table.robot(connection, run, robot) for robot in SCENARIO.ids]
-    return [table.world(connection, run, SCENARIO, True), *robots]
+    return [table.world(connection, run, SCENARIO, True, speed=2.0), *robots]
 
 
 def router(supervisor: Supervisor, *others: str) -> Connection:
     supervisor.start([table.router(Connection("router", connect=others))])
     return Connection(connect=(supervisor.report("router", 20.0),))
-
-
-def until(holds: Callable[[], bool], seconds: float = 30.0) -> None:
-    deadline = time.monotonic() + seconds
-    while not holds():
-        assert time.monotonic() < deadline
 
 
 @contextmanager
@@ -102,13 +96,3 @@ def test_fleets_on_networks_that_are_joined_stand_until_one_has_left(
             assert operator.operate().halted
             second.stop()
             until(lambda: not operator.operate().halted)
-
-
-def test_a_world_that_is_started_again_takes_the_place_of_a_dead_one() -> None:
-    run = fresh_run_name()
-    with Supervisor() as supervisor:
-        connection = router(supervisor)
-        with driving(supervisor, connection, run) as operator:
-            supervisor.restart(table.WORLD)
-            until(lambda: begun(operator))
-            assert "world" in supervisor.running()

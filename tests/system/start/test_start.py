@@ -33,12 +33,6 @@ def test_a_port_that_is_taken_is_one_line_that_says_what_to_do(taken: str) -> No
     assert "name another endpoint" in line
 
 
-def test_so_is_an_address_that_is_none_of_this_host() -> None:
-    status, (line,) = _served("--run", "start-nowhere", "--listen", "tcp/192.0.2.1:7447")
-    assert status == 3
-    assert "192.0.2.1" in line
-
-
 def test_and_robots_that_cannot_start() -> None:
     """Their law is refused by each of their processes, not by the launcher."""
     status, lines = _served("--run", "start-law", "--set", "control.law=nowhere:Law")
