@@ -1,11 +1,11 @@
-"""Problems on which the navigation function is tested: 2, 3 and 6 robots, equal and unequal radii."""
+"""What the navigation function is tested on: 2, 3 and 6 robots, equal and unequal, and their clusters."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from deploy.theory.exact_flow import random_configuration
-from deploy.theory.function import Array, FleetProblem
+from deploy.theory.function import Array, FleetProblem, beta_pairs, gamma, obstacle_functions
 from protocol.draws import Purpose, generator
 
 SIZES = (2, 3, 6)
@@ -32,3 +32,37 @@ def admissible(p: int, unequal: bool, k: float) -> FleetProblem:
     radii = np.linspace(3.6, 4.4, p) if unequal else np.full(p, 4.0)
     angle = 2.0 * np.pi * np.arange(p) / p + 0.1
     return FleetProblem(circle * np.stack([np.cos(angle), np.sin(angle)], axis=1), radii, workspace, k)
+
+
+def log_ratio(problem: FleetProblem, b: Array) -> float:
+    """log phi_hat = k log gamma - log beta, equation (5), written independently of the code under test."""
+    return float(problem.k * np.log(gamma(problem, b)) - np.log(obstacle_functions(problem, b)).sum())
+
+
+def clusters(problem: FleetProblem, b: Array, eps: float) -> tuple[tuple[int, ...], ...]:
+    """The partition P_1..P_s of robot indices (from 0), sorted, ordered by smallest member (Lemma B.3)."""
+    beta = beta_pairs(problem, b)
+    near = (beta > 0.0) & (beta <= eps)  # N_eps(b, i), section 2.3
+    left, cells = set(range(problem.p)), []
+    while left:
+        cell: set[int] = set()
+        ring = {min(left)}
+        while ring:  # the (n+1)st neighbours: near to an nth neighbour, to none before
+            cell |= ring
+            ring = {int(j) for i in ring for j in np.flatnonzero(near[i])} - cell
+        cells.append(tuple(sorted(cell)))
+        left -= cell
+    return tuple(cells)
+
+
+def circulation(b: Array, cluster: tuple[int, ...]) -> Array:
+    """v_z = sum over the cluster of J (b_n - g_z) (x) e_n, equation (15), (p, 2) m.
+
+    All members circle their centroid g_z, the others stand still: the direction of negative curvature of
+    Proposition C.4, hence a natural way off a saddle. J = [[0, 1], [-1, 0]].
+    """
+    members = list(cluster)
+    arms = b[members] - b[members].mean(axis=0)
+    v = np.zeros_like(b)
+    v[members] = np.stack([arms[:, 1], -arms[:, 0]], axis=1)
+    return v

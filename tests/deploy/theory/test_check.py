@@ -5,13 +5,17 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from functools import cache
+from itertools import combinations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from rich.console import Console
 
 from deploy.library.load import load, read
-from deploy.theory.check import CheckReport, render, report, to_json
+from deploy.theory.check import CheckReport, mirrored_triples, render, report, to_json
+from deploy.theory.function import FleetProblem
 from deploy.theory.surrounded import surrounded, theorem_for
 from protocol.scenario.model import Control, RobotSpec, Scenario, Workspace
 
@@ -155,3 +159,17 @@ def test_a_single_robot_with_parts_is_in_no_sphere_world() -> None:
     theorem, reasons = theorem_for(replace(drawn, robots=drawn.robots[:1]))
     assert theorem is None
     assert "carried parts" in reasons[0]
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.lists(st.floats(0.5, 5.0), min_size=3, max_size=7), st.floats(3.0, 14.0))
+def test_a_mirror_image_is_unreachable_for_exactly_the_wide_triples(
+    radii: list[float], workspace: float
+) -> None:
+    angle = 2.4 * np.arange(len(radii))
+    start = np.stack([np.cos(angle), np.sin(angle)], axis=1) * workspace
+    problem = FleetProblem(start * (1.0, -1.0), np.array(radii), workspace, 60.0)
+    triples = combinations(range(len(radii)), 3)
+    wide = [triple for triple in triples if problem.radii[list(triple)].sum() > workspace]
+    assert mirrored_triples(problem, start) == wide
+    assert mirrored_triples(FleetProblem(start, problem.radii, workspace, 60.0), start) == []

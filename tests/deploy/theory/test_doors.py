@@ -49,8 +49,8 @@ def verdict(scenario: Scenario) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("slack", [0.1, 0.001])
-def test_a_robot_stops_before_a_door_below_its_gain_and_passes_above(slack: float) -> None:
+def test_a_robot_stops_before_a_door_below_its_gain_and_passes_above() -> None:
+    slack = 0.1
     scenario = hall(slack)
     (door, *_) = doors(scenario, 1.0)
     left = math.dist((20.0, 20.0), (30.0, 30.0))
@@ -62,7 +62,7 @@ def test_a_robot_stops_before_a_door_below_its_gain_and_passes_above(slack: floa
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "slack", "robots", "scale"),
-    [("gradient", 0.001, 1, 0.1), ("gradient", 0.01, 3, 1.0), ("reciprocal", 0.01, 3, 1.0)],
+    [("gradient", 0.001, 1, 0.1), ("reciprocal", 0.01, 3, 1.0)],
 )
 def test_with_k_auto_robots_pass_a_door(law: str, slack: float, robots: int, scale: float) -> None:
     assert verdict(resolved(hall(slack, robots, scale, law))) == "arrived"

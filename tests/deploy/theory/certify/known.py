@@ -8,6 +8,7 @@ from functools import cache
 
 import numpy as np
 
+from deploy.theory.certify.boxes import scene_of
 from deploy.theory.exact_flow import (
     CriticalPoint,
     classify,
@@ -20,6 +21,7 @@ from deploy.theory.function import Array, FleetProblem, gamma, obstacle_function
 from protocol.draws import Purpose, generator
 
 WORKSPACE = 0.3
+J = np.array([[0.0, 1.0], [-1.0, 0.0]])
 FIGURE_2 = np.array([(0.0, 0.049), (-0.0425, -0.0245), (0.0425, -0.0245)])
 
 
@@ -110,3 +112,18 @@ def holds(box: Array, row: Array) -> bool:
     """Whether a box holds the point, up to the accuracy to which that was found."""
     slack = 1e-8 * np.maximum(1.0, np.abs(row))
     return bool(((box[:, 0] - slack <= row) & (row <= box[:, 1] + slack)).all())
+
+
+def half_form(found: Known, v: Array) -> float:
+    """v^T H v / 2 without -2 (y . v)^2 / gamma, H = gamma kappa Hess(log phi^), by M and the gradients."""
+    problem, b = found.problem, found.point.b
+    scene, row, n = scene_of(problem), found.row, 2 * problem.p
+    turn = v.reshape(-1, 2)
+    total = float((turn**2).sum())
+    for q, (i, j) in enumerate(zip(scene.first, scene.second, strict=True)):
+        apart = b[i] if j < 0 else b[i] - b[j]
+        move = turn[i] if j < 0 else turn[i] - turn[j]
+        beta = (apart @ apart - scene.contact[q].mean()) * (-1.0 if j < 0 else 1.0)
+        total += row[n + q] * (move @ move) * (1.0 if j < 0 else -1.0)
+        total += 2.0 * row[n + q] / beta * (apart @ move) ** 2
+    return total

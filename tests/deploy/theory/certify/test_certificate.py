@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+import base64
 import json
+import zlib
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from deploy.library.load import read
-from deploy.theory.certify.boxes import scene_of
 from deploy.theory.certify.certificate import Certificate, GoalSet, ProofError, Slab, fetch, path_for, store
 from deploy.theory.certify.prove import ladder, prove
 from deploy.theory.certify.replay import replay
-from deploy.theory.certify.search import Search
 from protocol.errors import UsageError
 from protocol.scenario.model import Scenario
 
@@ -29,36 +29,22 @@ def proven(goals: GoalSet, k: float) -> Certificate:
     return certificate
 
 
-def test_two_robots_down_to_k_2_and_a_second_opinion(tmp_path: Path) -> None:
-    certificate = proven(PAIR, 2.0)
-    assert certificate.proven == 2.0
-    store(certificate, tmp_path / "pair.json")
-    back = fetch(tmp_path / "pair.json", PAIR)
-    assert back == certificate
+@pytest.fixture(scope="module")
+def pair() -> Certificate:
+    return proven(PAIR, 100.0)
+
+
+def test_what_is_stored_has_a_second_opinion(pair: Certificate, tmp_path: Path) -> None:
+    """Three robots down to k = 1000 have one in test_command.py."""
+    store(pair, tmp_path / "kept.json")
+    back = fetch(tmp_path / "kept.json", PAIR)
+    assert back == pair
     checked = replay(back, 3.0)
-    assert checked.proven == 2.0
+    assert checked.proven == pair.proven == 100.0
     assert checked.enough(None)
-    assert checked.enough(3.0)
-    assert not checked.enough(1.5)
-
-
-def test_three_robots_at_large_k_and_a_second_opinion() -> None:
-    certificate = proven(TRIPLE, 1000.0)
-    checked = replay(certificate, 3.0)
-    assert checked.proven == 1000.0
-    assert checked.boxes <= 2 * certificate.boxes
-
-
-def test_portions_of_any_size_make_the_same_branching() -> None:
-    whole = proven(TRIPLE, 1000.0)
-    search = Search(scene_of(TRIPLE.problem), Certificate(TRIPLE).kappa(1000.0))
-    shares = [search.done]
-    while search.advance(313):
-        shares.append(search.done)
-    assert [slab.nodes for slab in whole.slabs] == [search.branching]
-    assert search.nodes == len(search.branching)
-    assert shares == sorted(shares)
-    assert (shares[0], search.done) == (0.0, 1.0)
+    assert checked.enough(150.0)
+    assert not checked.enough(50.0)
+    assert checked.boxes <= 2 * pair.boxes
 
 
 def test_what_is_told_stops_it_and_it_goes_on() -> None:
@@ -93,9 +79,9 @@ def test_the_ladder_ends_where_it_is_told() -> None:
         ("{", "", "is no certificate"),
     ],
 )
-def test_a_damaged_file_is_refused(old: str, new: str, says: str, tmp_path: Path) -> None:
+def test_a_damaged_file_is_refused(old: str, new: str, says: str, pair: Certificate, tmp_path: Path) -> None:
     path = tmp_path / "pair.json"
-    store(proven(PAIR, 1000.0), path)
+    store(pair, path)
     text = path.read_text()
     assert old in text
     path.write_text(text.replace(old, new, 1))
@@ -103,40 +89,33 @@ def test_a_damaged_file_is_refused(old: str, new: str, says: str, tmp_path: Path
         fetch(path)
 
 
-def test_files_that_are_missing_or_of_other_goals_are_refused(tmp_path: Path) -> None:
+def test_files_that_are_missing_or_of_other_goals_are_refused(pair: Certificate, tmp_path: Path) -> None:
     with pytest.raises(ProofError, match="cannot be read"):
         fetch(tmp_path / "nowhere.json")
-    store(proven(PAIR, 10_000.0), tmp_path / "pair.json")
+    store(pair, tmp_path / "pair.json")
     with pytest.raises(ProofError, match=r"pair.json.*\n.*other goals"):
         fetch(tmp_path / "pair.json", TRIPLE)
 
 
-def test_forged_claims_do_not_survive_a_second_opinion() -> None:
-    """A branching that ends too early, goes on too long, or stops below the k at which minima appear."""
-    honest = proven(TRIPLE, 10_000.0)
-    (slab,) = honest.slabs
+def test_forged_claims_do_not_survive_a_second_opinion(pair: Certificate) -> None:
+    """A branching that stops below the k at which minima appear, ends too early, or goes on too long."""
     empty = Slab(2.2, 1, 0.0, "eJz7DwABAAEA")  # one node: nothing there
     assert empty.nodes == b"\xff"
-    forged = replace(honest, slabs=[slab, empty])
-    checked = replay(forged, 3.0)
-    assert checked.proven == 10_000.0
-    assert not checked.enough(None)
-    assert checked.failed is not None
-    assert "could not be verified" in checked.failed
+    checked = replay(Certificate(TRIPLE, slabs=[empty]), 3.0)
+    assert (checked.proven, checked.enough(None)) == (None, False)
+    assert "could not be verified" in str(checked.failed)
+    slab = pair.slabs[1]
     for nodes in (slab.nodes[:-1], slab.nodes + b"\xff"):
-        checked = replay(_with(honest, nodes), 3.0)
-        assert checked.proven is None
-        assert checked.failed is not None
-        assert "damaged" in checked.failed
+        checked = replay(_with(pair, nodes), 3.0)
+        assert (checked.proven, checked.enough(None)) == (1000.0, False)
+        assert "damaged" in str(checked.failed)
 
 
 def _with(certificate: Certificate, nodes: bytes) -> Certificate:
-    import base64
-    import zlib
-
-    (slab,) = certificate.slabs
+    """With this branching in its second slab."""
+    first, slab, *others = certificate.slabs
     text = base64.b64encode(zlib.compress(nodes)).decode()
-    return replace(certificate, slabs=[Slab(slab.k, len(nodes), 0.0, text)])
+    return replace(certificate, slabs=[first, Slab(slab.k, len(nodes), 0.0, text), *others])
 
 
 def test_goals_that_touch_have_no_certificate() -> None:
@@ -156,8 +135,8 @@ def test_goals_are_told_apart_by_what_they_are() -> None:
     assert GoalSet.of(scenario).digest != PAIR.digest
 
 
-def test_the_file_is_json_for_anybody(tmp_path: Path) -> None:
-    store(proven(PAIR, 100.0), tmp_path / "pair.json")
+def test_the_file_is_json_for_anybody(pair: Certificate, tmp_path: Path) -> None:
+    store(pair, tmp_path / "pair.json")
     data = json.loads((tmp_path / "pair.json").read_text())
     assert [slab["k"] for slab in data["slabs"]] == [1000.0, 300.0, 100.0]
     assert data["goals"]["radii"] == [0.04, 0.05]

@@ -1,4 +1,4 @@
-"""What the search rests on, at critical points found numerically; and results A to D of docs/theory."""
+"""What the search rests on, at critical points found numerically; and results A to C of docs/theory."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ from deploy.theory.certify.boxes import scene_of
 from deploy.theory.exact_flow import classify
 from deploy.theory.function import Array, FleetProblem, gamma, obstacle_functions, reduced_jacobian
 from protocol.draws import Purpose, generator
-from tests.deploy.theory.certify.forms import J, half_form
-from tests.deploy.theory.certify.known import Known, known
+from tests.deploy.theory.certify.known import J, Known, half_form, known
 
 
 def points() -> list[Known]:
@@ -108,26 +107,3 @@ def test_result_c_two_robots_without_a_wall(k: float) -> None:
     assert low > 0.5
     assert gamma(wide, b) * kappa / beta == pytest.approx(low, rel=1e-6)
     assert classify(wide, b).index > 0
-
-
-def test_result_d_no_equal_triangle_is_pushed_together_by_free_goals() -> None:
-    """The triangle of contacts: b is a minimum at kappa = 0 only if y is a sum of pushes lambda_ij d_ij, all
-    lambda >= 0, and the triangle's turn does not descend, sum b . g >= 0. No free goals allow both.
-    """
-    rho = 1.0
-    triangle = rho / np.sqrt(3.0) * np.array([(np.cos(t), np.sin(t)) for t in 2 * np.pi * np.arange(3) / 3])
-    draw = generator(0, Purpose.STUDY)
-    free = turned = 0
-    for _ in range(5_000):
-        weights = draw.exponential(0.6, 3)
-        y = np.zeros((3, 2))
-        for weight, (i, j) in zip(weights, ((0, 1), (0, 2), (1, 2)), strict=True):
-            y[i] += weight * (triangle[i] - triangle[j])
-            y[j] -= weight * (triangle[i] - triangle[j])
-        goals = triangle - y
-        apart = [np.linalg.norm(goals[i] - goals[j]) for i, j in ((0, 1), (0, 2), (1, 2))]
-        if min(apart) > rho:
-            free += 1
-            turned += float((triangle * goals).sum()) < 0.0
-    assert free > 250
-    assert turned == free

@@ -6,12 +6,16 @@ import numpy as np
 import pytest
 from flint import arb
 
-from deploy.theory.certify.boxes import derived, scene_of
+from deploy.theory.certify.boxes import Derived, Scene, derived, scene_of
 from deploy.theory.certify.certificate import EMPTY, FALLS, GoalSet
 from deploy.theory.certify.conditions import BoxConditions
+from deploy.theory.certify.contractors import enclose
+from deploy.theory.certify.curvature import circle, corrected, form
 from deploy.theory.certify.replay import Walk
 from deploy.theory.certify.search import OPEN, Search, contract, contract_newton, settle
-from tests.deploy.theory.certify.known import Known, blockade, boxes, forever, holds, known
+from deploy.theory.function import Array
+from protocol.draws import Purpose, generator
+from tests.deploy.theory.certify.known import J, Known, blockade, boxes, forever, half_form, holds, known
 
 pytestmark = pytest.mark.slow
 
@@ -61,9 +65,8 @@ def test_most_small_boxes_around_saddles_are_settled() -> None:
 
 def test_below_the_threshold_the_minimum_stays_in_an_open_box() -> None:
     found = blockade(2.2)
-    scene = scene_of(found.problem)
-    search = Search(scene, (1.0 / 2.25, 1.0 / 2.15))
-    search.advance(30_000)
+    search = Search(scene_of(found.problem), (1.0 / 2.25, 1.0 / 2.15))
+    search.advance(20_000)
     assert any(holds(box, found.row) for box in search.open)
 
 
@@ -72,7 +75,7 @@ def test_goals_that_have_a_minimum_at_every_large_k_never_certify(equal: bool) -
     found = forever(equal)
     scene = scene_of(found.problem)
     search = Search(scene, (0.0, 1e-4))
-    search.advance(50_000)
+    search.advance(20_000)
     assert any(holds(box, found.row) for box in search.open)
 
 
@@ -97,3 +100,74 @@ def test_the_verifier_keeps_known_critical_points_and_settles_no_minimum() -> No
                 assert walk.narrowed(conditions), found.point
             narrowed = np.array([[float(low.mid()), float(high.mid())] for low, high in conditions.rows])
             assert holds(narrowed, found.row), found.point
+
+
+# -- bounds of the second-order tests against the Hessian itself
+
+
+def points() -> list[Known]:
+    """Minima, and saddles of two to four robots, at the wall too."""
+    return [
+        blockade(2.2),
+        *(found for seed in range(20) for found in known(seed) if found.point.kind != "maximum"),
+    ]
+
+
+def around(found: Known, width: float) -> tuple[Scene, Array, Derived]:
+    """A box about the point, of this relative width, with all that is derived from it."""
+    scene, row = scene_of(found.problem), found.row
+    n = 2 * found.problem.p
+    margin = width * np.where(np.arange(len(row)) < n, 0.1, np.abs(row))
+    box = np.stack([row - margin, row + margin], axis=1)
+    out = derived(scene)
+    assert enclose(scene, box, out)
+    return scene, box, out
+
+
+def test_the_bound_of_circling_is_one_and_close() -> None:
+    """At every point where it is of use."""
+    for found in points():
+        scene, box, out = around(found, 1e-9)
+        for q, (i, j) in enumerate(zip(scene.first, scene.second, strict=True)):
+            for robot in (i, j) if j >= 0 else (i,):
+                v = np.zeros_like(found.point.b)
+                v[robot] = J @ (found.point.b[i] - (found.point.b[j] if j >= 0 else 0.0))
+                exact, bound = half_form(found, v.ravel()), circle(scene, box, out, q, robot)
+                assert bound >= exact - 1e-9
+                assert bound == np.inf or bound <= exact + 1e-3
+
+
+def test_the_corrected_field_is_orthogonal_to_the_chosen_gradients() -> None:
+    """It holds, for every b of a box, v - W z."""
+    for number, found in enumerate(points()):
+        draw = generator(number, Purpose.STUDY)
+        scene, box, out = around(found, 3e-2)
+        n = len(scene.goals)
+        stiff = draw.integers(len(scene.first), size=1)
+        v, field = draw.standard_normal(n), np.empty((n, 2))
+        assert corrected(scene, box, out, stiff, v, field)
+        w = gradient(scene, box[:n].mean(axis=1), stiff[0])
+        for _ in range(10):
+            row = gradient(scene, draw.uniform(box[:n, 0], box[:n, 1]), stiff[0])
+            exact = v - w * (row @ v) / (row @ w)
+            assert ((field[:, 0] - 1e-12 <= exact) & (exact <= field[:, 1] + 1e-12)).all()
+
+
+def test_the_quadratic_form_is_bounded_from_above_and_closely() -> None:
+    for number, found in enumerate(points()):
+        scene, box, out = around(found, 1e-9)
+        v = generator(number, Purpose.STUDY).standard_normal(len(scene.goals))
+        none = np.empty(0, dtype=np.int64)
+        bound = form(scene, box, out, none, np.stack([v, v], axis=1))
+        exact = half_form(found, v)
+        assert exact - 1e-9 * abs(exact) <= bound <= exact + 1e-3 * abs(exact) + 1e-3
+
+
+def gradient(scene: Scene, b: Array, q: int) -> Array:
+    """grad beta_q / 2."""
+    row, i, j = np.zeros_like(b), scene.first[q], scene.second[q]
+    apart = b[2 * i : 2 * i + 2] - (b[2 * j : 2 * j + 2] if j >= 0 else 0.0)
+    row[2 * i : 2 * i + 2] = -apart if j < 0 else apart
+    if j >= 0:
+        row[2 * j : 2 * j + 2] = -apart
+    return row
