@@ -1,10 +1,12 @@
-"""Shared by all tests: profiles of hypothesis, a check that sources are tested, the order of tests."""
+"""Shared by all tests: profiles of hypothesis, a check that sources are tested, a browser, their order."""
 
 import gc
 import os
+import shutil
 import signal
 from collections.abc import Iterator
 from contextlib import closing
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -12,6 +14,9 @@ from hypothesis import HealthCheck, settings
 from deploy.software import check_compiled
 from protocol.errors import UsageError
 from tests.forks import Forks
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 # A busy machine is no counterexample; in continuous integration the same examples are tried every time.
 settings.register_profile(
@@ -45,6 +50,26 @@ def disknav() -> Iterator[Forks]:
     """The command, for tests that run it to its end."""
     with closing(Forks()) as forks:
         yield forks
+
+
+@pytest.fixture(scope="module")  # while it is there, asyncio's loop runs in this thread
+def browser() -> Iterator["Browser"]:
+    """Chromium, headless, driven by Playwright; what needs it is skipped where either is missing."""
+    names = ("chromium", "chromium-browser", "google-chrome")
+    chromium = next((path for path in map(shutil.which, names) if path), None)
+    if chromium is None:
+        pytest.skip("Chromium is missing: apt-get install chromium (Debian), or put `chromium` on the PATH")
+    playwright = pytest.importorskip(
+        "playwright.sync_api", reason="playwright is missing: pip install playwright"
+    )
+    flags = ["no-sandbox", "disable-gpu", "disable-quic", "no-first-run", "disable-background-networking"]
+    flags += ["disable-component-update", "disable-sync"]
+    with playwright.sync_playwright() as driver:
+        found = driver.chromium.launch(
+            executable_path=chromium, headless=True, args=[f"--{flag}" for flag in flags], timeout=90_000
+        )
+        yield found
+        found.close()
 
 
 @pytest.hookimpl(trylast=True)  # after those that were not asked for have gone

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 from rosbags.typesys import Stores, get_typestore
 
-from deploy.telemetry.scene import TF, TOPICS, FleetScene, Picture, TransformFrames
+from deploy.telemetry.scene import TF, FleetScene, Picture, TransformFrames
 from protocol import messages
 from protocol.messages import Clock, GoalStatus, Health, Member, Roster, Standing, Tick, Truth
 from protocol.scenario.model import Obstacle, Order, RobotSpec, Scenario
@@ -103,13 +103,6 @@ def test_pictures_come_at_a_bounded_rate() -> None:
     scene = FleetScene(SCENARIO)
     counts = Counter(picture.topic for tick in range(1, 201) for picture in scene.hear(truth(tick)))
     assert counts == {"/tf": 100, "/measures": 100, "/scene/lines": 10, "/scene/trails": 5}
-
-
-def test_nothing_is_measured_before_the_first_truth() -> None:
-    scene = FleetScene(SCENARIO)
-    assert {picture.topic for picture in scene.whole()} == TOPICS.keys() - {"/measures"}
-    list(scene.hear(truth(0)))
-    assert content(*scene.latest("/measures")) == {"clearance": 0.01, "phi": 0.5, "log_potential": 0.0}
 
 
 def drawn_robots(scene: FleetScene) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import signal
 import time
 from collections.abc import Iterator
 from contextlib import closing
@@ -12,36 +13,32 @@ from typing import Any
 import pytest
 from rich.console import Console
 
+from deploy.processes.router import listening
+from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
+from deploy.run.options import RunOptions, fresh_run_name
 from deploy.telemetry.monitor import terminal
-from deploy.telemetry.monitor.watcher import Player, Watcher
-from protocol.bus.local import LocalNetwork
-from protocol.keys import parse
+from deploy.telemetry.monitor.watcher import Player, attach
+from protocol.bus.connection import Connection
+from protocol.errors import BusError
 from protocol.messages import Clock, Truth
 from protocol.operations import Steer
 from protocol.scenario.model import Journey, Operation, Order, Point, RobotSpec, Time
-from protocol.streams import STREAMS
 from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, until, watch_local
 from tests.system.orders.turnover import asked
 
 
-def test_a_watcher_sees_what_the_world_judged() -> None:
+def test_a_watcher_sees_what_the_world_judged_and_changes_nothing() -> None:
     fleet = LocalFleet(ring(), "r")
     watcher = watch_local(fleet.network, "r")
     report = fleet.execute()
+    assert report["trajectory_sha256"] == LocalFleet(ring(), "r").execute()["trajectory_sha256"]
     frame = watcher.snapshot()
     assert frame["verdict"] == report["verdict"] == "arrived"
     assert frame["tick"] == report["ticks"]
     assert frame["smallest"] >= report["min_clearance"] - 1e-12
     assert {row["status"] for row in frame["robots"]} == {"at goal"}
     assert watcher.overview()["history"][-1][2] == pytest.approx(report["log_potential"]["last"])
-
-
-@pytest.mark.slow
-def test_a_watcher_does_not_change_a_run() -> None:
-    alone, watched = LocalFleet(ring(), "r"), LocalFleet(ring(), "r")
-    watch_local(watched.network, "r")
-    assert alone.execute()["trajectory_sha256"] == watched.execute()["trajectory_sha256"]
 
 
 def test_robots_are_shown_while_they_are_there() -> None:
@@ -70,24 +67,6 @@ def test_robots_are_shown_while_they_are_there() -> None:
     assert {row["status"] for row in watcher.snapshot()["robots"]} <= {"under way", "at goal", "joining"}
 
 
-def test_a_watcher_hears_only_what_the_network_may_drop() -> None:
-    class Listening:
-        def __init__(self) -> None:
-            self.heard: list[str] = []
-
-        def subscribe(self, key_expression: str) -> None:
-            self.heard.append(key_expression)
-
-        def watch(self, key_expression: str) -> None:
-            pass
-
-    bus = Listening()
-    Watcher(bus, "r")  # type: ignore[arg-type]  # a bus that only listens is all it needs here
-    streams = [parse(key.replace("*", "1")).stream for key in bus.heard]
-    assert streams
-    assert not [stream for stream in streams if STREAMS[stream].reliable]
-
-
 def test_who_comes_late_is_shown_what_is_in_force() -> None:
     fleet = LocalFleet(ring(), "r", speed=1.0)
     watcher = watch_local(fleet.network, "r")
@@ -105,33 +84,6 @@ def test_who_comes_late_is_shown_what_is_in_force() -> None:
 
 def sent(*points: Point) -> Operation:
     return Operation(goal=Journey(1, points))
-
-
-def test_a_run_that_does_not_answer_an_order_is_a_refusal() -> None:
-    watcher = watch_local(LocalNetwork(), "r")
-    watcher._known = True  # what it learnt once; the world has gone since
-    answer, stop = watcher.operate(sent((0.0, 0.0))), watcher.operate(Operation(halt=True))
-    watcher.wake(time.monotonic())
-    assert "no answer" in answer.result(0.0).text
-    assert "no answer" in stop.result(0.0).text
-
-
-@pytest.mark.slow
-def test_an_emergency_stop_reaches_the_run_and_its_release_too() -> None:
-    fleet = LocalFleet(ring(), "r")
-    watcher = watch_local(fleet.network, "r", speed=1.0)
-    assert "no run yet" in watcher.operate(Operation(halt=True)).result(0.0).text
-    with running(fleet):
-        until(lambda: watcher.snapshot()["tick"] >= 2)
-        assert watcher.operate(Operation(halt=True)).result(PATIENCE).accepted
-        until(lambda: watcher.snapshot()["phase"] == "halted")
-        stood = fleet.world.world.truth.positions
-        tick = fleet.world.world.tick
-        until(lambda: fleet.world.world.tick >= tick + 5)
-        assert fleet.world.world.truth.positions == stood
-        assert watcher.operate(Operation(halt=False)).result(PATIENCE).accepted
-        watcher.steer(Steer(speed=0.0))
-        until(lambda: watcher.snapshot()["verdict"] == "arrived")
 
 
 def entries(ticks: int) -> Iterator[tuple[float, Clock | Truth]]:
@@ -172,3 +124,36 @@ def rendered(frame: dict[str, Any]) -> str:
     console = Console(record=True, width=120, file=io.StringIO())
     console.print(terminal.table(frame))
     return console.export_text()
+
+
+# -- from outside, over zenoh
+
+
+@pytest.mark.process
+@pytest.mark.timeout(90)
+def test_endpoint_and_run_name_are_enough() -> None:
+    router, endpoint = listening(Connection("router"))
+    run, connection = fresh_run_name(), Connection(connect=(endpoint,))
+    scenario = replace(ring(2), time=Time(endless=True, fence=0.2))
+    with closing(router), closing(attach(connection, run)) as watcher:
+        assert watcher.snapshot()["phase"] == "searching"  # the run begins later
+        assert "no run yet" in watcher.operate(Operation(halt=True)).result(0.0).text
+        for epoch in (1, 2):  # another run of this name: everything anew
+            with Fleet(scenario, RunOptions(router=endpoint, run=run, speed=2.0)) as fleet:
+
+                def over(fleet: Fleet = fleet, epoch: int = epoch) -> bool:
+                    frame = watcher.snapshot()
+                    robot = frame["robots"][1] if frame["robots"] else {"alive": False, "status": ""}
+                    begun = watcher.overview()["epoch"] == epoch and frame["tick"] > 3
+                    if begun and robot["alive"] and "robot-2" in fleet.pids():
+                        fleet.signal("robot-2", signal.SIGKILL)
+                    return begun and robot["status"] in ("dead", "fenced")
+
+                fleet.execute(over)
+                assert watcher.overview()["epoch"] == epoch
+            until(lambda: watcher.snapshot()["phase"] in ("ended", "lost"))
+
+
+def test_nobody_at_the_endpoint_is_an_error() -> None:
+    with pytest.raises(BusError):
+        attach(Connection(connect=("tcp/127.0.0.1:1",), timeout=0.2), "r")

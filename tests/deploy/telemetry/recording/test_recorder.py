@@ -3,33 +3,25 @@
 import json
 import signal
 import time
-from collections.abc import Callable
-from contextlib import closing, suppress
-from functools import partial
 from pathlib import Path
 
 import msgspec
-import numpy as np
 import pytest
 from mcap.reader import make_reader
 
 from deploy.processes import table
-from deploy.processes.router import listening
-from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from deploy.telemetry.recording.reader import read
-from deploy.telemetry.recording.recorder import PATIENCE, Recorder
+from deploy.telemetry.recording.recorder import Recorder
 from deploy.telemetry.recording.replay import trajectory
 from deploy.telemetry.recording.writer import RecordingWriter
 from protocol import joining
-from protocol.bus.connection import Connection
 from protocol.bus.local import LocalBus, LocalNetwork
-from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
 from protocol.errors import BusError, RecordingError
 from protocol.keys import everything, robot_key, world_key
-from protocol.messages import Clock, Command, Result, State, Truth
+from protocol.messages import Clock, Command, Result, State
 from protocol.streams import STREAMS
 from tests.deploy.telemetry.recording.fake_world import FakeWorld
 from tests.deploy.telemetry.recording.recorded import ROBOTS, said_by, scenario
@@ -112,119 +104,7 @@ def test_a_world_that_answers_nonsense_is_asked_again(tmp_path, first):
     assert said_by(read(tmp_path / "odd.mcap"), Command, 1) == [Command(1, 1, 0, (0.1, 0.2))]
 
 
-def test_a_world_that_answers_nothing_else_is_named(tmp_path):
-    network = LocalNetwork()
-    FakeWorld(network.connect(), "odd").replies = [b"\xc1"] * 2
-    recorder, _ = _recorder(network.connect(), "odd", tmp_path)
-    recorder.handle(recorder._bus.receive(0.0))
-    with pytest.raises(BusError, match="the world does not send its scenario within"):
-        recorder.wake(time.monotonic() + PATIENCE)
-
-
 # -- as a process
-
-
-def _feed(world: FakeWorld, bus: ZenohBus, until: Callable[[], object]) -> None:
-    """Publish truths, up to a thousand a second, until told."""
-    positions = tuple(spec.start for spec in ROBOTS)
-    robots = tuple(spec.id for spec in ROBOTS)
-    deadline = time.monotonic() + 60.0
-    while not until():
-        assert time.monotonic() < deadline, "the recorder does not record"
-        world.tick += 1
-        event = bus.receive(0.001)
-        if event is not None:
-            world.handle(event)
-        world.say(world_key("lost", "truth"), encode(Truth(world.tick, robots, positions, 0.1, 0.5)))
-
-
-def _feed_past(world: FakeWorld, bus: ZenohBus, path: Path) -> int:
-    """Publish until the file holds the present tick, and beyond; that tick."""
-    safe, size = world.tick, 0
-
-    def held() -> bool:
-        nonlocal size
-        before, size = size, path.stat().st_size if path.exists() else 0
-        with suppress(RecordingError):  # it has not begun
-            return size > before and read(path).truths.ticks[-1] > safe
-        return False
-
-    _feed(world, bus, held)
-    return safe
-
-
-class Process:
-    """A recorder beside a router and a world, as a fleet starts it."""
-
-    def __init__(
-        self, supervisor: Supervisor, world: FakeWorld, bus: ZenohBus, row: Callable[..., table.Process]
-    ) -> None:
-        self.supervisor, self._world, self._bus = supervisor, world, bus
-        supervisor.start([row(again=False)])
-        self.heard: list[str] = []
-        self.feed(lambda: self.named)
-        supervisor.amend(row(again=True))
-        self.path = Path(self.heard[0])
-
-    @property
-    def named(self) -> list[str]:
-        """The files that it has reported since it was last asked."""
-        self.supervisor.poll()
-        named = self.supervisor.heard(table.RECORDER)
-        self.heard += named
-        return named
-
-    def feed(self, until: Callable[[], object]) -> None:
-        _feed(self._world, self._bus, until)
-
-    def feed_past(self, path: Path) -> int:
-        return _feed_past(self._world, self._bus, path)
-
-
-@pytest.fixture
-def process(tmp_path):
-    router, endpoint = listening(Connection("router"))
-    connection = Connection(connect=(endpoint,))
-    with closing(router), closing(ZenohBus(connection)) as bus, Supervisor() as supervisor:
-        world = FakeWorld(bus, "lost")
-        result = tmp_path / "result.json"
-        row = partial(
-            table.recorder, connection, "lost", tmp_path / "run.mcap", result, away=30.0, restarts=1
-        )
-        yield Process(supervisor, world, bus, row)
-
-
-@pytest.mark.process
-def test_killed_it_leaves_all_but_the_last_moment_and_the_next_writes_another_file(process, tmp_path):
-    path, result = tmp_path / "run.mcap", tmp_path / "result.json"
-    safe = process.feed_past(path)
-    process.supervisor.signal(table.RECORDER, signal.SIGKILL)
-    process.feed(lambda: process.named)
-    more = tmp_path / "run-2.mcap"
-    assert process.heard == [str(path), str(more)]
-    last = process.feed_past(more)
-    result.write_text('{"verdict": "interrupted"}')
-    process.supervisor.stop()
-    before, after = read(path), read(more)
-    assert before.cut
-    assert before.truths.ticks[-1] >= safe
-    assert np.diff(before.truths.ticks[1:]).max() == 1
-    assert (after.cut, after.result) == (False, {"verdict": "interrupted"})
-    assert last in after.truths.ticks
-
-
-@pytest.mark.process
-def test_told_to_stop_before_there_is_a_world_it_leaves_no_file(tmp_path):
-    router, endpoint = listening(Connection("router"))
-    with closing(router), Supervisor() as supervisor:
-        connection = Connection(connect=(endpoint,))
-        supervisor.start(
-            [table.recorder(connection, "none", tmp_path / "run.mcap", tmp_path / "result.json")]
-        )
-        supervisor.stop()
-        (usage,) = supervisor.usage()
-    assert usage.exit_code == 0
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.process
@@ -244,18 +124,34 @@ def test_a_fleet_is_recorded_to_the_last_message(tmp_path):
 
 
 @pytest.mark.process
-def test_a_fleet_whose_recorder_is_killed_goes_on_without_it(tmp_path, caplog):
-    path = tmp_path / "fleet.mcap"
+@pytest.mark.parametrize("restarts", [0, 1])
+def test_a_fleet_whose_recorder_is_killed_goes_on(restarts, tmp_path, caplog):
+    """Without it, or with the next one, which writes another file; the first is read to its end."""
+    path, more, killed = tmp_path / "fleet.mcap", tmp_path / "fleet-2.mcap", list[int]()
 
     def kill(clock: Clock) -> None:
-        if clock.tick > 5 and table.RECORDER in fleet.pids():
+        if clock.tick > 25 and not killed:
+            killed.append(clock.tick)
             fleet.signal(table.RECORDER, signal.SIGKILL)
 
-    with Fleet(scenario(), RunOptions(speed=5.0), watch=kill, record=path) as fleet:
+    options = RunOptions(speed=0.7, restarts=restarts)
+    with Fleet(scenario(), options, watch=kill, record=path) as fleet:
         report = fleet.execute()
         fleet.processes()
-        with pytest.raises(RecordingError, match=r"fleet\.mcap was not finished: its recorder ended with"):
+        if restarts:
             fleet.record(report)
+            assert fleet.recordings() == [str(path), str(more)]
+        else:
+            said = r"fleet\.mcap was not finished: its recorder ended with"
+            with pytest.raises(RecordingError, match=said):
+                fleet.record(report)
+            assert "the recording ends there" in caplog.text
     assert report["verdict"] == "arrived"
-    assert "the recording ends there" in caplog.text
-    assert read(path).cut
+    before = read(path)
+    assert before.cut
+    assert before.truths.missing == 0
+    assert before.truths.ticks[-1] > 0
+    if restarts:
+        after = read(more)
+        assert (after.cut, after.result) == (False, report)
+        assert after.truths.ticks[-1] == report["ticks"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import importlib
 import json
 import re
@@ -22,8 +21,7 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from deploy.run.local import LocalFleet
-from deploy.telemetry.monitor.snapshot import Source
-from deploy.telemetry.monitor.web import FrameStream, Server, serve_in_thread
+from deploy.telemetry.monitor.web import Server, serve_in_thread
 from protocol.bus.local import LocalNetwork
 from protocol.errors import UsageError
 from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, served, watch_local
@@ -104,22 +102,6 @@ def test_a_viewer_that_does_not_read_holds_up_nobody() -> None:
     with running(fleet), served(watcher) as server, closing(asleep(server)), live(server) as viewer:
         first = news(viewer, "frame")["tick"]
         assert news(viewer, "frame", lambda it: it["tick"] > first + 10)["phase"] == "running"
-
-
-def test_a_slow_viewer_gets_the_newest_frame_and_not_those_between() -> None:
-    async def scene() -> tuple[int, int]:
-        stream = FrameStream(Source("r"))
-        stream.enter()
-        number, _, _ = await stream.after(0)
-        async with asyncio.timeout(PATIENCE):
-            while stream._number < number + 3:
-                await asyncio.sleep(0.01)
-        following, _, _ = await stream.after(number)
-        stream.leave()
-        return number, following
-
-    number, following = asyncio.run(scene())
-    assert following >= number + 3
 
 
 def test_a_page_of_another_site_cannot_steer() -> None:
