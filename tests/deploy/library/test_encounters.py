@@ -11,7 +11,7 @@ from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.theory.surrounded import surrounded, theorem_for
 from protocol.scenario.file import validated
-from protocol.scenario.model import Control, Obstacle, RobotSpec, Scenario, Time, Workspace
+from protocol.scenario.model import RobotSpec
 
 pytestmark = pytest.mark.slow
 
@@ -67,17 +67,3 @@ def test_check_names_a_goal_that_cannot_be_reached() -> None:
     found = surrounded(validated(replace(base, robots=(robot,), obstacles=(wall,))))
     assert [each.robot for each in found.unreachable] == [1]
     assert (found.no_way, found.doors) == ((), ())
-
-
-def doorway(slack: float, k: float = 60.0) -> Scenario:
-    """A robot of 0.8 m and a wall with a door that is `slack` wider than the robot."""
-    walls = ((0.0, 1.6 - 0.5 * slack), (2.4 + 0.5 * slack, 4.0))
-    return validated(
-        Scenario(
-            (RobotSpec(1, 0.4, (1.0, 1.0), (3.0, 3.0)),),
-            workspace=Workspace(points=((0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0))),
-            time=Time(0.1, 60.0, 0.05),
-            control=Control(speed=0.5, k=k),
-            obstacles=tuple(Obstacle(points=((1.9, a), (2.1, a), (2.1, b), (1.9, b))) for a, b in walls),
-        )
-    )

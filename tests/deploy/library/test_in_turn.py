@@ -6,6 +6,8 @@ import math
 from dataclasses import replace
 from itertools import pairwise
 
+import pytest
+
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.scenario.model import Sensing
@@ -46,6 +48,7 @@ def _push(fleet: LocalFleet, index: int) -> None:
     positions[index] = x - 0.003 * x / away, y - 0.003 * y / away
 
 
+@pytest.mark.slow
 def test_one_moves_at_a_time_and_phi_descends_though_static_robots_are_disturbed() -> None:
     turns = (2, 4)
     fleet, moved, heights = run(turns)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from typer.testing import CliRunner
 
 from deploy.cli.scenario import app
-from deploy.library.encounters import circle, swap
+from deploy.library.encounters import swap
 from deploy.library.instances import GOAL_SETS, figure_3, random_instance, random_starts, tightness
 from deploy.library.load import build, catalogue, generate, load
 from protocol.errors import ScenarioError, UsageError
@@ -58,17 +58,6 @@ def test_seeds_determine_starts() -> None:
     assert figure_3("d", 4) == figure_3("d", 4)
     assert figure_3("d", 4).robots != figure_3("d", 5).robots
     assert len({random_starts([0.04] * 6, 0.3, seed)[0] for seed in range(40)}) == 40
-
-
-def test_figure_1_leaves_no_room_to_pass_without_a_nudge() -> None:
-    """Both gates are narrower than robot 1, and lie across the straight way to its goal."""
-    spec = {robot.id: robot for robot in build("figure-1").robots}
-    for one, other in ((2, 3), (4, 5)):
-        for at in ("start", "goal"):
-            a, b = getattr(spec[one], at), getattr(spec[other], at)
-            assert math.dist(a, b) - 0.08 < 0.08
-            assert a[1] > 0 > b[1]
-            assert spec[1].start[0] < a[0] < spec[1].goal[0]
 
 
 @pytest.mark.parametrize("count", [2, 3, 6, 10, 40])
@@ -164,14 +153,3 @@ def test_commands_print_what_can_be_read_back(tmp_path: Path) -> None:
     assert '"robots"' in runner.invoke(app, ["schema"]).stdout
     failed = runner.invoke(app, ["show", "figure-1", "--set", "control.kk=3"])
     assert isinstance(failed.exception, ScenarioError)
-
-
-def test_rvo2s_circle_has_its_sizes_and_its_jitter_stays_small() -> None:
-    exact, off = circle(50), circle(50, 0.5, 3)
-    for one, other in zip(exact.robots, off.robots, strict=True):
-        assert math.hypot(*one.start) == pytest.approx(200.0)
-        assert one.goal == other.goal == pytest.approx((-one.start[0], -one.start[1]))
-        assert 0.0 < math.dist(one.start, other.start) <= 0.5
-    assert (exact.control.speed, exact.time.step, exact.robots[0].radius) == (2.0, 0.25, 1.5)
-    with pytest.raises(UsageError, match="jitter"):
-        circle(50, 0.6)

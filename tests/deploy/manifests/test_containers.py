@@ -111,6 +111,7 @@ def test_whom_orders_add_is_started_with_the_others(
     assert words in (tmp_path / "fleet" / name).read_text()
 
 
+@pytest.mark.slow
 def test_nobody_would_start_a_process_again_that_was_told_that_it_is_removed(
     disknav: Forks, tmp_path: Path
 ) -> None:
@@ -119,6 +120,7 @@ def test_nobody_would_start_a_process_again_that_was_told_that_it_is_removed(
     assert "robot 2 again" in done.stderr
 
 
+@pytest.mark.slow
 def test_bases_outside_are_refused_for_keys_let_nothing_of_them_pass(disknav: Forks, tmp_path: Path) -> None:
     settings = ("--set", "world.plant=external")
     done = disknav("setup", "deploy", "compose", "turtlebots-2", *settings, "-o", tmp_path / "fleet")
@@ -176,21 +178,13 @@ def test_the_probe_tells_a_loop_that_goes_round_from_one_that_hangs(tmp_path: Pa
     assert well()
 
 
-def test_an_error_leaves_no_half_written_folder(
-    tmp_path: Path, plan: Plan, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(manifests, "compose", lambda *_: 1 / 0)
-    with pytest.raises(ZeroDivisionError):
-        written(tmp_path, "compose", plan)
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_a_router_or_a_monitor_cannot_be_probed() -> None:
     for role in ("router", "monitor", "robot-x"):
         with pytest.raises(UsageError, match="cannot be probed"):
             probed_key("r", role)
 
 
+@pytest.mark.slow
 def test_a_folder_with_something_in_it_is_left_alone(disknav: Forks, tmp_path: Path) -> None:
     (tmp_path / "notes").write_text("mine")
     done = disknav("setup", "deploy", "compose", "figure-2", "-o", tmp_path)

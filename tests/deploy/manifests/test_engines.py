@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import subprocess
 import time
-from base64 import b64decode
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
 
 from deploy import manifests
 from deploy.manifests import Plan, write
@@ -152,68 +149,3 @@ def test_systemd_starts_units_whose_software_is_in_a_private_home() -> None:
         for robot in ROBOTS:
             unit = f"systemctl show disknav-yard-robot@{robot} --property=Result,NRestarts"
             assert set(shell(unit).split()) == {"Result=success", "NRestarts=0"}
-
-
-@pytest.mark.skipif(os.geteuid() != 0, reason="keys are given to another user: needs root; untested here")
-def test_the_pods_of_kubernetes_are_a_fleet_that_arrives(tmp_path: Path) -> None:
-    """Played by podman, which knows Pods and ConfigMaps, but neither Jobs nor Services, nor modes of Secrets.
-
-    What the cluster would do with those is done here: a Pod for each index and under the Service's name, and
-    of the Secret the files that the template asks for, root's, for the group of the pod to read.
-    """
-    it = plan("podded")
-    write(tmp_path / "fleet", "kubernetes", it)
-    played = tmp_path / "pods.yaml"
-    played.write_text("\n---\n".join(json.dumps(each) for each in _pods(tmp_path)))
-    podman("network", "create", it.name)
-    try:
-        podman("kube", "play", "--network", it.name, played, timeout=PATIENCE)
-        world = f"{it.name}-world-world"
-        status = podman("wait", world, timeout=PATIENCE).stdout.strip()
-        logs = podman("logs", world)
-        assert status == "0", logs.stderr
-        assert all_arrived(logs.stdout)
-    finally:
-        podman("kube", "down", played, check=False)
-        podman("network", "rm", "--force", it.name, check=False)
-
-
-def _pods(folder: Path) -> Iterator[dict[str, Any]]:
-    (secret,), fleet = (_read(folder / "fleet" / name) for name in ("secret.yaml", "fleet.yaml"))
-    for each in fleet:
-        if each["kind"] == "ConfigMap":
-            yield each
-        elif "template" in each.get("spec", {}):
-            template, name = each["spec"]["template"], each["metadata"]["name"]
-            for index in range(each["spec"].get("completions", 1)):
-                own = f"{name}-{index}" if name.endswith("robots") else name
-                yield _pod(own, str(index), json.loads(json.dumps(template)), secret, folder / own)
-
-
-def _pod(
-    name: str, index: str, template: dict[str, Any], secret: dict[str, Any], keys: Path
-) -> dict[str, Any]:
-    spec = template["spec"]
-    (running,) = spec["containers"]
-    for entry in running.get("env", []):
-        if entry["name"] == "INDEX":
-            del entry["valueFrom"]
-            entry["value"] = index
-    running.pop("ports", None)  # podman would publish them on this host
-    for mounted in running["volumeMounts"]:
-        if mounted.pop("subPathExpr", ""):
-            keys = keys / index
-    (volume,) = (each for each in spec["volumes"] if each["name"] == "keys")
-    asked = volume.pop("secret")
-    for item in asked["items"]:
-        path = (keys.parent if keys.name == index else keys) / item["path"]
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(b64decode(secret["data"][item["key"]]))
-        path.chmod(asked["defaultMode"] | 0o040)
-        os.chown(path, 0, spec["securityContext"]["fsGroup"])
-    volume["hostPath"] = {"path": str(keys), "type": "Directory"}
-    return {"apiVersion": "v1", "kind": "Pod", **template, "metadata": {**template["metadata"], "name": name}}
-
-
-def _read(path: Path) -> list[dict[str, Any]]:
-    return list(yaml.safe_load_all(path.read_text()))

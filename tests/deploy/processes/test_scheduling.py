@@ -11,11 +11,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from deploy.library.load import load
 from deploy.processes.spawn import core_of
-from deploy.run.fleet import Fleet
-from deploy.run.options import Mode, RunOptions
-from protocol.messages import Clock
 from tests.deploy.telemetry.monitor.watched import until
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system places and orders all")
@@ -25,37 +21,6 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system
 def test_robots_are_dealt_out_among_the_cores_there_are(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: {5, 2})
     assert [core_of(turn, 5) for turn in range(5)] == [2, 5, 2, 5, 2]
-
-
-@linux
-def test_with_few_for_each_core_the_system_chooses(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1, 2, 3})
-    assert core_of(0, 7) is None
-    assert core_of(0, 8) == 0
-
-
-@linux
-@pytest.mark.process
-@pytest.mark.timeout(60)
-@pytest.mark.parametrize("mode", ["lockstep", "realtime"])
-def test_only_robots_in_lockstep_are_bound(monkeypatch: pytest.MonkeyPatch, mode: Mode) -> None:
-    everywhere = os.sched_getaffinity(0)
-    core = min(everywhere)
-    monkeypatch.setattr("deploy.run.assembly.core_of", lambda _, robots: core if robots else None)
-    seen: dict[bool, list[set[int]]] = {True: [], False: []}
-
-    def look(clock: Clock) -> None:
-        if clock.tick and not seen[True]:
-            for process in psutil.Process().children(recursive=True):
-                is_robot = " ".join(process.cmdline()).startswith("disknav robot")
-                seen[is_robot].append(set(process.cpu_affinity()))
-
-    slowly = RunOptions(mode=mode, speed=1.0)  # else it may be over before it is looked at
-    with Fleet(load("swap-2"), slowly, watch=look) as fleet:
-        fleet.execute(enough=lambda: bool(seen[True]))
-    assert seen[True] == [{core} if mode == "lockstep" else everywhere] * 2
-    assert seen[False]
-    assert all(cores == everywhere for cores in seen[False])
 
 
 def policies(pid: int) -> set[int]:

@@ -85,13 +85,6 @@ def test_an_error_of_our_own_is_one_line(capfd: pytest.CaptureFixture[str]) -> N
         assert capfd.readouterr().err == "radio: the cable is unplugged\n"
 
 
-def test_an_unknown_entry_is_a_failure_of_that_process_alone(spawner: Spawner) -> None:
-    spawner.start(Process("nobody", "tests.deploy.processes.children:nothing"))
-    assert exit_code(spawner) == FAULT
-    spawner.start(Process("one", "tests.deploy.processes.children:give", (0,)))
-    assert exit_code(spawner) == 0
-
-
 def test_a_process_reports_and_all_its_output_goes_to_standard_error(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
@@ -108,22 +101,6 @@ def test_a_signal_shows_as_a_negative_exit_status(spawner: Spawner) -> None:
     spawner.signal(life, signal.SIGKILL)
     assert exit_code(spawner) == -signal.SIGKILL
     spawner.signal(life, signal.SIGKILL)  # nobody is hit
-
-
-def test_processes_are_out_of_reach_of_the_terminal(spawner: Spawner) -> None:
-    spawner.start(Process("one", "tests.deploy.processes.children:wait"))
-    (started,) = spawner.news(PATIENCE)
-    assert isinstance(started, Started)
-    assert os.getsid(started.pid) != os.getsid(0)
-    assert os.getpgid(started.pid) != os.getpgid(0)
-
-
-def test_closing_leaves_nobody(spawner: Spawner) -> None:
-    spawner.start(Process("one", "tests.deploy.processes.children:wait"))
-    (started,) = spawner.news(PATIENCE)
-    assert isinstance(started, Started)
-    spawner.close()
-    assert gone(started.pid)
 
 
 def test_a_dead_fork_server_takes_all_with_it_and_is_named() -> None:

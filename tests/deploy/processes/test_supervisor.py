@@ -6,18 +6,12 @@ import signal
 import time
 from collections.abc import Iterator
 
-import psutil
 import pytest
 
 from deploy.processes.spawn import Process
-from deploy.processes.supervisor import STEADY, Backoff, Exit, ProcessLife, Supervisor
-from deploy.processes.table import router
-from protocol.bus.bus import Presence
-from protocol.bus.connection import Connection
-from protocol.bus.zenoh import ZenohBus
+from deploy.processes.supervisor import STEADY, Backoff, Exit, Supervisor
 from protocol.errors import ProcessError, StartError
 from tests.deploy.processes.children import (
-    announce,
     die_while_reporting,
     divide_by_zero,
     give,
@@ -98,25 +92,6 @@ def test_restart_replaces_a_process(supervisor: Supervisor) -> None:
     assert supervisor.report("one", PATIENCE) == "waiting"
 
 
-def test_pause_and_resume(supervisor: Supervisor) -> None:
-    supervisor.start([waiting("one")])
-    supervisor.report("one", PATIENCE)
-    process = psutil.Process(supervisor.usage()[0].pid)
-
-    def becomes(stopped: bool) -> bool:
-        deadline = time.monotonic() + PATIENCE
-        while (process.status() == psutil.STATUS_STOPPED) != stopped:
-            if time.monotonic() > deadline:
-                return False
-            time.sleep(0.002)
-        return True
-
-    supervisor.pause("one")
-    assert becomes(stopped=True)
-    supervisor.resume("one")
-    assert becomes(stopped=False)
-
-
 def test_stopping_wakes_a_frozen_process_and_kills_a_stubborn_one(supervisor: Supervisor) -> None:
     supervisor.start(
         [waiting("plain"), waiting("frozen"), row("stubborn", wait_stubbornly, reports=True, patience=1.0)]
@@ -129,38 +104,12 @@ def test_stopping_wakes_a_frozen_process_and_kills_a_stubborn_one(supervisor: Su
     assert codes == {"plain": 0, "frozen": 0, "stubborn": -9}
 
 
-def test_a_frozen_process_on_the_network_stops_in_order(supervisor: Supervisor) -> None:
-    supervisor.start([router(Connection("router"))])
-    connection = Connection(connect=(supervisor.report("router", PATIENCE),))
-    supervisor.start([row("robot-1", announce, connection, "disknav/t/robot/1/alive")])
-    bus = ZenohBus(connection)
-    bus.watch("disknav/t/robot/*/alive")
-    assert isinstance(bus.receive(PATIENCE), Presence)
-    bus.close()
-    supervisor.pause("robot-1")
-    supervisor.stop()
-    assert [usage.exit_code for usage in supervisor.usage()] == [0, 0]
-
-
 def test_a_process_that_says_nothing_is_named(supervisor: Supervisor) -> None:
     supervisor.start([row("mute", wait), row("broken", divide_by_zero, reports=True)])
     with pytest.raises(ProcessError, match=r"mute did not answer within 0\.05 s"):
         supervisor.report("mute", 0.05)
     with pytest.raises(ProcessError, match="broken could not start"):
         supervisor.report("broken", PATIENCE)
-
-
-def test_reports_that_nobody_asks_for_do_not_pile_up() -> None:
-    life = ProcessLife(Process("router-left", "m:f", reports=True), 1)
-    life.hear("tcp/10.0.0.2:7447")
-    for number in range(40):
-        life.hear(str(number) * (1 << 20))
-    assert life.report == "tcp/10.0.0.2:7447"
-    assert sum(map(len, life.unheard)) <= 1 << 24
-    assert life.unheard[-1][:2] == "39"
-    mute = ProcessLife(Process("robot-3", "m:f"), 2)
-    mute.hear("a lie")
-    assert (mute.report, mute.unheard) == (None, [])
 
 
 def test_who_dies_in_the_middle_of_a_report_dies_alone(supervisor: Supervisor) -> None:
@@ -171,14 +120,6 @@ def test_who_dies_in_the_middle_of_a_report_dies_alone(supervisor: Supervisor) -
     assert supervisor.report("well", PATIENCE) == "waiting"
     supervisor.restart("well")
     assert supervisor.report("well", PATIENCE) == "waiting"
-
-
-def test_names_are_unique_and_known(supervisor: Supervisor) -> None:
-    supervisor.start([row("one", give, 0)])
-    with pytest.raises(ProcessError, match="one is in the table twice"):
-        supervisor.start([row("one", give, 0)])
-    with pytest.raises(ProcessError, match="no process 'two'; there are one"):
-        supervisor.pause("two")
 
 
 def test_waits_grow_to_a_cap_and_begin_anew_after_a_steady_life() -> None:

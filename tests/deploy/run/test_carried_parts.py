@@ -55,14 +55,6 @@ def test_a_part_of_one_that_dies_is_taken_over() -> None:
 
 
 @pytest.mark.slow
-def test_a_carrier_that_is_restarted_goes_on() -> None:
-    fleet, robot = carrying()
-    fleet.kill(robot)
-    fleet.start(robot)
-    finished(fleet)
-
-
-@pytest.mark.slow
 def test_a_restarted_world_knows_who_carries_what(tmp_path: Path) -> None:
     Checkpoint.create(tmp_path / "checkpoint")
     fleet = LocalFleet(SCENARIO, checkpoint=tmp_path / "checkpoint")

@@ -68,16 +68,6 @@ def test_scheduled_faults_are_the_same_on_real_processes() -> None:
     assert [p["restarts"] for p in routed["processes"] if p["name"] == "robot-4"] == [1]
 
 
-def test_two_fleets_share_a_router() -> None:
-    scenarios = [load("figure-3a", [], seed) for seed in (1, 2)]
-    with Supervisor() as supervisor, router(supervisor) as connection:
-        options = [RunOptions(router=connection.connect[0]) for _ in scenarios]
-        with Fleet(scenarios[0], options[0]) as one, Fleet(scenarios[1], options[1]) as two:
-            reports = [one.execute(), two.execute()]
-    alone = [LocalFleet(scenario).execute() for scenario in scenarios]
-    assert [r["trajectory_sha256"] for r in reports] == [r["trajectory_sha256"] for r in alone]
-
-
 def test_a_second_robot_with_the_same_id_is_refused() -> None:
     scenario, run = load("figure-2"), fresh_run_name()
     with Supervisor() as supervisor, router(supervisor) as connection:

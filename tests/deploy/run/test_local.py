@@ -30,21 +30,6 @@ def test_what_a_run_leaves_is_gone_when_the_next_begins() -> None:
     assert left() is None
 
 
-@pytest.mark.slow
-def test_what_became_old_before_it_was_left_does_not_pile_up() -> None:
-    """Python's own collector would not notice: it counts only what becomes old by itself."""
-    run()
-    rings = len(gc.get_objects()) // 32  # of two objects each: a sixteenth more
-    left = []
-    for _ in range(10):
-        ring = Ring(rings)
-        left.append(weakref.ref(ring))
-        gc.collect(1)
-        del ring
-        run()
-    assert sum(each() is not None for each in left) <= 5
-
-
 def test_thresholds_are_those_from_before_whatever_happens() -> None:
     before = gc.get_threshold()
     with seldom_collecting():

@@ -12,7 +12,6 @@ from deploy.cli.setup import keys as make
 from deploy.library.load import load
 from deploy.security.membership import KeyRing
 from deploy.security.roster import read, robot_role
-from protocol.bus.connection import Connection
 from protocol.errors import UsageError
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import Order
@@ -99,10 +98,3 @@ def test_what_is_no_endpoint_ends_every_command_in_one_line(disknav: Forks, word
     assert ended.returncode == 2
     assert "'tcp//localhost' is no endpoint" in ended.stderr
     assert len(ended.stderr.splitlines()) == 1
-
-
-def test_only_routers_that_other_hosts_reach_are_linked() -> None:
-    assert not Connection("router").linked
-    assert not Connection("router", listen=("tls/127.0.0.1:7447", "tcp/[::1]:7447")).linked
-    assert Connection("router", listen=("tls/10.0.0.1:7447",)).linked
-    assert Connection("router", connect=("tls/10.0.0.1:7447",)).linked

@@ -5,9 +5,8 @@ from __future__ import annotations
 import json
 import socket
 import time
-from contextlib import ExitStack, closing
+from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
 
 import msgspec
 import pytest
@@ -21,7 +20,7 @@ from deploy.run.options import RunOptions
 from deploy.run.result import unjudged
 from deploy.security.keystore import create
 from deploy.security.membership import KeyRing
-from deploy.security.roster import OPERATOR, KeyRoster
+from deploy.security.roster import KeyRoster
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
@@ -143,40 +142,6 @@ def test_lies_of_those_who_may_not_change_nothing(keys: Path) -> None:
     assert report["trajectory_sha256"] == alone["trajectory_sha256"]
     assert report["messages"]["rejected"] == {}
     assert fleet.rejected == {}
-
-
-def test_an_operator_gives_orders_and_says_nothing_in_anothers_name(keys: Path) -> None:
-    """Orders are what the role is for: the world carries them out."""
-    with Supervisor() as supervisor, ExitStack() as stack:
-        supervisor.start([table.router(KeyRing(keys).router())])
-        endpoint = supervisor.report(table.ROUTER, 20.0)
-        spy, operator, world = (
-            stack.enter_context(closing(ZenohBus(KeyRing(keys).client(role, (endpoint,)))))
-            for role in ("monitor", OPERATOR, "world")
-        )
-        for stream, key, _ in lies(SCENARIO, 1, None):
-            if stream in ("state", "clock", "truth", "result", "health"):
-                spy.subscribe(key)
-        liar = Liar(KeyRing(keys).client(OPERATOR, (endpoint,)), None)
-        stack.enter_context(closing(liar.bus))
-        liar.lie(1)
-        last = encode(Clock(7, 0.0, (), (), ""))
-        world.publisher(STREAMS["clock"], world_key(RUN, "clock"))(last)
-        event: Any = spy.receive(10.0)
-        assert event is not None
-        assert event.payload == last
-        assert operator.receive(0.0) is None
-
-
-@pytest.mark.campaign
-def test_without_keys_the_same_lies_are_believed() -> None:
-    """What the test above forbids is possible where there are no rules: it could fail."""
-    with LiedTo(RunOptions(run=RUN, speed=8.0), {"anybody": None}) as fleet:
-        report = fleet.execute()
-    (liar,) = fleet.liars
-    alone = LocalFleet(SCENARIO).execute()
-    assert liar.answers
-    assert report["trajectory_sha256"] != alone["trajectory_sha256"]
 
 
 def test_half_open_links_keep_nobody_out(keys: Path) -> None:

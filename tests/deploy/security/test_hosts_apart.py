@@ -66,12 +66,12 @@ def publish(bus: ZenohBus, stream: str, key: str, payload: bytes) -> None:
 class Field:
     """Routers of a and b; the world and a spy on a, robot 2 on b; and a rogue with all that c has."""
 
-    def __init__(self, stack: ExitStack, keys: Path, *, guarded: bool) -> None:
-        self._stack, self._keys, self._guarded = stack, keys, guarded
+    def __init__(self, stack: ExitStack, keys: Path) -> None:
+        self._stack, self._keys = stack, keys
         self.endpoints = {host: f"tls/{HERE}:{port}" for host, port in zip(HOMES, free_ports(3), strict=True)}
         supervisor = stack.enter_context(Supervisor())
         for host, before in (("a", ()), ("b", ("a",))):
-            supervisor.start([table.router(self._router(host, before, guarded=guarded), host=host)])
+            supervisor.start([table.router(self._router(host, before), host=host)])
             supervisor.report(table.router_name(host), 20.0)
         self.world, self.spy = self.client("world", "a"), self.client("monitor", "a")
         self.honest = self.client("robot-2", "b")
@@ -81,7 +81,7 @@ class Field:
         self.honest.subscribe(robot_key(RUN, 2, "tick"), STATES)
         self.spy.subscribe(ALL)
         self.spy.watch(ALL)
-        self.rogue = self._open(self._router("c", ("a", "b"), guarded=False))
+        self.rogue = self._open(replace(self._router("c", ("a", "b")), access=None))
         self.rogue.await_routers(10.0)
         for bus in (self.spy, self.honest):
             self._await_way(bus)
@@ -99,10 +99,9 @@ class Field:
         """A session with a role's credentials at a host's router."""
         return self._open(KeyRing(self._keys).client(role, (self.endpoints[host],), timeout=5.0))
 
-    def _router(self, host: str, before: tuple[str, ...], *, guarded: bool) -> Connection:
+    def _router(self, host: str, before: tuple[str, ...]) -> Connection:
         others = [self.endpoints[each] for each in before]
-        connection = KeyRing(self._keys).router((self.endpoints[host],), others, host)
-        return connection if guarded else replace(connection, access=None)
+        return KeyRing(self._keys).router((self.endpoints[host],), others, host)
 
     def _open(self, connection: Connection) -> ZenohBus:
         return self._stack.enter_context(closing(ZenohBus(connection)))
@@ -125,10 +124,10 @@ class Field:
         thread.join()
 
 
-@contextmanager
-def field(keys: Path, *, guarded: bool = True) -> Iterator[Field]:
+@pytest.fixture
+def field(keys: Path) -> Iterator[Field]:
     with ExitStack() as stack:
-        yield Field(stack, keys, guarded=guarded)
+        yield Field(stack, keys)
 
 
 def attack(rogue: ZenohBus) -> None:
@@ -157,50 +156,38 @@ def heard(bus: ZenohBus, last: bytes) -> tuple[set[str], set[str]]:
     raise AssertionError(f"{last!r} never arrived")
 
 
-def test_with_everything_of_a_host_one_speaks_for_its_robots_only(keys: Path) -> None:
-    with field(keys) as it:
-        attack(it.rogue)
-        for mine in ("robot-3", "robot-4"):  # its robots' keys, at the routers of others
-            attack(it.client(mine, "a"))
-        publish(it.rogue, "state", robot_key(RUN, 3, "state"), b"its own")
-        assert heard(it.spy, b"its own") == (OWN, OWN)
-        assert heard(it.honest, b"its own") == (OWN, set())  # nor as the world to others' robots
-        publish(it.world, "tick", robot_key(RUN, 2, "tick"), b"for 2 alone")
-        publish(it.honest, "command", robot_key(RUN, 2, "command"), b"for the world")
-        heard(it.honest, b"for 2 alone")
-        heard(it.spy, b"for the world")
-        overheard = iter(lambda: it.rogue.receive(0.2), None)
-        assert not any(isinstance(event, Sample | Query) for event in overheard)
+def test_with_everything_of_a_host_one_speaks_for_its_robots_only(field: Field) -> None:
+    attack(field.rogue)
+    for mine in ("robot-3", "robot-4"):  # its robots' keys, at the routers of others
+        attack(field.client(mine, "a"))
+    publish(field.rogue, "state", robot_key(RUN, 3, "state"), b"its own")
+    assert heard(field.spy, b"its own") == (OWN, OWN)
+    assert heard(field.honest, b"its own") == (OWN, set())  # nor as the world to others' robots
+    publish(field.world, "tick", robot_key(RUN, 2, "tick"), b"for 2 alone")
+    publish(field.honest, "command", robot_key(RUN, 2, "command"), b"for the world")
+    heard(field.honest, b"for 2 alone")
+    heard(field.spy, b"for the world")
+    overheard = iter(lambda: field.rogue.receive(0.2), None)
+    assert not any(isinstance(event, Sample | Query) for event in overheard)
 
 
-def test_who_joins_proves_who_it_is(keys: Path) -> None:
-    with field(keys) as it, it.answering():
-        it.rogue.serve(f"disknav/{RUN}/**")
+def test_who_joins_proves_who_it_is(field: Field) -> None:
+    with field.answering():
+        field.rogue.serve(f"disknav/{RUN}/**")
         for robot in ROSTER.robots:
             key = robot_key(RUN, robot, "join")
             if f"robot/{robot}" in OWN:
-                assert it.rogue.ask(key, b"", 5.0) == [key.encode()]
+                assert field.rogue.ask(key, b"", 5.0) == [key.encode()]
             else:
                 with pytest.raises(BusError, match="no answer under"):
-                    it.rogue.ask(key, b"", 0.3)
+                    field.rogue.ask(key, b"", 0.3)
         others = [question.name for question in QUESTIONS if question.asked_by != "itself"]
         assert {"steering", "scenario"} <= set(others)
         for key in [key for name in others for key in keys_of(name)]:  # nor is it a monitor, or an operator
             with pytest.raises(BusError, match="no answer under"):
-                it.rogue.ask(key, b"", 0.2)
+                field.rogue.ask(key, b"", 0.2)
         key = robot_key(RUN, 2, "join")
-        assert it.honest.ask(key, b"", 5.0) == [key.encode()]
-
-
-def test_without_rules_the_same_is_possible(keys: Path) -> None:
-    with field(keys, guarded=False) as it:
-        attack(it.rogue)
-        publish(it.rogue, "state", robot_key(RUN, 3, "state"), b"its own")
-        owners = {owner(key) for _, key in every_key()}
-        written, present = heard(it.spy, b"its own")
-        assert written == owners
-        assert present == owners
-        assert heard(it.honest, b"its own")[0] == {"robot/1", "robot/2", "robot/3", "robot/4"}
+        assert field.honest.ask(key, b"", 5.0) == [key.encode()]
 
 
 def test_a_host_needs_its_own_keys_only(keys: Path, tmp_path: Path) -> None:

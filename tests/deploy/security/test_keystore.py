@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime
 import os
 import shutil
 from pathlib import Path
@@ -13,8 +12,8 @@ from cryptography.x509.oid import ExtendedKeyUsageOID
 
 from deploy.security.keystore import Authority, create, inspect
 from deploy.security.membership import KeyRing
-from deploy.security.roster import MONITOR, OPERATOR, KeyRoster, read
-from protocol.bus.connection import credentials, key_file
+from deploy.security.roster import KeyRoster, read
+from protocol.bus.connection import credentials
 from protocol.errors import CertificateError, UsageError
 
 ROSTER = KeyRoster("demo", (1, 2, 7))
@@ -63,12 +62,6 @@ def test_only_the_router_may_listen_and_only_at_its_hosts(keys: Path) -> None:
     addresses = {str(address) for address in names.value.get_values_for_type(x509.IPAddress)}
     assert addresses == {"127.0.0.1", "::1", "10.0.0.1"}
     assert names.value.get_values_for_type(x509.DNSName) == ["localhost", "base.example"]
-
-
-def test_validity_is_what_was_asked_for(tmp_path: Path) -> None:
-    end = create(tmp_path / "keys", ROSTER, days=2.0)
-    assert abs(end - datetime.datetime.now(datetime.UTC) - datetime.timedelta(days=2)).total_seconds() < 60.0
-    assert certificate(tmp_path / "keys" / "robot-7.pem").not_valid_after_utc == end
 
 
 def test_keys_are_replaced_only_by_force_and_then_all_of_them(keys: Path) -> None:
@@ -145,10 +138,3 @@ def test_keys_are_for_one_run_and_for_tls(keys: Path) -> None:
 def test_a_directory_without_keys_says_how_to_make_them(tmp_path: Path) -> None:
     with pytest.raises(CertificateError, match="disknav setup keys"):
         KeyRing(tmp_path).run(None)
-
-
-def test_a_page_gives_orders_only_where_the_operators_key_is(tmp_path: Path) -> None:
-    assert KeyRing().viewer == OPERATOR
-    assert KeyRing(tmp_path).viewer == MONITOR
-    (tmp_path / key_file(OPERATOR)).touch()
-    assert KeyRing(tmp_path).viewer == OPERATOR

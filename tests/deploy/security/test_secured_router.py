@@ -16,18 +16,14 @@ from deploy.processes.supervisor import Supervisor
 from deploy.security.keystore import create
 from deploy.security.membership import KeyRing
 from deploy.security.roster import KeyRoster
-from protocol.bus.bus import Sample
 from protocol.bus.connection import Connection, Credentials, credentials
 from protocol.bus.zenoh import ZenohBus
-from protocol.errors import BusError, CertificateError
-from protocol.keys import everything, robot_key, robot_token, world_key, world_token
+from protocol.errors import CertificateError
 from protocol.process.signals import STOP
-from protocol.streams import STREAMS
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90)]
 
 ROSTER = KeyRoster("guarded", (1, 2, 3, 4, 5, 6))
-ROGUE = b"rogue"
 
 
 @pytest.fixture(autouse=True)
@@ -59,36 +55,6 @@ def member(keys: Path, role: str, endpoint: str, timeout: float = 5.0) -> ZenohB
 def stranger(endpoint: str, proof: Credentials | None, timeout: float = 5.0) -> ZenohBus:
     """A session that ignores the rules."""
     return ZenohBus(Connection(connect=(endpoint,), timeout=timeout, credentials=proof))
-
-
-def write(bus: ZenohBus, run: str, robot: int, stream: str, payload: bytes) -> None:
-    bus.publisher(STREAMS[stream], robot_key(run, robot, stream))(payload)
-
-
-def heard(spy: ZenohBus, last: bytes) -> list[tuple[str, bytes]]:
-    """All samples up to the one with payload `last`."""
-    samples: list[tuple[str, bytes]] = []
-    deadline = time.monotonic() + 10.0
-    while time.monotonic() < deadline:
-        event = spy.receive(0.05)
-        if isinstance(event, Sample):
-            samples.append((event.key, event.payload))
-            if event.payload == last:
-                return samples
-    raise AssertionError(f"{last!r} never arrived; heard {samples}")
-
-
-def attack(bus: ZenohBus, run: str, own: int | None = None) -> None:
-    """Write into every stream of a run but one's own, in the name of all others, and claim to be present."""
-    for robot in ROSTER.robots:
-        for stream in ("state", "command", "health", "tick"):
-            if robot != own:
-                write(bus, run, robot, stream, ROGUE)
-    for stream in ("clock", "truth", "result"):
-        bus.publisher(STREAMS[stream], world_key(run, stream))(ROGUE)
-    bus.announce(robot_token(run, 6 if own != 6 else 5, "1"))
-    bus.announce(world_token(run, "1"))
-    bus.subscribe(everything(run))
 
 
 def test_certificates_of_another_authority_and_of_an_older_run(
@@ -138,12 +104,3 @@ def test_a_robots_key_cannot_pose_as_the_router(keys: Path) -> None:
         signal.raise_signal(signal.SIGINT)
 
     assert main(impostor, ready=ready) == 0
-
-
-def test_a_plain_router_where_certificates_are_expected(keys: Path) -> None:
-    def ready(endpoint: str) -> None:
-        with pytest.raises(BusError, match=r"--secure|no process reachable"):
-            stranger(endpoint.replace("tcp/", "tls/"), credentials(keys, "robot-1"))
-        signal.raise_signal(signal.SIGINT)
-
-    assert main(Connection("router"), ready=ready) == 0

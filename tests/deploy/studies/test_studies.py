@@ -12,13 +12,12 @@ import pytest
 from rich.console import Console
 
 from deploy.software import provenance
-from deploy.studies.conditions import LinkConditions, arrival, crowd, robustness, room
+from deploy.studies.conditions import LinkConditions, against, arrival, delay, robustness
 from deploy.studies.execution import RunLog, execute
 from deploy.studies.experiments import PERIOD, TOLERANCE, paper_flow, scale, tuning
 from deploy.studies.perform import StudyRequest, perform, table
 from deploy.studies.study import Shard, Study, error, growth
 from protocol.errors import ScenarioError, UsageError
-from protocol.scenario.model import Workspace
 
 pytestmark = pytest.mark.slow
 
@@ -47,7 +46,7 @@ def test_a_small_study_from_runs_to_table(name: str) -> None:
 def _request(**changes: object) -> StudyRequest:
     usual = {
         "name": "tightness",
-        "runs": 2,
+        "runs": 1,
         "jobs": 2,
         "seed": 0,
         "settings": ("time.step=0.05",),
@@ -105,14 +104,24 @@ def test_statistics() -> None:
     assert provenance(7, "local", 2)["seed"] == 7
 
 
-def test_goals_leave_room_where_the_error_sets_fit_between_all_disks_and_the_wall() -> None:
-    scenario = crowd(0.33, 0.003, 1)
-    one, other = scenario.robots[:2]
-    assert room(scenario) > 0.0
-    gx, gy = other.goal
-    for gap, fits in ((0.0013, True), (0.0011, False)):  # two sets of 0.6 mm
-        goal = (gx + one.radius + other.radius + gap, gy)
-        beside = replace(scenario, robots=(replace(one, goal=goal), other), workspace=Workspace(9.0))
-        assert (room(beside) >= 0.0) == fits
-        goal = (scenario.workspace.radius - one.radius - 0.5 * gap, 0.0)
-        assert (room(replace(scenario, robots=(replace(one, goal=goal),))) >= 0.0) == fits
+def test_times_are_compared_seed_by_seed() -> None:
+    found = against({"1": 6.0, "2": 9.0, "4": 99.0}, {"1": 4.0, "2": 6.0, "3": 1.0})
+    assert found == {"ratio": pytest.approx(1.5), "ratio_error": pytest.approx(0.0)}
+    assert against({"1": 6.0}, {"1": 4.0}) == {"ratio": pytest.approx(1.5), "ratio_error": None}
+    assert against({"1": 6.0}, {}) == {"ratio": None, "ratio_error": None}
+
+
+@pytest.mark.slow
+def test_rows_have_both_paces_and_what_delay_costs() -> None:
+    study = delay(1, delays=(0.0, 0.1))
+    study = replace(study, cells=[cell for cell in study.cells if cell.labels["scenario"] == "tight 3.30"])
+    rows = execute(study, "local", RunLog(None), jobs=1).rows
+    assert [(row["pace"], row["delay"]) for row in rows] == [
+        (pace, late) for pace in ("common", "own") for late in (0.0, 0.1)
+    ]
+    assert all(row["arrived"] == 1 for row in rows)
+    assert study.sound(rows)
+    assert rows[0]["ratio"] == 1.0
+    assert rows[1]["ratio"] == rows[1]["time_mean"] / rows[0]["time_mean"] > 1.0
+    assert len(study.summary(rows)) == 2
+    assert all(set(study.columns.split()) <= set(row) for row in rows)

@@ -62,15 +62,6 @@ def test_a_host_that_is_not(far: Host) -> None:
     assert levels(replace(far, command=other)) == {"reach": "bad"}  # it does not report its time
 
 
-def test_a_host_that_says_nothing_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(prepare, "_PATIENCE", 0.1)
-    monkeypatch.setattr(
-        prepare.sys, "executable", "/bin/yes"
-    )  # it never says anything that can be understood
-    (found,) = check(HERE)
-    assert (found.what, found.level) == ("reach", "bad")
-
-
 def test_a_host_that_goes_on_and_on_is_not_waited_for(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from deploy.processes.spawn import Exited, News, Process, ProcessReport, Start, Started, Store, decode_news
+from deploy.processes.spawn import News, Process, ProcessReport, Start, Started, Store, decode_news
 from deploy.software import SOFTWARE, code_digest
 from tests.deploy.processes.test_spawn import gone
 from tests.system.hosts.testbed.ssh_server import ROOT
@@ -76,15 +76,6 @@ def far_end(patience: float = 60.0) -> Iterator[FarEnd]:
         process.wait()
 
 
-def test_the_end_of_the_connection_ends_everything() -> None:
-    with far_end() as far:
-        pid = far.start("wait_stubbornly")
-        far.requests.close()
-        assert far.process.wait(20.0) == 0
-        assert gone(pid)
-        assert not far.folder.exists()
-
-
 def test_silence_ends_everything() -> None:
     with far_end(patience=2.0) as far:
         pid = far.start("wait")
@@ -113,11 +104,3 @@ def test_files_are_their_owners_alone_and_stay_in_the_folder() -> None:
         modes = {path.name: oct(path.stat().st_mode & 0o777) for path in far.folder.iterdir()}
         assert modes == {"robot-1.key": "0o600", "robot-2.key": "0o600"}
         assert far.folder.stat().st_mode & 0o777 == 0o700
-
-
-def test_what_processes_print_does_not_get_among_the_news() -> None:
-    with far_end() as far:
-        far.start("print_and_report")
-        exited = far.news()
-        assert isinstance(exited, Exited)
-        assert exited.code == 0

@@ -11,7 +11,6 @@ import pytest
 from deploy.processes.hosts.spawners import HostSpawners
 from deploy.processes.hosts.table import parse_hosts, read_hosts, roster_of
 from deploy.run.assembly import MultiHost, places
-from deploy.run.options import RunOptions
 from deploy.security.membership import KeyRing
 from protocol.errors import HostsError, UsageError
 
@@ -64,10 +63,6 @@ def test_robots_that_orders_add_may_be_on_a_host() -> None:
     hosts = parse_hosts(tomllib.loads(GOOD), (1, 2), newcomers=(3, 4))
     assert places(hosts)["robot-3"] == "base"
     assert roster_of("yard", hosts).robots == (1, 2, 3)
-
-
-def test_the_world_is_on_the_first_host_unless_told() -> None:
-    assert parse_hosts(tomllib.loads(GOOD.replace('world = "left"', "")), (1, 2, 3)).world_host.name == "base"
 
 
 def test_every_problem_at_once() -> None:
@@ -129,11 +124,3 @@ def test_a_file_that_is_none(tmp_path: Path) -> None:
     (tmp_path / "hosts.toml").write_text("[[hosts]")
     with pytest.raises(HostsError, match="not TOML"):
         read_hosts(tmp_path / "hosts.toml", (1,))
-
-
-def test_hosts_have_routers_of_their_own() -> None:
-    table = parse_hosts(tomllib.loads(GOOD), (1, 2, 3))
-    with pytest.raises(UsageError, match="leave out"):
-        RunOptions("mesh", hosts=table)
-    with pytest.raises(UsageError, match="leave out"):
-        RunOptions(router="tcp/127.0.0.1:7447", hosts=table)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import pytest
@@ -12,7 +11,6 @@ from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from deploy.studies.peers.laws import Nominal
 from protocol.errors import LawError, UsageError
 from protocol.messages import Member, Vector
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time
@@ -94,19 +92,6 @@ def test_alone_it_goes_straight_to_any_goal_and_slows_to_arrive(law: str) -> Non
 
 
 @pytest.mark.parametrize("law", LAWS)
-def test_nobody_is_pressed_out_of_the_workspace(law: str) -> None:
-    """A robot at the boundary that a peer runs into from the middle."""
-    goal = (0.0, -0.25)
-    robots = RobotSpec(1, 0.04, (0.0, 0.25), goal), RobotSpec(2, 0.04, (0.0, 0.1), (0.0, 0.2))
-    own = choose(bare(f"{law}(noise=1.0)", *robots), 1)
-    for tick in range(0, 400, 20):
-        known = heard(0.0, 0.165, (0.0, 0.1), tick)
-        vx, vy = own.velocity(view((0.0, 0.259), STILL, known, tick, goal))
-        assert math.hypot(0.05 * vx, 0.259 + 0.05 * vy) <= 0.26 + 1e-9
-        assert math.hypot(vx, vy) <= 0.1 + 1e-9
-
-
-@pytest.mark.parametrize("law", LAWS)
 def test_a_peer_stands_where_its_velocity_has_taken_it_since(law: str) -> None:
     """Old news of a peer in motion ask for what fresh news of its present place ask for."""
 
@@ -136,13 +121,3 @@ def test_orca_goes_around_within_its_horizon_and_farther_with_a_margin() -> None
 
     assert 0.003 < wish("margin=0.0")[1] < wish("margin=0.01")[1]
     assert wish("horizon=0.2")[0] > 0.099  # not yet within the horizon
-
-
-def test_noise_is_bounded_and_drawn_by_tick() -> None:
-    def wish(noise: float, tick: int) -> Vector:
-        return Nominal(crossing("Orca"), 1, noise).velocity(view(STILL, STILL, Neighbours({}), tick))
-
-    assert wish(0.0, 0) == pytest.approx((0.1, 0.0))
-    wishes = [wish(0.2, tick) for tick in range(0, 600, 5)]
-    assert all(math.dist(wish(0.0, 0), each) <= 0.02 + 1e-12 for each in wishes)
-    assert len(set(wishes)) >= 30
