@@ -123,15 +123,6 @@ def test_an_episode_that_takes_too_long_is_truncated() -> None:
     assert not any(terminations.values())
 
 
-def test_a_function_draws_each_episode_from_its_seed() -> None:
-    env = disknav.parallel_env(crossing)
-    first, _ = env.reset(seed=20)
-    assert first["robot_2"][0] == pytest.approx(-0.12)
-    later, _ = env.reset()
-    assert later["robot_2"][0] != first["robot_2"][0]
-    assert env.possible_agents == ["robot_2", "robot_4"]
-
-
 @given(st.integers(0, 2**32 - 1), st.integers(2, 7), st.integers(1, 6))
 @settings(max_examples=30, deadline=None)
 def test_nearest_disks_are_observed_by_their_gaps(seed: int, count: int, neighbours: int) -> None:

@@ -19,7 +19,7 @@ import zenoh
 import disknav
 from deploy.run.options import fresh_run_name
 from protocol.codec import decode, encode
-from protocol.errors import MessageError, UsageError
+from protocol.errors import MessageError
 from protocol.keys import robot_key
 from protocol.messages import Wish
 from protocol.scenario.file import write_toml
@@ -91,13 +91,6 @@ def test_a_wish_is_slowed_down_to_the_speed_limit(wish: tuple[float, float]) -> 
     assert math.hypot(*moved) > 0.0
 
 
-@pytest.mark.parametrize("velocity", [(math.nan, 0.0), (math.inf, 0.0), (1.0,), ("a", "b"), None])
-def test_what_is_no_velocity_is_refused(velocity: Any) -> None:
-    simulation = disknav.Simulation(disknav.build(CROSSING))
-    with pytest.raises(UsageError, match="give two finite numbers"):
-        simulation.orders.wish(3, velocity)
-
-
 def test_a_wish_that_is_not_finite_is_refused_by_the_robot() -> None:
     with pytest.raises(MessageError):
         decode(robot_key("w", 3, "wish"), encode(Wish(3, (math.nan, 0.0))))
@@ -105,10 +98,9 @@ def test_a_wish_that_is_not_finite_is_refused_by_the_robot() -> None:
 
 @pytest.mark.process
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["separating-lines", "none"])
-def test_a_planner_drives_real_processes_by_key_with_no_more_than_zenoh(tmp_path: Path, kind: str) -> None:
+def test_a_planner_drives_real_processes_by_key_with_no_more_than_zenoh(tmp_path: Path) -> None:
     """It hears the truth and says wishes, as docs/streams.md has them, straight through each other."""
-    scenario = disknav.build(CROSSING, {"control.filter": kind, "control.lifetime": 2.0, "time.limit": 12.0})
+    scenario = disknav.build(CROSSING, {"control.lifetime": 2.0, "time.limit": 12.0})
     (tmp_path / "crossing.toml").write_text(write_toml(scenario))
     page = (Path(__file__).parents[2] / "docs/streams.md").read_text()
     kind_of_wish = re.findall(r'"(wish/\d+)"', page)[0]
@@ -138,5 +130,5 @@ def test_a_planner_drives_real_processes_by_key_with_no_more_than_zenoh(tmp_path
         fleet.wait(30)
     result = json.loads((tmp_path / "result.json").read_text())
     assert min(result["path_lengths"].values()) > 0.05  # they did drive
-    assert (result["verdict"] == "collision") is (kind == "none")
-    assert (result["min_clearance"] > 0.0) is (kind != "none")
+    assert result["verdict"] != "collision"
+    assert result["min_clearance"] > 0.0

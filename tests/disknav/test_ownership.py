@@ -45,10 +45,6 @@ def _import(path: list[Path]) -> subprocess.CompletedProcess[str]:
     return _python(path, "from disknav import ownership; ownership.check()")
 
 
-def test_as_installed(site: Path) -> None:
-    assert _import([site]).returncode == 0
-
-
 def test_a_file_of_the_users_is_found_first(site: Path, tmp_path: Path) -> None:
     mine = tmp_path / "mine"
     mine.mkdir()
@@ -82,10 +78,6 @@ def test_the_command_says_so_too(site: Path) -> None:
     assert done.returncode == 3
     assert done.stderr.startswith("disknav: `protocol` of disknav")
     assert "Traceback" not in done.stderr
-
-
-def test_a_checkout_is_its_own() -> None:
-    ownership.check()
 
 
 def test_importing_disknav_imports_nothing_else() -> None:

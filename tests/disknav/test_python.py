@@ -31,13 +31,6 @@ def test_settings_are_as_on_the_command_line() -> None:
     assert scenario.robots[0].goal == (0.1, 0.0)
 
 
-def test_a_scenario_built_is_one_read(tmp_path: Path) -> None:
-    built = disknav.build({"robots": ROBOTS, "seed": 3}, {"control.k": 20})
-    file = tmp_path / "two.toml"
-    file.write_text(write_toml(built))
-    assert disknav.load(file) == built
-
-
 def test_every_problem_is_named() -> None:
     with pytest.raises(disknav.ScenarioError) as caught:
         disknav.build({"robots": [{**ROBOTS[0], "radius": -1.0}], "control": {"law": 3, "rush": True}})
@@ -89,6 +82,7 @@ def test_a_simulation_takes_what_a_run_takes() -> None:
         disknav.Simulation("swap-3", name="a/b")
 
 
+@pytest.mark.slow
 def test_a_run_is_the_worlds_truth() -> None:
     scenario = disknav.build({"robots": ROBOTS})
     run = disknav.run(scenario)
@@ -121,39 +115,6 @@ def test_a_simulation_goes_on_by_one_tick() -> None:
     assert simulation.verdict == "arrived"
     assert len(rest) == simulation.tick - 1 == len(simulation.trajectory.ticks) - 2
     assert not simulation.step()
-
-
-def test_a_robot_is_sent_elsewhere_between_two_ticks() -> None:
-    simulation = disknav.Simulation(disknav.build({"robots": ROBOTS, "time": {"endless": True}}))
-    number = simulation.orders.send(7, (0.1, 0.1), (0.1, 0.0))
-    for _ in range(400):
-        status = simulation.orders.status(7)
-        if status is not None and status.status != "under way":
-            break
-        assert simulation.step()
-    assert (status.number, status.status) == (number, "arrived")
-    assert np.hypot(*(simulation.trajectory.of_robot(7) - [0.1, 0.1]).T).min() <= 0.005
-    assert np.hypot(*(simulation.positions[1] - [0.1, 0.0])) <= 0.005
-
-
-def test_an_order_that_cannot_be_is_refused() -> None:
-    simulation = disknav.Simulation(disknav.build({"robots": ROBOTS}))
-    with pytest.raises(UsageError, match=r"refused: .*out of the workspace"):
-        simulation.orders.send(7, (5.0, 0.0))
-    with pytest.raises(UsageError, match="operation: goal"):
-        simulation.orders.send(7, (0.0, 0.0), within=-1.0)
-
-
-def test_faults_happen_while_stepping() -> None:
-    scenario = disknav.load("crash")
-    simulation = disknav.Simulation(scenario)
-    report = simulation.finish()
-    assert report["trajectory_sha256"] == LocalFleet(scenario).execute()["trajectory_sha256"]
-
-
-def test_a_finished_scenario_takes_no_settings() -> None:
-    with pytest.raises(UsageError, match="load or build"):
-        disknav.run(disknav.build({"robots": ROBOTS}), {"control.k": 3})
 
 
 @pytest.mark.slow

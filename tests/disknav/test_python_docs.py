@@ -12,7 +12,14 @@ import matplotlib as mpl
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGES = ["index.md", "guides/law.md", "guides/python.md", "guides/learning.md", "guides/networks.md"]
+PAGES = [
+    "../README.md",
+    "index.md",
+    "guides/law.md",
+    "guides/python.md",
+    "guides/learning.md",
+    "guides/networks.md",
+]
 NOTEBOOK = ROOT / "docs/guides/figure_1.py"
 
 

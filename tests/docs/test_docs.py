@@ -1,4 +1,4 @@
-"""What documents say of the code: every file and folder that they name is there."""
+"""What documents say: every file and folder that they name is there, and README's scenario arrives."""
 
 from __future__ import annotations
 
@@ -6,6 +6,10 @@ import re
 from pathlib import Path
 
 import pytest
+
+from deploy.library.load import resolved
+from deploy.run.local import LocalFleet
+from protocol.scenario.file import parse_toml
 
 ROOT = Path(__file__).parents[2]
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
@@ -43,12 +47,6 @@ def anchors(page: Path) -> set[str]:
     return {re.sub(r"\s", "-", re.sub(r"[^\w\s-]", "", heading).strip()) for heading in plain}
 
 
-def test_every_module_to_run_is_there() -> None:
-    sources = [path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py")]
-    said = "".join(path.read_text() for path in [*PAGES, ROOT / "Makefile", *sources])
-    named = {
-        ROOT / name.replace(".", "/")
-        for name in re.findall(r"python -m ((?:tests|deploy|docs)[\w.]*\w)", said)
-    }
-    assert len(named) > 20
-    assert [path for path in named if not path.with_suffix(".py").exists() and not path.is_dir()] == []
+def test_the_scenario_of_readme_arrives() -> None:
+    (text,) = re.findall(r"```toml\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert LocalFleet(resolved(parse_toml(text, "README"))).execute()["verdict"] == "arrived"

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import json
-import re
 import shutil
 import subprocess
 import sys
@@ -18,28 +17,6 @@ from tests.deploy.processes.ports import free_ports
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "docs/examples"
-FOLDERS = sorted(path.parent for path in EXAMPLES.glob("*/README.md"))
-_LONGEST = 40  # lines of a command or script
-
-
-def test_they_are_numbered_and_listed() -> None:
-    assert [int(folder.name[:2]) for folder in FOLDERS] == [*range(1, len(FOLDERS) + 1)]
-    listed = re.findall(r"\((\d\d-[\w-]+)/README\.md\)", (EXAMPLES / "README.md").read_text())
-    assert listed == [folder.name for folder in FOLDERS]
-
-
-@pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.name)
-def test_each_has_a_picture_and_something_short_to_run(folder: Path) -> None:
-    page = (folder / "README.md").read_text()
-    pictures = re.findall(r"!\[.+?\]\(([^)]+)\)", page)
-    assert pictures
-    assert all((folder / each).exists() for each in pictures)
-    assert "\ndisknav " in page
-    for script in folder.glob("*.py"):
-        assert len(script.read_text().splitlines()) <= _LONGEST, script
-        assert f"({script.name})" in page
-    for block in re.findall(r"```sh\n(.*?)```", page, re.DOTALL):
-        assert block.count("\n") <= _LONGEST
 
 
 def run(folder: str, script: str, *words: str, cwd: Path) -> None:

@@ -1,4 +1,4 @@
-"""Writes `docs/streams.md` from the code's declarations: `python -m tests.docs.stream_page`."""
+"""Writes `docs/streams.md` from the code's declarations: `python -m docs.reference.streams`."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ _HEAD = """\
 # Streams
 
 What crosses the network, for programs that share no code with this project. Generated from the
-declarations in `protocol/` by `python -m tests.docs.stream_page`; do not edit.
+declarations in `protocol/` by `python -m docs.reference.streams`; do not edit.
 
 Every published payload is one [msgpack](https://msgpack.org) array: first a text that names type and protocol
 version, such as `"state/{version}"`, then the fields in the order of the tables below. A reader should
