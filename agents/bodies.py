@@ -98,7 +98,9 @@ def body_of(scenario: Scenario, robot: int) -> BodyModel:
     longest = 2.0 * scenario.workspace.shape.around.radius  # no way inside the workspace leads farther
     if body.ideal:
         return PointBody(speed, period, scenario.actuation.bound, longest)
-    tolerance = Tolerance(body, scenario.actuation.bound, scenario.sensing_of(robot).heading)
+    base = scenario.base_of(robot) if scenario.is_external else None
+    late = None if base is None else base.lateness
+    tolerance = Tolerance(body, scenario.actuation.bound, scenario.sensing_of(robot).heading, late)
     return InertialBody(Kinematics(body, period), speed, tolerance, longest)
 
 
@@ -252,15 +254,16 @@ class InertialBody:
         vx, vy = motion.velocity
         mx, my = 0.5 * kinematics.period * vx, 0.5 * kinematics.period * vy
         slip = tolerance.slip(motion, (motion.ahead, motion.aside))
-        margin = tolerance.error * math.hypot(mx, my) + slip
+        error = tolerance.share(motion, (motion.ahead, motion.aside))
+        margin = error * math.hypot(mx, my) + slip
         limits = []
         for index, side in enumerate(sides):
             room = side.limit - side.nx * mx - side.ny * my - margin - self.standoff - taken[index]
             limits.append(HalfPlane(side.nx, side.ny, max(0.0, room)))
         for cut in cuts:
             limits.append(HalfPlane(cut.nx, cut.ny, max(0.0, cut.limit - cut.nx * mx - cut.ny * my - margin)))
-        if tolerance.error > 0.0:
-            steepness = min(tolerance.error, _STEEPEST)
+        if error > 0.0:
+            steepness = min(error, _STEEPEST)
             limits = [half for limit in limits for half in wedge(limit, steepness)]
         ux, uy = kinematics.velocity_for(motion, nearest(want, limits, self.reach))
         excess = max(1.0, math.hypot(ux, uy) / self._speed)

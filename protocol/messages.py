@@ -175,7 +175,7 @@ class BaseMotion(msgspec.Struct, frozen=True, array_like=True, gc=False):
     velocity: Vector  # m/s, of the robot's control point, the centre of its disk
     heading: Real  # rad, the direction that it faces
     stop: Vector  # m, from here to where it stands if it hears nothing more
-    before: tuple[Vector, ...] = ()  # m/s, ahead and aside: what else it may still do when that comes late
+    before: tuple[Vector, ...] = ()  # m/s, ahead and aside, oldest first: what it was told, and may do late
 
 
 class Sense(msgspec.Struct, frozen=True, array_like=True, gc=False):

@@ -59,6 +59,7 @@ class External:
         self._still: dict[int, int] = {}  # since when each commands no motion because of it, ticks
         self._reports: dict[int, tuple[int, Report]] = {}  # newest of each robot, and its tick
         self._bodies = {robot: scenario.body_of(robot) for robot in scenario.ids}
+        self._late = {robot: _late(scenario, robot) for robot in scenario.ids}  # s
         self._stops = {robot: _stopping(scenario, robot) for robot in scenario.ids}  # s
         self._lease = scenario.world.lease
         self._exact = {  # m
@@ -139,8 +140,8 @@ class External:
         """For how long a robot may have moved since its newest report, whose odometry was late, until another
         Command is heard, s."""
         tick, heard = self._reports[robot][0], self._heard.get(robot)
-        late = self._bodies[robot].lag
-        return 0.0 if heard is None else (heard + _HURRIED - tick) * self._step + self._leased(robot) + late
+        moving = self._leased(robot) + self._late[robot]
+        return 0.0 if heard is None else (heard + _HURRIED - tick) * self._step + moving
 
     def _off(self, robot: int) -> float:
         """By how much it may be off that report then, m."""
@@ -201,6 +202,12 @@ class Reported:
     def touched(self) -> tuple[()]:
         """No contact is sensed."""
         return ()
+
+
+def _late(scenario: Scenario, robot: int) -> float:
+    """Time before a report at which its odometry may have been made, with the lag of the wheels, s."""
+    base = scenario.base_of(robot)
+    return scenario.body_of(robot).lag + (0.0 if base is None else base.lateness.age)
 
 
 def _stopping(scenario: Scenario, robot: int) -> float:

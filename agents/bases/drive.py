@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from itertools import groupby
 
 from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, turned
 from protocol.messages import BaseMotion, Vector
-from protocol.scenario.body import Base, Body
+from protocol.scenario.body import DECISION, Base, Body
 
 _STILL: Vector = (0.0, 0.0)
-_SLOW = 1e-12  # m/s; what is less is rest
 
 
 class Lease:
@@ -65,51 +65,52 @@ class Drive:
     def __init__(self, body: Body, base: Base, period: float) -> None:
         self.told: Vector = _STILL
         self.due = math.inf
-        self._kinematics = Kinematics(body, period)
+        self._base, self._kinematics = base, Kinematics(body, period)
         self._hold, self._grace = body.hold, period + base.patience
         self._part = period / self._kinematics.steps
-        self._alone = base.timeout + base.latency  # s that the base goes on if this process dies
-        self._late = base.age + 2.0 * base.latency  # s for which wheels may do what was told before
+        self._late = base.lateness
         self._plan: deque[tuple[float, Vector]] = deque()
         self._past: deque[tuple[float, Vector]] = deque([(-math.inf, _STILL)])
+        self._published = -math.inf  # s
         self._until = -math.inf  # s: from when on it brakes by itself
 
     def advance(self, now: float) -> bool:
-        """Advance to `now`; returns whether the velocity for the base has changed."""
-        before = self.told
+        """Advance to `now`, when `told` is published; returns whether it has changed."""
+        before, self._published = self.told, now
         while self._plan and self._plan[0][0] <= now:
             when, self.told = self._plan.popleft()
             self._past.append((when, self.told))
-        while len(self._past) > 1 and self._past[1][0] <= now - self._late:
-            self._past.popleft()
         self.due = self._plan[0][0] if self._plan else math.inf
         return self.told != before
 
     def motion(self, heading: float, now: float) -> BaseMotion | None:
-        """The motion that follows from the velocities sent to the base; None if it stands.
+        """The motion that follows from the velocities sent to the base, the last of which is held until the
+        tick that begins has its command; None if it stands.
 
         Args:
             heading: in the map, rad.
             now: s.
         """
-        self.advance(now)
-        velocity, hold = self.told, self._alone + max(0.0, self._until - now)
-        before = tuple(dict.fromkeys(each for _, each in self._past))
-        if math.hypot(*velocity) < _SLOW:  # it may not have heard that yet
-            velocity, hold = max(before, key=lambda each: math.hypot(*each)), self._alone
-        if velocity == _STILL:
+        if now - self._published > self._late.alone:  # the base has begun to brake
+            self.advance(now)
+        self._plan = deque(self._brake(max(now, self._until), self.told))
+        while len(self._past) > 1 and self._past[1][0] <= now - self._late.window:
+            self._past.popleft()
+        before = tuple(each for each, _ in groupby(velocity for _, velocity in self._past))
+        if before == (_STILL,):
             return None
-        moving = Motion(heading, velocity[0], velocity[1], min(hold, self._hold))
-        arc = self._kinematics.halt(moving)
-        dx, dy = chord(arc, self._kinematics.turn(arc))
-        return BaseMotion(moving.velocity, heading, turned(dx, dy, heading), before)
+        hold = min(self._late.alone + max(0.0, self._until - now), self._hold)
+        arc = self._kinematics.halt(Motion(heading, *self.told, hold))
+        dx, dy = turned(*chord(arc, self._kinematics.turn(arc)), heading)
+        return BaseMotion(turned(*self.told, heading), heading, (dx, dy), before)
 
-    def turning(self, span: float, now: float) -> float:
-        """Angle by which the velocities sent in the last `span`, s, turn the base, rad."""
-        self.advance(now)
-        turn, end = 0.0, now
+    def turning(self, age: float, now: float) -> float:
+        """Angle by which the base turns from its odometry of an estimated age, s, to the command of the tick
+        that begins, rad; off by at most as much as in `Lateness.spread`, but for what takes effect late."""
+        latency, delay = self._base.latency, self._base.delay
+        turn, end = self._kinematics.turn(Arc(*self.told, 0.5 * DECISION)), now
         for begin, velocity in reversed(self._past):
-            duration = end - max(begin, now - min(span, self._late))
+            duration = end - max(begin, now - age - 0.5 * (latency - delay))
             if duration > 0.0:
                 turn, end = turn + self._kinematics.turn(Arc(*velocity, duration)), begin
         return turn
@@ -123,7 +124,6 @@ class Drive:
             now: s.
             until: end of the lease, s.
         """
-        self.advance(now)
         motion = Motion(heading, *self.told)
         self._until = min(now + self._grace, until)
         plan: list[tuple[float, Vector]] = []

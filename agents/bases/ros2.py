@@ -15,7 +15,7 @@ from agents.bases.senses import Senses
 from protocol.bodies.kinematics import turned
 from protocol.errors import MessageError
 from protocol.messages import LARGEST, Command, Sense, Tick, Vector
-from protocol.scenario.body import Base
+from protocol.scenario.body import DECISION, Base
 from protocol.scenario.model import Scenario
 
 _OFTEN: Final = 3.0  # velocities in the base's own timeout, at least
@@ -56,7 +56,7 @@ class Ros2Base:
         self._duration = scenario.world.lease
         self._lease, self._life = Lease(self._duration), 0
         self._heading = 0.0  # in the map as the present tick's command comes into effect, rad
-        self._blind = True
+        self._blind, self._begun = True, -math.inf
 
     @property
     def note(self) -> str:
@@ -104,8 +104,8 @@ class Ros2Base:
             self._lease, self._life = Lease(self._duration), tick.incarnation
         self._lease.heard(tick.heard)
         self._senses.look(now)
-        ahead = self._senses.age(now) + self._base.latency
-        self._heading = self._senses.heading() + self._drive.turning(ahead, now)
+        self._begun = now
+        self._heading = self._senses.heading() + self._drive.turning(self._senses.age(now), now)
         sense = self._senses.read(tick.tick, self._drive.motion(self._heading, now), now)
         self._blind = sense is None
         return sense
@@ -119,7 +119,7 @@ class Ros2Base:
         """Execute the Command of the tick that began last; to be called before it is sent."""
         if command.may_move:  # else the coordinator may take its robot for static at once
             self._lease.sent(command.tick, now)
-        late = self._senses.is_late(now)  # the decision took its time
+        late = self._senses.is_late(now) or now - self._begun > DECISION
         velocity = _STILL if self._blind or late else command.velocity
         self._drive.command(velocity, self._heading, now, self._lease.until)
         self.due = now

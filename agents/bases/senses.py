@@ -24,7 +24,9 @@ _SLACK: Final = 0.005  # m, that a message may be off the one before, besides wh
 _TURN_SLACK: Final = 0.02  # rad
 SETTLING: Final = 0.5  # s for which everything has to be sound
 SILENCE: Final = 0.5  # s without timely odometry after which the position is unknown
+PAUSE: Final = 0.25  # s between two odometry messages, in which their publisher may have been restarted
 DRIFT: Final = 5e-4  # s that two clocks may diverge in a second, as slewing one of them makes them
+_EARLY: Final = 0.01  # s besides `latency` by which a message may be less late than any before
 _MOVED: Final = 0.01  # m, by which a base at rest may seem to move
 _TURNED: Final = 0.05  # rad, that a direction by odometry may be off besides its share of the turn
 _LEVEL: Final = 0.01  # by which a quaternion may miss unit length, or leave the plane
@@ -47,10 +49,13 @@ class LinkDelay:
     least delay; it may rise by `DRIFT`, since clocks drift apart, so that a delay that has grown for good
     counts again as the least one some minutes later. A stamp before the last one raises it by as much: the
     clock was set back, or one message of a late link has overtaken another, which makes none of them young.
+
+    Attributes:
+        ahead: by how much the newest message had less delay than any before, s; infinite for the first one.
     """
 
     def __init__(self) -> None:
-        self._least = math.inf  # s
+        self._least = self.ahead = math.inf  # s
         self._stamp = self._arrived = -math.inf
 
     def take(self, stamp: float, now: float) -> None:
@@ -58,6 +63,7 @@ class LinkDelay:
         self._least += DRIFT * (now - self._arrived)
         if stamp < self._stamp:
             self._least += self._stamp - stamp + now - self._arrived
+        self.ahead = self._least - (now - stamp)
         self._least = min(self._least, now - stamp)
         self._stamp, self._arrived = stamp, now
 
@@ -84,7 +90,7 @@ class Odometer:
         self.newest: Place | None = None
         self.arrived = self.timely = -math.inf
         self._frames = base.odometry_frame, base.base_frame
-        self._link, self._least = LinkDelay(), base.delay
+        self._link, self._least, self._latency = LinkDelay(), base.delay, base.latency
         self.oldest = base.age + base.latency
         self._offset = body.offset
         self._share, self._drift = body.odometry, body.drift
@@ -117,7 +123,7 @@ class Odometer:
             return ""
         passed, step = stamp - last.stamp, math.hypot(x - last.x, y - last.y)
         turn = wrapped(yaw - last.yaw)
-        wrong = self._impossible(passed, step, abs(turn))
+        wrong = self._restarted(passed) or self._impossible(passed, step, abs(turn))
         if not wrong and passed > 0.0:
             self._keep(Place(stamp, x, y, last.yaw + turn, last.way + step))
         return wrong
@@ -135,6 +141,17 @@ class Odometer:
         speeds = (*message.velocity.linear, *message.velocity.angular)
         if yaw is None or not all(map(math.isfinite, speeds)):
             return "odometry that is no number, or not in the plane"
+        return ""
+
+    def _restarted(self, passed: float) -> str:
+        """Why the publisher of a message that comes a time, s, after the last one may be another; "" if not.
+
+        A publisher that begins again may have another clock, and place its origin where the base stands.
+        """
+        if passed > PAUSE:
+            return f"odometry pauses for {passed:.3g} s"
+        if self._link.ahead > self._latency + _EARLY:
+            return f"the clock of odometry jumps ahead by {self._link.ahead:.3g} s"
         return ""
 
     def _impossible(self, passed: float, step: float, turn: float) -> str:
@@ -211,7 +228,7 @@ class Senses:
         self._skew = 2.0 * math.sin(0.5 * sensing.heading)  # off by heading, per way
         self._heading = sensing.heading
         self._bound = sensing.bound + self._skew * body.offset
-        self._poses: list[tuple[float, float, float, float]] = []  # stamp, x, y, yaw; not used yet
+        self._poses: deque[tuple[float, float, float, float]] = deque(maxlen=KEPT)  # stamp, x, y, yaw; unused
         self._stamp = -math.inf  # of the newest pose
         self._fix: Fix | None = None
         self._fresh = False  # whether the fix was not read yet
@@ -329,7 +346,8 @@ class Senses:
 
     def _take_poses(self) -> None:
         """Compare poses with earlier ones, carried forward by odometry."""
-        waiting, self._poses = self._poses, []
+        waiting = list(self._poses)
+        self._poses.clear()
         for stamp, x, y, yaw in waiting:
             place, newest = self._odometer.at(stamp), self._odometer.newest
             if newest is None:

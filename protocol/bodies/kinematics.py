@@ -35,8 +35,8 @@ Vector = tuple[float, float]
 @mypyc_attr(acyclic=True)
 class Motion:
     """What a base does: velocity of its control point in its own frame, m/s, direction, rad, for how long it
-    still holds that velocity when it hears nothing, s, and other velocities that it may have at first when it
-    is late. Immutable."""
+    still holds that velocity when it hears nothing, s, and the velocities that it was told before, oldest
+    first, which it may still have when it is late. Immutable."""
 
     __slots__ = ("ahead", "aside", "before", "heading", "hold")
 
@@ -62,7 +62,7 @@ class Motion:
     @property
     def stands(self) -> bool:
         """Whether it does not move."""
-        return self.ahead == 0.0 and self.aside == 0.0
+        return self.ahead == 0.0 and self.aside == 0.0 and not self.before
 
 
 @final
@@ -206,7 +206,7 @@ class Kinematics:
         ahead, aside = turned(velocity[0], velocity[1], -heading)
         speed = math.hypot(ahead, aside)
         if speed < _TINY:
-            return Motion(heading)
+            return Motion(heading, before=before)
         still = Motion(heading, ahead, aside)
         chord, rate = math.hypot(*stop), aside / self._offset if self._offset > 0.0 else 0.0
         if abs(rate) * (self._hold + 0.5 * self._stopping(still)) > _TURNING:

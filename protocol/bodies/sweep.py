@@ -7,14 +7,40 @@ is at p(t) after a length w(t). Until the base takes another velocity than zero,
     |q(t) - p(t)| <= error w(t) + lag d + play,        d = max(|v0|, |v1|, |v1 - v0|),
 
 from the first instant on. d is the largest change of velocity between rest and the two ends of the tick: a
-wheel that follows what it is told with a time constant T is behind by T times the change. Of a base whose
-odometry is late, q(0) is where that has it, and d the largest change among these and all velocities that it
-was told in the last `lag`: it has done, or still does, what it was told then. A base that stands stays where
-it is.
+wheel that follows what it is told with a time constant T is behind by T times the change. A base that stands
+stays where it is.
 
 The sweep is the set of all such q(t) - q(0) until the base stands. An arc lies in the triangle of its ends
 and of the point where its tangents meet, and for the point after the share u of it, the first end counts in
 that triangle for at most 1 - u. So the sweep lies in the convex hull of finitely many disks.
+
+**External bases.** A velocity is decided at time 0. The newest odometry is of the time -a, 0 <= a <= A; q(0)
+above is q(-a). Let u(t) be the velocity due at t, in the body's frame, and W(u) the turning rate that it
+makes: u(t) was told for t < 0, leads evenly from v0 to v1 in the tick, is v1 for the hold time, and then
+brakes. At t the base executes u(g(t)), where t - L <= g(t) <= t is anything: each velocity takes effect
+within the latency L, in any split. Let B be the velocities told since -A - L, v0 among them, and
+
+    V = max |b| for b in B,      m = max(|b - v0|, |b - v1|) for b in B,
+    s = L (variation of W(u) from -A - L to the end of the tick) + S max |W(b)| for b in B.
+
+S is half of the time by which the prediction of the heading at 0 may be off. Between the path of u(g) from -a
+and the nominal way at the same time t are
+
+    the integral of |u(g)| from -a to 0, at most                                    A V,
+    that of |u(g) - u| from 0 on: g reaches back into B only until L, and then by
+        L into an even change from v0 to v1, at most                                L (m + |v1 - v0|),
+    and that of the angle between both, at most s, as |u(g(x)) - u(x)| is at
+        most the variation from x - L to x, over the way so far:                    2 sin(s / 2) w(t).
+
+All of it counts for `error`, too. After the hold time both are on the same circle, and the nominal way, which
+brakes L later, leads further. So with E = error + 2 sin(s / 2)
+
+    |q(t) - q(-a) - p(t)| <= E w(t) + lag d + play + (1 + E) (A V + L (m + |v1 - v0|)),
+
+where d counts all of B; V counts v1, too, so that the next tick has room to go on with it. A base that is
+told to brake within the tick, or whose robot's process dies, goes on with one of the tick's velocities for at
+most L + timeout and brakes, on the circle of that velocity: these arcs branch off the nominal way, and are in
+the sweep. That of braking before any velocity of the tick is due is in the sweep of the tick before.
 """
 
 from __future__ import annotations
@@ -25,7 +51,7 @@ from typing import Final, final
 from mypy_extensions import mypyc_attr
 
 from protocol.bodies.kinematics import Arc, Kinematics, Motion, Vector, chord, turned
-from protocol.scenario.body import Body
+from protocol.scenario.body import Body, Lateness
 
 _TURN: Final = 0.5  # rad; an arc that turns further is cut
 
@@ -39,26 +65,48 @@ class Tolerance:
         body: which states that.
         noise: what is added to its `error`, a share of the way.
         heading: rad, by which the direction may be off in which the nominal way is drawn.
+        late: what comes late at an external base; None for any other.
+
+    Attributes:
+        error: share of the way.
+        alone: s for which a base goes on with a velocity of the tick's middle; negative if it never does.
     """
 
-    __slots__ = ("_lag", "_play", "error")
+    __slots__ = ("_age", "_lag", "_latency", "_offset", "_play", "_spread", "alone", "error")
 
-    def __init__(self, body: Body, noise: float = 0.0, heading: float = 0.0) -> None:
+    def __init__(
+        self, body: Body, noise: float = 0.0, heading: float = 0.0, late: Lateness | None = None
+    ) -> None:
         self.error = body.error + noise + 2.0 * math.sin(0.5 * heading)
         self._lag, self._play = body.lag, body.play
+        self._offset = body.offset if body.kind == "differential-drive" else 0.0
+        self._age, self._latency, self.alone, self._spread = (0.0, 0.0, -1.0, 0.0) if late is None else late
+
+    def share(self, motion: Motion, to: Vector) -> float:
+        """The share of the way, of a tick that leads from a motion to a velocity, by which it may be off."""
+        if self._offset == 0.0 or self.alone < 0.0:
+            return self.error
+        fastest, varied, last = abs(motion.aside), abs(to[1] - motion.aside), motion.aside
+        for _, aside in reversed(motion.before):
+            fastest, varied, last = max(fastest, abs(aside)), varied + abs(aside - last), aside
+        askew = (self._latency * varied + self._spread * fastest) / self._offset
+        return self.error + 2.0 * math.sin(0.5 * min(askew, math.pi))
 
     def slip(self, motion: Motion, to: Vector) -> float:
         """The part that does not grow with the way, m, of a tick that leads from a motion to a velocity."""
         ahead, aside = to
-        change = max(
-            math.hypot(motion.ahead, motion.aside),
-            math.hypot(ahead, aside),
-            math.hypot(ahead - motion.ahead, aside - motion.aside),
-        )
+        fastest = math.hypot(motion.ahead, motion.aside)
+        change = math.hypot(ahead - motion.ahead, aside - motion.aside)
+        off = change
         for x, y in motion.before:
-            more, less = math.hypot(x - motion.ahead, y - motion.aside), math.hypot(x - ahead, y - aside)
-            change = max(change, math.hypot(x, y), more, less)
-        return self._lag * change + self._play
+            fastest = max(fastest, math.hypot(x, y))
+            off = max(off, math.hypot(x - motion.ahead, y - motion.aside), math.hypot(x - ahead, y - aside))
+        fastest = max(fastest, math.hypot(ahead, aside))
+        slip = self._lag * max(fastest, off) + self._play
+        if self.alone >= 0.0:
+            late = self._age * fastest + self._latency * (off + change)
+            slip += (1.0 + self.share(motion, to)) * late
+        return slip
 
 
 @final
@@ -104,24 +152,44 @@ def sweep(kinematics: Kinematics, motion: Motion, tolerance: Tolerance, to: Vect
             in this tick either.
     """
     if to is None:
-        slip = tolerance.slip(motion, (motion.ahead, motion.aside))
+        to = motion.ahead, motion.aside
         arcs = [kinematics.halt(motion)]
     else:
-        slip = tolerance.slip(motion, to)
         arcs = kinematics.drive(motion, *to)
         arcs.append(kinematics.halt(kinematics.driven(motion, *to)))
-    return _hull(kinematics, motion.heading, arcs, tolerance.error, slip)
-
-
-def _hull(kinematics: Kinematics, heading: float, arcs: list[Arc], error: float, slip: float) -> Sweep:
-    """Arcs, one after another, with what is around them. One that goes around more than once lies in its
-    circle, with the margin of its end all around."""
-    xs, ys, margins = [0.0], [0.0], [slip]
+    error, slip = tolerance.share(motion, to), tolerance.slip(motion, to)
+    hull = _Hull(error, slip)
     x = y = way = 0.0
+    heading = motion.heading
     for arc in arcs:
+        if tolerance.alone >= 0.0 and arc is not arcs[-1]:
+            last = Motion(heading, arc.ahead, arc.aside, arc.duration + tolerance.alone)
+            hull.follow(kinematics, kinematics.halt(last), x, y, heading, way)
+        x, y, heading, way = hull.follow(kinematics, arc, x, y, heading, way)
+    return Sweep(hull.xs, hull.ys, hull.margins)
+
+
+@final
+@mypyc_attr(acyclic=True)
+class _Hull:
+    """Points with margins, m, whose convex hull contains arcs with what is around them."""
+
+    __slots__ = ("_error", "_slip", "margins", "xs", "ys")
+
+    def __init__(self, error: float, slip: float) -> None:
+        self._error, self._slip = error, slip
+        self.xs, self.ys, self.margins = [0.0], [0.0], [slip]
+
+    def follow(
+        self, kinematics: Kinematics, arc: Arc, x: float, y: float, heading: float, way: float
+    ) -> tuple[float, float, float, float]:
+        """Add an arc from a point, m, with a heading, rad, and after a way, m; returns those of its end.
+
+        One that goes around more than once lies in its circle, with the margin of its end all around.
+        """
         speed = math.hypot(arc.ahead, arc.aside)
         if arc.duration == 0.0 or speed == 0.0:
-            continue
+            return x, y, heading, way
         whole = abs(kinematics.turn(arc))
         around = min(1.0, math.tau / whole) if whole > 0.0 else 1.0  # of the arc that a circle is
         pieces = 1 + int(around * whole / _TURN)
@@ -132,27 +200,23 @@ def _hull(kinematics: Kinematics, heading: float, arcs: list[Arc], error: float,
             way, step = way + speed * arc.duration, 0.0
         for _ in range(pieces):
             way += step
-            margin = error * way + slip
             cx, cy = chord(piece, turn)
             dx, dy = turned(cx, cy, heading)
             if turn != 0.0:
                 tangent = piece.duration * math.tan(0.5 * turn) / turn
                 tx, ty = turned(piece.ahead * tangent, piece.aside * tangent, heading)
-                _append(xs, ys, margins, x + tx, y + ty, margin)
+                self._append(x + tx, y + ty, way)
             x, y, heading = x + dx, y + dy, heading + turn
-            _append(xs, ys, margins, x, y, margin)
+            self._append(x, y, way)
         if around < 1.0:  # the rest, from where the circle began
             rest = Arc(arc.ahead, arc.aside, (1.0 - around) * arc.duration)
             cx, cy = chord(rest, kinematics.turn(rest))
             dx, dy = turned(cx, cy, heading)
             x, y, heading = x + dx, y + dy, heading + kinematics.turn(rest)
-            _append(xs, ys, margins, x, y, error * way + slip)
-    return Sweep(xs, ys, margins)
+            self._append(x, y, way)
+        return x, y, heading, way
 
-
-def _append(
-    xs: list[float], ys: list[float], margins: list[float], x: float, y: float, margin: float
-) -> None:
-    xs.append(x)
-    ys.append(y)
-    margins.append(margin)
+    def _append(self, x: float, y: float, way: float) -> None:
+        self.xs.append(x)
+        self.ys.append(y)
+        self.margins.append(self._error * way + self._slip)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Final, Literal, NamedTuple
 
 from msgspec import Meta
 
@@ -108,6 +108,27 @@ FRAMES = ("map_frame", "odometry_frame", "base_frame")
 _CHARACTER = r"(?:[A-Za-z0-9_.-]|\{id\})"
 _NAME = re.compile(rf"/?(?:{_CHARACTER}+(?:/{_CHARACTER}+)*/?)?")
 _Text = Annotated[str, Meta(max_length=200, description="of at most 200 characters")]
+DECISION: Final = 0.05  # s from the beginning of a tick to its Command at most, else an external base brakes
+
+
+class Lateness(NamedTuple):
+    """What comes late at an external base, s.
+
+    age: true age at most of the odometry with which a velocity is decided.
+    latency: from when a velocity is due until the base executes it, at most.
+    alone: for how long at most a base goes on with its last velocity if its robot's process dies.
+    spread: by how much the time for which the heading is predicted may be off.
+    """
+
+    age: float
+    latency: float
+    alone: float
+    spread: float
+
+    @property
+    def window(self) -> float:
+        """For how long velocities count that were told earlier, s."""
+        return self.age + self.latency
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,9 +160,23 @@ class Base:
     age: Positive = 0.1  # s, besides `latency`, that the odometry may be old with which a tick begins
 
     def carries(self, body: Body) -> Body:
-        """The body as the filter has to take it: with all that comes late."""
-        hold = self.timeout + self.latency + self.patience
-        return replace(body, hold=hold, lag=body.lag + self.age + 2.0 * self.latency)
+        """The body with the time for which this base goes on at most."""
+        return replace(body, hold=self.lateness.alone + self.patience)
+
+    @property
+    def lateness(self) -> Lateness:
+        """What comes late.
+
+        A tick begins with odometry of an estimated age of at most `age + latency`. The estimate takes the
+        least delay seen for `delay`; it is between that and `latency`.
+        """
+        unknown = self.latency - self.delay
+        return Lateness(
+            self.age + self.latency + unknown,
+            self.latency,
+            self.timeout + self.latency,
+            0.5 * (unknown + DECISION),
+        )
 
     def of(self, robot: int) -> Base:
         """The base of one robot: its id in place of `{id}`."""

@@ -8,7 +8,7 @@ from agents.bases.base import ros_of
 from agents.bases.drive import Drive
 from deploy.library.load import load
 from protocol.messages import Command, Report, Tick
-from protocol.scenario.body import Body
+from protocol.scenario.body import Base, Body
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time
 from protocol.scenario.model import World as Plant
 from world.external import External
@@ -21,6 +21,7 @@ SETTING = Scenario(
     world=Plant("external", lease=0.5),
     body=BODY,
 )
+LATE = BODY.lag + Base().lateness.age  # s
 
 
 def test_who_was_not_heard_stands_within_all_that_its_body_may_have_done() -> None:
@@ -33,7 +34,7 @@ def test_who_was_not_heard_stands_within_all_that_its_body_may_have_done() -> No
         assert outside.resting() == {}
     outside.sense(last + 1)
     assert outside.resting() == {1: (0.05, 0.0)}
-    way = 0.2 * (0.2 + leased + body.lag)
+    way = 0.2 * (0.2 + leased + LATE)
     assert outside.bounds[1] == pytest.approx(2e-3 + 1.1 * way + body.play)
 
 
@@ -102,7 +103,7 @@ def test_another_world_bounds_what_a_base_may_cover_until_its_lease_is_over() ->
     outside.sense(21)
     past = outside.past
     leased = 0.5 + body.hold + 0.2 / 0.5
-    farthest = 1.1 * 0.2 * (0.2 + leased + body.lag) + body.play
+    farthest = 1.1 * 0.2 * (0.2 + leased + LATE) + body.play
     assert past.bounds == {1: pytest.approx(2e-3 + farthest)}
     later = External(SETTING, past, 21)
     assert (later.places, later.founding_bounds, later.lengths) == (
@@ -115,7 +116,7 @@ def test_another_world_bounds_what_a_base_may_cover_until_its_lease_is_over() ->
         later.sense(tick)
         later.hear(Command(1, 2, tick, (0.0, 0.0), report=Report((0.06, 0.0), 2e-3)))
         assert later.resting() == {}, "it may still move under the lease of its earlier life"
-    late = 1 + int(body.lag / 0.1)  # ticks by which a report may be of odometry from before it stood
+    late = 1 + int(LATE / 0.1)  # ticks by which a report may be of odometry from before it stood
     for tick in range(last + 1, last + 1 + late):
         later.sense(tick)
         later.hear(Command(1, 2, tick, (0.0, 0.0), report=Report((0.06, 0.0), 2e-3)))

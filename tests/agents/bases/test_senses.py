@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.bases.senses import DRIFT, LinkDelay
+from agents.bases.ros_messages import NANO, Odometry, Pose, Velocity, header_at
+from agents.bases.senses import DRIFT, LinkDelay, Odometer
+from protocol.scenario.body import PRESETS, Base
 
 DELAYS = st.lists(st.floats(0.0, 0.2), min_size=1, max_size=50)
 
@@ -49,3 +52,39 @@ def test_a_clock_that_is_set_back_begins_a_new_difference_and_one_set_forward_ma
         link.take(stamp, now)
         assert link.age(stamp, now) == pytest.approx(0.0)
     assert math.isfinite(link.age(20.0, 3.0))
+
+
+def odometry(stamp: float, x: float) -> Odometry:
+    """What a base says at a time, s, that is on the x axis at x, m."""
+    pose = Pose([x, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0])
+    header = header_at(round(stamp * NANO), "odom")
+    return Odometry(header, "base_link", pose, [0.0] * 36, Velocity([0.0] * 3, [0.0] * 3), [0.0] * 36)
+
+
+@pytest.mark.parametrize(
+    ("clock", "silent", "says"),
+    [
+        (0.0, 0.02, r"odometry jumps by 0\.3"),
+        (0.0, 1.0, "odometry pauses for 1 s"),  # in which a base may have come as far
+        (-1e9, 1.0, "odometry goes back in time"),
+        (0.2, 0.02, r"the clock of odometry jumps ahead by 0\.2"),
+        (1e9, 1.0, "odometry pauses for 1e"),
+    ],
+)
+def test_a_publisher_that_begins_again_is_no_motion(clock, silent, says):
+    """Its origin is where the base stands by then, its clock any."""
+    odometer = Odometer(Base(), PRESETS["turtlebot3-burger"])
+    for step in range(50):
+        assert odometer.take(odometry(1e9 + 0.02 * step, 0.3), 0.02 * step) == ""
+    now = 0.98 + silent
+    assert re.match(says, odometer.take(odometry(1e9 + clock + now, 0.0), now))
+    odometer.forget()
+    for step in range(50):
+        later = now + 0.02 * step
+        assert odometer.take(odometry(1e9 + clock + later, 0.0), later) == ""
+
+
+def test_odometry_of_which_some_is_lost_or_late_goes_on():
+    odometer = Odometer(Base(), PRESETS["turtlebot3-burger"])
+    for stamp, delay in ((0.0, 0.03), (0.02, 0.0), (0.2, 0.3), (0.22, 0.28), (0.4, 0.1)):
+        assert odometer.take(odometry(stamp, 0.1 * stamp), stamp + delay) == ""

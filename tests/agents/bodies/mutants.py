@@ -144,25 +144,19 @@ MUTANTS = (
         "error",
         "a base misses what it is told by a share of its way",
         "omnidirectional",
-        (Edit(_SWEEP, "arcs, tolerance.error, slip)", "arcs, 0.0, slip)"),),
+        (Edit(_SWEEP, "_Hull(error, slip)", "_Hull(0.0, slip)"),),
     ),
     Mutant(
         "slip",
         "and by its lag and play",
         "omnidirectional",
-        (Edit(_SWEEP, "arcs, tolerance.error, slip)", "arcs, tolerance.error, 0.0)"),),
+        (Edit(_SWEEP, "_Hull(error, slip)", "_Hull(error, 0.0)"),),
     ),
     Mutant(
         "change",
         "lag counts for the velocity that it had, even if the one commanded is small",
         "omnidirectional",
-        (
-            Edit(
-                _SWEEP,
-                "        slip = tolerance.slip(motion, to)\n",
-                "        slip = tolerance.slip(Motion(0.0), to)\n",
-            ),
-        ),
+        (Edit(_SWEEP, "tolerance.slip(motion, to)\n", "tolerance.slip(Motion(0.0), to)\n"),),
     ),
     Mutant(
         "heading",

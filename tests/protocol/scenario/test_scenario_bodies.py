@@ -118,4 +118,4 @@ def test_a_fleet_outside_has_bases_without_being_told():
 def test_the_filter_takes_a_body_with_everything_that_comes_late():
     body, base = pair().body_of(1), Base()
     assert body.hold == pytest.approx(base.timeout + base.patience + base.latency)
-    assert body.lag == pytest.approx(PRESETS["turtlebot3-burger"].lag + base.age + 2 * base.latency)
+    assert base.lateness.age == pytest.approx(base.age + 2 * base.latency - base.delay)

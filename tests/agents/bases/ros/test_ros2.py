@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from protocol.scenario.model import Scenario
 from tests.agents.bases.crossing import CROSSING
 from tests.agents.bases.ros import environment
 from tests.agents.bases.ros.yard import HERE, NOISE, START, Yard, until, yard
@@ -45,10 +46,15 @@ def turtles(fleet: Yard) -> None:
     start("bridge", interpreter, HERE / "bridge.py", fleet.endpoint, *names, **apart)
 
 
+def stopping(scenario: Scenario) -> float:
+    """Time in which a base that is left alone stands, s."""
+    body, base = scenario.body_of(1), scenario.base_of(1)
+    return body.hold + body.lag + base.lateness.age + body.speed / body.acceleration
+
+
 def stand_without_coordinator(fleet: Yard) -> None:
     """The world is stopped for a while: every robot stands by itself."""
-    body = fleet.scenario.body_of(1)
-    stops = body.hold + body.lag + body.speed / body.acceleration  # s until a base left alone stands
+    stops = stopping(fleet.scenario)
     fleet.processes.signal("world", signal.SIGSTOP)
     quiet = fleet.speeds(time.monotonic() + fleet.scenario.time.step + stops, 0.9)
     fleet.processes.signal("world", signal.SIGCONT)
@@ -61,8 +67,7 @@ def test_six_robots_swap_and_survive_what_may_happen_to_bases_and_coordinator(tm
         processes, scenario = fleet.processes, fleet.scenario
         starts = {spec.id: spec.start for spec in scenario.robots}
         goals = {spec.id: spec.goal for spec in scenario.robots}
-        body = scenario.body_of(1)
-        stops = body.hold + body.lag + body.speed / body.acceleration  # s until a base left alone stands
+        stops = stopping(scenario)
 
         until(lambda: all((tmp_path / f"truth-{r}").exists() for r in goals), START, "no bases")
         until(lambda: max(map(fleet.way, goals, starts.values())) > 0.05, START, "no robot moves")
