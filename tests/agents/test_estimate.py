@@ -105,14 +105,6 @@ def test_however_late_measurements_may_come_odometry_is_kept_for_as_long() -> No
     assert estimate.position == pytest.approx((0.1, 0.1))
 
 
-def test_missed_odometry_widens_the_bound_by_one_move() -> None:
-    estimate = Estimate(REACH)
-    tell(estimate, 0.0, 0, (0.1, 0.1))
-    tell(estimate, 0.0, 4, None)
-    assert estimate.bound == pytest.approx(REACH, rel=0.02)
-    assert estimate.support(1.0, 0.0) == pytest.approx(0.1 + REACH)
-
-
 def disks(points: list[tuple[float, float]], error: float) -> Estimate:
     estimate = Estimate(REACH)
     for tick, point in enumerate(points):

@@ -12,9 +12,28 @@ import pytest
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time, Workspace
-from tests.agents.scaling import scaled
 
 pytestmark = pytest.mark.slow
+
+
+def scaled(scenario: Scenario, factor: float) -> Scenario:
+    """All lengths as many times longer, in a workspace that is a disk; all robots as many times faster."""
+    robots = tuple(
+        replace(
+            each,
+            radius=factor * each.radius,
+            start=(factor * each.start[0], factor * each.start[1]),
+            goal=(factor * each.goal[0], factor * each.goal[1]),
+        )
+        for each in scenario.robots
+    )
+    return replace(
+        scenario,
+        robots=robots,
+        workspace=Workspace(factor * scenario.workspace.radius),
+        control=replace(scenario.control, speed=factor * scenario.control.speed),
+        time=replace(scenario.time, tolerance=factor * scenario.time.tolerance),
+    )
 
 
 def of_library(name: str, workspace: float, period: float, pace: str) -> Scenario:

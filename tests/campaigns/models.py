@@ -11,8 +11,7 @@ from protocol.scenario.body import PRESETS
 from tests.agents.bodies import mutants as bodies
 from tests.agents.bodies.ride import KINDS, ROUNDING, excess_of
 from tests.agents.bodies.ride import Product as RideProduct
-from tests.agents.lines.models.mutants import mutant as lines
-from tests.agents.lines.models.mutants.catalogue import MUTANTS
+from tests.agents.lines.models import mutants as lines
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import aftermath, skirmish
 from tests.campaigns.campaign import Campaign, Dice, Mutant, Outcome
@@ -31,7 +30,7 @@ def _of_lines(model: ModuleType, dice: Dice) -> Outcome:
 
 
 def _line_mutants(model: str) -> Sequence[Mutant]:
-    return [Mutant(each.rule, partial(lines.hunt, each)) for each in MUTANTS if each.model == model]
+    return [Mutant(each.rule, partial(lines.hunt, each)) for each in lines.MUTANTS if each.model == model]
 
 
 def _ride(dice: Dice) -> Outcome:

@@ -55,14 +55,6 @@ def test_a_limit_keeps_its_clearance_and_no_more(shape, angle, clearance):
         assert math.isclose(limit + clearance, nx * shape.x + ny * shape.y - shape.radius, abs_tol=ROUNDING)
 
 
-@given(polygons())
-def test_corners_are_kept_counterclockwise_whatever_their_sense(polygon):
-    assert polygon.area > 0.0
-    assert ConvexPolygon(polygon.points[::-1]).area == polygon.area
-    low, high = polygon.box
-    assert all(low[0] <= x <= high[0] and low[1] <= y <= high[1] for x, y in polygon.points)
-
-
 PENTAGON = [(math.cos(math.tau * n / 5), math.sin(math.tau * n / 5)) for n in range(5)]
 
 
@@ -98,7 +90,3 @@ def test_convex_polygons_have_no_defect_in_either_sense(polygon):
 )
 def test_each_defect_is_named(points, words):
     assert defect(points) == words
-
-
-def test_a_point_on_a_straight_side_is_none():
-    assert defect([(0, 0), (1, 0), (2, 0), (2, 2), (0, 2)]) == ""

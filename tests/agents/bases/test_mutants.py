@@ -9,7 +9,8 @@ import pytest
 from agents.bases.drive import Drive, Lease
 from agents.bases.senses import LinkDelay, Senses
 from tests.agents.bases.floor import Floor
-from tests.agents.bases.test_floor import FROM, PAIR, STOPPED, fleet, late
+from tests.agents.bases.test_floor import FROM, STOPPED, late
+from tests.agents.bases.test_senses import PAIR, fleet
 from world.external import External
 
 THREE = fleet(3)
@@ -102,7 +103,13 @@ RULES = {
 }
 
 
-@pytest.mark.slow
+@pytest.mark.parametrize("rule", RULES)
+def test_a_rule_can_be_left_out(rule: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The names that this replaces are those of the product."""
+    RULES[rule][0](monkeypatch)
+
+
+@pytest.mark.campaign
 @pytest.mark.parametrize("rule", RULES)
 def test_without_this_rule_something_goes_wrong(rule, monkeypatch):
     leave_out, goes_wrong = RULES[rule]

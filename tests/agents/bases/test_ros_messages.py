@@ -28,7 +28,7 @@ from agents.bases.ros_messages import (
 )
 from protocol.errors import MessageError
 
-COUNT = 1500  # of each type
+COUNT = 200  # of each type
 STORE = get_typestore(Stores.ROS2_JAZZY)
 T = STORE.types
 
@@ -194,7 +194,7 @@ CASES = {
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_what_is_written_and_read_is_what_rosbags_writes_and_reads(name):
-    """10 500 messages in all. Between numbers there may be anything, so rosbags reads what this writes."""
+    """Between numbers there may be anything, so rosbags reads what this writes."""
     kind, make, theirs = CASES[name]
     draw = Draw()
     for number in range(COUNT):

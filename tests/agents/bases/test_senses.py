@@ -1,17 +1,21 @@
-"""Age of odometry, by two clocks that were never set."""
+"""Odometry and poses: how old they are by clocks that were never set, and what is wrong with them."""
 
 from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
+from random import Random
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.bases.ros_messages import NANO, Odometry, Pose, Velocity, header_at
-from agents.bases.senses import DRIFT, LinkDelay, Odometer
+from agents.bases.senses import DRIFT, LinkDelay, Odometer, Senses
+from deploy.library.load import load
 from protocol.scenario.body import PRESETS, Base
+from tests.agents.bases.wheels import Wheels
 
 DELAYS = st.lists(st.floats(0.0, 0.2), min_size=1, max_size=50)
 
@@ -88,3 +92,114 @@ def test_odometry_of_which_some_is_lost_or_late_goes_on():
     odometer = Odometer(Base(), PRESETS["turtlebot3-burger"])
     for stamp, delay in ((0.0, 0.03), (0.02, 0.0), (0.2, 0.3), (0.22, 0.28), (0.4, 0.1)):
         assert odometer.take(odometry(stamp, 0.1 * stamp), stamp + delay) == ""
+
+
+SETTINGS = (
+    "world.plant=external",
+    "time.step=0.1",
+    "sensing.noise=0.003",
+    "sensing.noise_bound=0.006",
+    "sensing.heading=0.03",
+    "time.limit=120",
+    "time.tolerance=0.03",
+    "control.speed=0.2",
+)
+
+
+def fleet(count, *settings):
+    return load(f"turtlebots-{count}", [*SETTINGS, *settings], 1)
+
+
+PAIR = fleet(2)
+
+
+def turned_over(message):
+    return replace_pose(message, orientation=[1.0, 0.0, 0.0, 0.0])
+
+
+def replace_pose(message, **changes):
+    return replace(message, pose=replace(message.pose, **changes))
+
+
+def shifted(message, by):
+    x, y, z = message.pose.position
+    return replace_pose(message, position=[x + by, y, z])
+
+
+def stamped(message, by):
+    header = message.header
+    return replace(message, header=header_at(header.stamp + round(by * NANO), header.frame))
+
+
+def framed(message, frame):
+    return replace(message, header=replace(message.header, frame=frame))
+
+
+ODOMETRY = {
+    "jumps": (lambda m: shifted(m, 0.5), r"odometry jumps by 0\.5"),
+    "stops": (lambda _: None, r"no odometry for 0\.5 s"),
+    "goes back in time": (lambda m: stamped(m, -1.0), r"odometry goes back in time by 0\.98"),
+    "is no number": (lambda m: shifted(m, math.nan), "odometry that is no number"),
+    "has an infinite velocity": (
+        lambda m: replace(m, velocity=replace(m.velocity, linear=[math.inf, 0.0, 0.0])),
+        "odometry that is no number",
+    ),
+    "is upside down": (turned_over, "not in the plane"),
+    "is in another frame": (lambda m: framed(m, "map"), "odometry of 'base_link' in 'map'"),
+    "is of another frame": (lambda m: replace(m, child="laser"), "odometry of 'laser' in 'odom'"),
+}
+POSE = {
+    "contradicts odometry": (
+        lambda m: shifted(m, 0.1),
+        r"a pose and odometry exclude each other by 0\.0\d+ m",
+    ),
+    "goes back in time": (lambda m: stamped(m, -1.0), "the pose goes back in time by 0"),
+    "is no number": (lambda m: shifted(m, math.nan), "a pose that is no number"),
+    "is in another frame": (lambda m: framed(m, "world"), "a pose in 'world', not in 'map'"),
+}
+
+
+@pytest.mark.parametrize(
+    ("stream", "what"), [("odometry", what) for what in ODOMETRY] + [("pose", what) for what in POSE]
+)
+def test_an_unsound_stream_says_why_and_is_trusted_again_after_a_while(stream, what):
+    change, says = (ODOMETRY if stream == "odometry" else POSE)[what]
+    senses, wheels = Senses(PAIR, 1, Base()), Wheels(PAIR, 1, Random(1))
+
+    def hear(begin, changed=()):
+        for number in range(50):
+            now = begin + 0.02 * number
+            messages = {"odometry": wheels.odometry(now), "pose": wheels.pose(now)}
+            for name in changed:
+                messages[name] = change(messages[name]) if number % 2 or what == "stops" else messages[name]
+            if messages["odometry"] is not None:
+                senses.on_odometry(messages["odometry"].serialize(), now)
+            senses.on_pose(messages["pose"].serialize())
+            senses.look(now)
+            yield senses.note
+
+    assert [*hear(0.0)][-1] == ""
+    assert senses.place() is not None
+    notes = [*hear(1.0, [stream])]
+    assert any(re.search(says, note) for note in notes), notes
+    assert (notes[-1] != "", senses.place()) == (True, None)
+    assert [*hear(2.0)][-1] == ""
+
+
+def test_what_a_fast_base_can_do_is_no_jump():
+    body, base = PAIR.body_of(1), Base()
+    wheels = Wheels(PAIR, 1, Random(1))
+    wheels.aims = (body.speed, 0.5 * body.speed)
+    odometer = Odometer(base, body)
+    for step in range(400):
+        wheels.heard = 0.005 * step
+        wheels.roll(0.005 * step)
+        if step % 4 == 0:
+            assert odometer.take(wheels.odometry(0.005 * step), 0.0) == ""
+    assert odometer.newest.way > 0.2
+
+
+def test_the_same_message_twice_is_the_same_message():
+    odometer, message = Odometer(Base(), PAIR.body_of(1)), Wheels(PAIR, 1, Random(1)).odometry(1.0)
+    assert odometer.take(message, 0.0) == odometer.take(message, 0.1) == ""
+    assert replace(PAIR, name="x").base_of(1) == Base()

@@ -15,7 +15,7 @@ from world.plants.integrator import STANDING, SimulatedBase
 
 PERIOD, SPEED = 0.05, 0.1
 WHEELED = [name for name in PRESETS if name != "point"]
-FACING = [0.1 * n for n in range(63)]
+FACING = [0.3 * n for n in range(21)]
 ROOM = RoundBoundary(10.0)
 
 
@@ -57,19 +57,8 @@ def test_a_body_leaves_an_edge_from_its_standoff_whichever_way_it_faces(name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", WHEELED)
-def test_and_nearer_than_half_of_it_some_way_of_facing_holds_it(name):
-    """The standoff is no larger than it has to be."""
-    held = 0
-    for heading in FACING:
-        track = Track(name, 0.5, heading)
-        held += track.tick((-SPEED, 0.0)) == (0.0, 0.0)
-    assert held > 0
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", WHEELED)
 def test_who_is_too_near_an_edge_to_drive_along_it_makes_itself_room(name):
-    for heading in FACING[::6]:
+    for heading in FACING[::3]:
         track = Track(name, 1.1, heading)
         for _ in range(60):
             track.tick((0.0, SPEED))

@@ -9,7 +9,7 @@ from tests.agents.bodies.ride import KINDS, ROUNDING, Product, Ride, excess_of
 
 pytestmark = pytest.mark.slow
 
-RIDES = 4  # the campaign `bodies` goes on
+RIDES = 2  # the campaign `bodies` goes on
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -25,7 +25,7 @@ def test_and_does_not_keep_to_it_by_standing(kind: str) -> None:
     product, way, most = Product(), 0.0, 0.0
     for seed in range(10):  # of fewer, some hardly have room to go anywhere
         ride = Ride(seed, kind, product, period=0.1)
-        for _ in range(100):
+        for _ in range(60):
             x, y = ride.x, ride.y
             ride.tick()
             way += abs(complex(ride.x - x, ride.y - y))

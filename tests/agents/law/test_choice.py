@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import re
 import sys
 from collections.abc import Callable
@@ -17,9 +16,7 @@ import pytest
 from agents.law import GuardedLaw, View, choose
 from agents.peers.neighbours import Neighbours
 from deploy.library.load import load, try_out
-from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
-from deploy.run.options import RunOptions
 from disknav import Simulation
 from protocol.errors import LawError, UsageError
 from protocol.scenario.model import Control, ProcessFault, Scenario
@@ -142,17 +139,6 @@ def test_a_robot_whose_law_fails_stands_and_the_others_go_on(
     (said,) = [record.message for record in caplog.records if record.levelname == "WARNING"]
     assert said.startswith("robot-2: ")
     assert "tick 21" in said
-
-
-@pytest.mark.slow
-@pytest.mark.process
-def test_equal_runs_with_a_law_that_fails_are_equal_as_fleets(failing: Scenario) -> None:
-    with Fleet(failing, RunOptions(run=f"law-fails-{os.getpid()}")) as fleet:
-        report = fleet.execute()
-        assert (report["verdict"], report["collisions"]) == ("timeout", 0), report["reason"]
-        rows = {row["name"]: row["exit_code"] for row in fleet.processes()}
-    assert set(rows.values()) == {0}, rows
-    assert report["trajectory_sha256"] == LocalFleet(failing).execute()["trajectory_sha256"]
 
 
 @pytest.mark.parametrize("broken", ["__init__", "velocity", "slice_norm"])

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from agents.law.deadlock import PATIENCE, Progress, barred, circling, cluster
+from agents.law.deadlock import PATIENCE, Progress, barred, circling
 from agents.peers.state import Peer
 
 
@@ -59,26 +59,6 @@ def test_time_has_no_scale_of_its_own(factor: float) -> None:
         assert other == pytest.approx(one, abs=1e-9)
 
 
-def test_an_escape_that_does_not_help_pauses() -> None:
-    progress = Progress(0.05)
-    strengths = [still(progress, 0.05) for _ in range(240)]
-    assert max(strengths) == 1.0
-    assert 0.0 in strengths[strengths.index(1.0) :]
-
-
-def test_patience_grows_with_the_latency() -> None:
-    assert still(Progress(0.05), 6.5, latency=1.0) == 0.0
-    assert still(Progress(0.05), 9.0, latency=1.0) == 1.0
-
-
-def test_a_peer_that_is_cut_off_does_not_stretch_the_patience_for_ever() -> None:
-    assert still(Progress(0.05), 15.0, latency=1e6) == 1.0
-
-
-def test_at_the_goal_there_is_nothing_to_escape() -> None:
-    assert still(Progress(0.05), 20.0, free=0.0) == 0.0
-
-
 def test_a_robot_nudged_off_its_goal_waits_while_gamma_falls() -> None:
     progress, gamma = Progress(0.05), 1.0
     for _ in range(200):
@@ -92,24 +72,12 @@ def test_a_robot_nudged_off_its_goal_waits_while_gamma_falls() -> None:
     assert still(progress, 3.0, desired=(0.0, 0.0), gamma=gamma) == 1.0
 
 
-def test_a_cluster_is_the_transitive_closure_of_closest_neighbours() -> None:
-    chain = [Peer(0.1 * n, 0.0, 0.04, 0.0) for n in (1, 2, 3)]
-    alone = Peer(0.0, 1.0, 0.04, 0.0)
-    found = cluster((0.0, 0.0), 0.04, [chain[2], alone, chain[0], chain[1]])
-    assert sorted(found, key=lambda peer: peer.x) == chain
-
-
 def test_members_of_a_cluster_circle_in_one_sense() -> None:
     angles = [0.3 + 2 * math.pi * n / 5 for n in range(5)]
     places = [(0.07 * math.cos(a), 0.07 * math.sin(a)) for a in angles]
     for i, (x, y) in enumerate(places):
         peers = [Peer(*place, 0.04, 0.0) for j, place in enumerate(places) if j != i]
         assert circling((x, y), (0.0, 0.0), 0.04, peers) == pytest.approx((y / 0.07, -x / 0.07))
-
-
-def test_a_lone_robot_sidesteps_in_the_same_sense() -> None:
-    assert circling((-0.2, 0.0), (0.2, 0.0), 0.04, []) == pytest.approx((0.0, 1.0))
-    assert circling((0.2, 0.0), (0.2, 0.0), 0.04, []) == (0.0, 0.0)
 
 
 def test_only_a_disk_on_the_way_bars_it() -> None:

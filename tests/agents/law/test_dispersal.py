@@ -34,17 +34,6 @@ def ring(robots: int, gamma: float = 1.0) -> list[PeerState]:
     ]
 
 
-def held(robot: int, peers: list[PeerState], stuck: bool = True) -> tuple[Dispersal, int]:
-    """Stand at (0.1, 0) until the robot gives way, or until it does not."""
-    jams = Dispersal(robot, R, LAP * STEP, STEP)
-    tick = 0
-    for tick in range(int(2.0 * JAM * LAP)):
-        if jams.yielding(tick, FAR) is not None:
-            break
-        jams.look(tick, (0.1, 0.0), 0.9, peers, stuck=stuck)
-    return jams, tick
-
-
 def test_all_but_one_of_a_crowd_spread_and_stand_for_a_while() -> None:
     places = {1: (0.1, 0.0)} | {peer.robot: (peer.x, peer.y) for peer in ring(CROWD)}
     went = []
@@ -63,21 +52,6 @@ def test_all_but_one_of_a_crowd_spread_and_stand_for_a_while() -> None:
             assert jams.yielding(int((JAM + WAIT) * LAP), FAR) == back
             assert jams.yielding(last, FAR) is None
     assert len(went) == 1
-
-
-def test_few_do_not_spread_nor_does_who_is_not_stuck() -> None:
-    last = max(range(1, 100), key=lambda robot: robot * 7919 % 1_000_003)
-    crowd = ring(CROWD)
-    assert held(last, crowd)[0].yielding(0, FAR) is not None
-    assert held(last, crowd, stuck=False)[0].yielding(0, FAR) is None
-    assert held(last, crowd[: CROWD - 2])[0].yielding(0, FAR) is None
-
-
-def test_it_goes_on_at_once_to_another_goal() -> None:
-    last = max(range(1, 100), key=lambda robot: robot * 7919 % 1_000_003)
-    jams, tick = held(last, ring(CROWD))
-    assert jams.yielding(tick, FAR) is not None
-    assert jams.yielding(tick, (-1.0, 0.0)) is None
 
 
 def arrived(moves: float = 0.0, gamma: float = 1.0) -> tuple[float, float] | None:

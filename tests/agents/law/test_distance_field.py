@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.law.distance_field import Clearances, FieldRoute
-from agents.law.obstacles import MANY, Attraction, Route, WayPoints, obstacle_disks
+from agents.law.obstacles import Route, WayPoints
 from protocol.geometry import ConvexPolygon, Disk, Shape
 
 RADIUS = 0.2
@@ -74,12 +74,3 @@ def test_there_is_no_way_through_a_wall_and_one_through_its_door() -> None:
         route = FieldRoute(Clearances(ROOM, shapes, RADIUS), RADIUS)
         assert (route.ahead((-3.0, 1.0), (3.0, 1.0)) is not None) == is_open
         assert route.ahead((1.0, 1.0), (3.0, 1.0)) == ((3.0, 1.0), 2.0)
-
-
-def test_among_many_obstacles_only_those_near_by_repel() -> None:
-    shapes = [box(-4.9 + 0.13 * n, -3.9, 0.05, 0.05) for n in range(MANY + 1)]
-    near = Attraction(ROOM, RADIUS).repelling((-4.0, -3.0), shapes)
-    assert len(near) < len(shapes)
-    everything = obstacle_disks(ROOM, shapes, -4.0, -3.0)
-    assert {(disk.x, disk.y) for disk in near} <= {(disk.x, disk.y) for disk in everything}
-    assert len(Attraction(ROOM, RADIUS).repelling((-4.0, -3.0), shapes[:-1])) == MANY + 4

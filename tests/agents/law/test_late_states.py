@@ -12,7 +12,6 @@ from agents.law.late_states import (
     FIRST,
     KEPT,
     LATEST,
-    LONGEST,
     SOFT_AT_ALL,
     SOFT_IN_FULL,
     SOFTER,
@@ -44,23 +43,6 @@ def test_a_peer_that_goes_first_has_gone_on_as_it_wished() -> None:
 def test_who_has_less_far_to_go_or_is_heard_at_once_is_where_it_was_heard() -> None:
     assert place(peer(0.3, 0.1, FIRST * ME.gamma, -0.1), 4) == (0.3, 0.1)
     assert place(peer(0.3, 0.1, 0.09, -0.1, tick=4), 4) == (0.3, 0.1)
-
-
-def test_of_two_only_one_makes_room() -> None:
-    other = peer(0.3, 0.0, 0.09, -0.1)
-    mine = PeerState(1, 1, 0, True, 0.0, 0.0, 0.0, ME.gamma, 1.0, 0.1, 0.0, radius=R)
-    (seen,) = foreseen(Peer(other.x, other.y, R, other.gamma), [mine], 4, PERIOD, LAP)
-    assert (seen.x, seen.y) == (0.0, 0.0)
-    assert place(other, 4) != (0.3, 0.0)
-
-
-def test_a_wish_is_followed_for_a_lap_at_most() -> None:
-    assert place(peer(0.3, 0.1, 0.09, 0.1), 10_000)[0] == pytest.approx(0.3 + 0.1 * LONGEST * LAP)
-
-
-def test_a_disk_that_stands_is_where_it_stands() -> None:
-    disk = Peer(0.1, 0.0, R, 0.0)
-    assert foreseen(ME, [disk], 4, PERIOD, LAP) == [disk]
 
 
 @given(

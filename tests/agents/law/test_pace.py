@@ -12,7 +12,7 @@ from agents.law import View, choose
 from agents.law.flow import Flow, desired_velocity
 from agents.law.gradient import Slice
 from agents.law.late_states import FAST_AT_ALL, FAST_IN_FULL, HASTE, late_speed
-from agents.law.pace import common_pace, max_rate, own_pace
+from agents.law.pace import common_pace, max_rate
 from agents.peers.far import FarField
 from agents.peers.neighbours import Neighbours
 from protocol.scenario.model import Control, RobotSpec, Scenario
@@ -26,12 +26,6 @@ def test_a_squeezed_robot_does_not_freeze_the_others() -> None:
     farthest = 0.3
     scale = common_pace(1e6, farthest**2, 0.1, 10.0)
     assert scale * 2 * farthest == pytest.approx(0.1)
-
-
-def test_the_gain_is_the_largest_scale() -> None:
-    assert common_pace(1e-9, 1e-18, 0.1, 10.0) == 10.0
-    assert common_pace(0.0, 0.0, 0.1, 10.0) == 10.0
-    assert own_pace(10.0) == 10.0
 
 
 @pytest.mark.parametrize("period", [0.02, 0.05, 0.1, 0.2])
@@ -85,10 +79,6 @@ def speed(norm: float, farthest: float, late: int = 0) -> float:
         tick=10, position=(0.0, 0.0), goal=(0.05, 0.0), displacement=(0.0, 0.0), neighbours=neighbours
     )
     return math.hypot(*law.velocity(view))
-
-
-def test_it_is_as_slow_as_the_attraction_at_most() -> None:
-    assert speed(50.0, 0.5 * NORM) == pytest.approx(speed(NORM, 4.0), rel=1e-9)
 
 
 def test_a_far_robot_may_have_come_closer_to_its_goal_since() -> None:

@@ -15,14 +15,11 @@ from agents.law.reciprocal import ReciprocalLaw, nearest, reciprocal
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from deploy.library.encounters import swap
-from deploy.library.instances import random_instance
 from deploy.library.load import load, resolved
 from deploy.run.local import LocalFleet
 from protocol.line import HalfPlane
 from protocol.messages import Vector
-from protocol.scenario.model import Control, ProcessFault, RobotSpec, Scenario, Workspace
-from protocol.scenario.network import Link
-from tests.agents.scaling import scaled
+from protocol.scenario.model import Control, RobotSpec, Scenario, Workspace
 
 CONTACT, HORIZON = 1.0, 3.0
 coordinate = st.floats(-3.0, 3.0)
@@ -124,38 +121,9 @@ def test_a_swap_is_short_and_quick() -> None:
 
 
 @pytest.mark.slow
-def test_a_few_that_cross_pass_without_a_turn() -> None:
-    """With the turn that swaps need the mean is 1.08."""
-    lengths = []
-    for seed in range(2):
-        scenario = random_instance(12, seed, density=0.05)
-        control = replace(scenario.control, law="reciprocal")
-        verdict, touched, nrl, _ = run(resolved(replace(scenario, control=control)))
-        assert (verdict, touched) == ("arrived", 0)
-        lengths.append(nrl)
-    assert sum(lengths) / len(lengths) < 1.065
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["swap-6", "head-on"])
 def test_exactly_symmetric_starts_are_left(name: str) -> None:
     assert run(reciprocally(load(name)))[:2] == ("arrived", 0)
-
-
-@pytest.mark.slow
-def test_under_delay_and_loss_and_a_killed_process_nothing_touches() -> None:
-    link = Link(delay=(0.0, 0.3), loss=0.2)
-    report = run(reciprocally(swap(6, 0.01, 1), link=link, process=(ProcessFault(2, 1.0, "restart"),)))
-    assert report[:2] == ("arrived", 0)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("factor", [1024.0])
-def test_no_length_is_built_in(factor: float) -> None:
-    base = reciprocally(swap(6, 0.01, 2))
-    one, other = run(base), run(scaled(base, factor))
-    assert one[:2] == other[:2] == ("arrived", 0)
-    assert other[2:] == pytest.approx(one[2:], rel=0.02)
 
 
 RADIUS = 0.04

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from agents.law.jams import ASIDE, JAM, QUEUE, TURN, WAIT, RightOfWay
+from agents.law.jams import ASIDE, JAM, TURN, RightOfWay
 from agents.peers.state import PeerState
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
@@ -78,16 +78,6 @@ def test_exactly_one_of_two_goes_back_to_where_it_can_be_passed_and_in_the_next_
     assert 5 < sum(backs) < 35
 
 
-def test_it_waits_a_while_and_goes_on_sooner_with_another_goal() -> None:
-    robot = next(n for n in (1, 2) if jammed(n, state(3 - n, 0.61))[1] is not None)
-    right, back, tick = jammed(robot, state(3 - robot, 0.61))
-    wait = int((WAIT + QUEUE) * LAP)
-    assert right.yielding(tick + wait - 2, (2.5, 0.0)) == back
-    assert right.yielding(tick + wait, (2.5, 0.0)) is None
-    right, _, tick = jammed(robot, state(3 - robot, 0.61))
-    assert right.yielding(tick, (-2.5, 0.0)) is None
-
-
 @pytest.mark.parametrize(
     ("x", "gamma", "vx", "goes_on"),
     [
@@ -107,9 +97,3 @@ def test_it_goes_on_as_soon_as_who_goes_first_has_passed(
     assert back is not None
     right.let_pass(tick, (-0.5, 0.0), [state(3 - robot, x, gamma, vx), state(7, 0.4)])
     assert (right.yielding(tick, (2.5, 0.0)) is None) == goes_on
-
-
-def test_nobody_gives_way_to_who_is_far_or_at_its_goal() -> None:
-    for robot in (1, 2):
-        assert jammed(robot, state(3 - robot, 1.5))[1] is None
-        assert jammed(robot, state(3 - robot, 0.61, gamma=0.0))[1] is None

@@ -11,7 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from agents.law import View
-from agents.law.roundabout import STEEPEST, WIDE, Encounter, Encounters, Roundabout, roundabout, together
+from agents.law.roundabout import STEEPEST, WIDE, Encounter, Encounters, Roundabout, roundabout
 from agents.peers.far import FarPicture, places_of
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
@@ -84,18 +84,6 @@ def test_who_is_heard_too_counts_once_and_who_stands_does_not() -> None:
     assert encounters.met(_view(BETWEEN, known), WAY) == []
 
 
-def test_a_peer_of_one_summary_stands_until_the_next() -> None:
-    known = Neighbours({2: RADIUS})
-    first = FarPicture(places_of(_said(0, {1: (0.0, 0.0), 2: (3.0, 0.0)})), {1: RADIUS, 2: RADIUS})
-    known.picture = first
-    encounters = Encounters(1, RADIUS, PERIOD, AHEAD)
-    assert encounters.met(_view(0, known), WAY) == [Encounter(3.0, 0.0, RADIUS, 3.0)]
-    next_one = places_of(_said(BETWEEN, {1: (0.0, 0.0), 2: (3.0, 3.0)}))
-    known.picture = FarPicture(next_one, {1: RADIUS, 2: RADIUS}, first)
-    assert encounters.met(_view(BETWEEN, known), WAY) == []
-
-
-@pytest.mark.slow
 @pytest.mark.campaign
 def test_a_crowd_that_hears_those_near_goes_round_in_time() -> None:
     """Without summaries some go through the middle, and are stopped there: 210 to 250 s."""
@@ -145,9 +133,3 @@ def test_a_turned_way_touches_the_circle_and_has_it_to_its_right(
     if 0.0 < turn < STEEPEST and math.hypot(x, y) > room * radius:
         vx, vy = math.cos(angle + turn), math.sin(angle + turn)
         assert vx * y - vy * x == pytest.approx(room * radius, abs=1e-6)
-
-
-def test_only_those_count_who_meet_at_about_the_same_time() -> None:
-    early, some, other, late = (Encounter(0.0, 0.0, RADIUS, time) for time in (0.1, 2.0, 2.5, 6.0))
-    assert together([late, other, some, early], 1.0) == [other, some]
-    assert together([], 1.0) == []

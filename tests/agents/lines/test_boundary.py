@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from agents.estimate import Estimate
 from agents.lines.boundary import RoundBoundary
 from agents.lines.own_set import Polygon, around
-from protocol.line import ROUNDING, HalfPlane
+from protocol.line import ROUNDING
 from protocol.messages import Sense
 from tests.interpreted import interpreted
 from world.plants.plant import truncated_normal
@@ -25,26 +25,6 @@ angles = st.floats(0.0, 2.0 * math.pi)
 shares = st.floats(0.0, 1.0)
 Wall = Callable[[float], object]
 INNER_BOUNDARY, INNER = interpreted("agents.lines.boundary", "agents.lines.safe_velocity")
-
-
-class NaiveWall:
-    """A disk that is shrunk by the error bound, or as large as the estimate is far out."""
-
-    def __init__(self, radius: float) -> None:
-        self.radius = radius
-
-    def beyond(self, x: float, y: float, shape: Polygon) -> None:
-        """Learns nothing."""
-
-    def cut(self, x, y, shape, dx, dy, *, noise=0.0, tolerance=0.0) -> HalfPlane | None:
-        bound = 0.0 if shape is None else shape.radius
-        rim = max(self.radius - bound, math.hypot(x, y))
-        qx, qy = x + dx, y + dy
-        distance = math.hypot(qx, qy)
-        if distance + noise * math.hypot(dx, dy) <= rim * (1.0 + tolerance):
-            return None
-        nx, ny = qx / distance, qy / distance
-        return HalfPlane(nx, ny, max(0.0, rim - nx * x - ny * y))
 
 
 def unit(angle: float) -> tuple[float, float]:
@@ -224,10 +204,3 @@ def excursion(seed: int, wall: Wall, ticks: int = 300) -> float:
 @pytest.mark.parametrize("seed", range(60))
 def test_nobody_leaves_whatever_is_wrong_with_what_it_knows(seed: int) -> None:
     assert excursion(seed, RoundBoundary) <= TINY
-
-
-@pytest.mark.slow
-def test_a_naive_wall_lets_robots_out() -> None:
-    """What the seeds above are worth: many of them find the hole."""
-    out = [seed for seed in range(60) if excursion(seed, NaiveWall) > 1e-6]
-    assert len(out) >= 15

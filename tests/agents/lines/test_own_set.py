@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import structs
 
-from agents.lines.own_set import DIRECTIONS, SIDES, Polygon, around, circumscribed
+from agents.lines.own_set import DIRECTIONS, SIDES, around
 from agents.shell.node import RobotNode
 from deploy.run.local import LocalFleet
 from protocol.bus.bus import Event, Sample
@@ -28,24 +28,6 @@ TINY = 1e-12
 
 def unit(angle: float) -> tuple[float, float]:
     return math.cos(angle), math.sin(angle)
-
-
-def cut_by(polygon: Polygon, edges: list[tuple[float, float]]) -> tuple[Polygon, list[tuple[float, float]]]:
-    """What is left after these cuts, passing over those that would leave nothing; and those made."""
-    made = []
-    for angle, limit in edges:
-        left = polygon.cut(*unit(angle), limit)
-        if left is not None:
-            polygon = left
-            made.append((angle, limit))
-    return polygon, made
-
-
-@given(angles, st.floats(1e-6, 10.0))
-def test_a_disk_is_taken_for_a_polygon_two_percent_larger_at_most(angle, radius) -> None:
-    extent = around(radius).extent(*unit(angle))
-    assert radius - TINY <= extent <= radius / math.cos(math.pi / SIDES) + TINY
-    assert around(radius).radius <= 1.02 * radius
 
 
 @given(cuts, angles, st.floats(0.0, 1.0))
@@ -86,27 +68,8 @@ def test_the_support_is_that_of_all_points_that_satisfy_every_cut(edges, angle) 
     assert polygon.extent(nx, ny) == pytest.approx(best, abs=1e-8)
 
 
-@given(cuts)
-def test_its_tightest_polygon_has_its_supports(edges) -> None:
-    polygon, _ = cut_by(around(1.0), edges)
-    tight = circumscribed(polygon.extents())
-    assert tight.extents() == pytest.approx(polygon.extents(), abs=1e-12)
-    assert len(polygon.xs) <= 2 * SIDES
-
-
 def test_nothing_is_left_beyond_the_farthest_corner() -> None:
     assert around(1.0).cut(1.0, 0.0, -1.1) is None
-
-
-@given(cuts, angles)
-def test_the_margin_surrounds_it(edges, angle) -> None:
-    bare, _ = cut_by(around(1.0), edges)
-    padded = Polygon(bare.xs, bare.ys, 0.1)
-    assert padded.extent(*unit(angle)) == pytest.approx(bare.extent(*unit(angle)) + 0.1)
-    assert padded.radius == pytest.approx(bare.radius + 0.1)
-    assert padded.widened(0.2).extents() == pytest.approx([each + 0.3 for each in bare.extents()])
-    cx, cy = bare.centre()
-    assert max(bare.shifted(-cx, -cy).extents()) <= max(2.0, bare.radius)
 
 
 RADIUS, ALONG, EDGE = 0.04, 0.5, 0.2598  # m, rad, m: 0.2 mm from the wall

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.agents.lines.models.mutants.mutant import Mutant
+from tests.agents.lines.models.mutants import Mutant
 from tests.agents.lines.models.product import Product
 from tests.agents.parts.haul import Haul, violation_of
 from tests.interpreted import Edit
@@ -81,13 +81,13 @@ MUTANTS = (
 
 def test_nothing_touches() -> None:
     handled = 0
-    for seed in range(8):
+    for seed in range(4):
         haul = Haul(seed, Product())
         for _ in range(60):
             haul.tick()
             assert not haul.violation(), seed
         handled += haul.handled
-    assert handled > 12
+    assert handled > 6
 
 
 @pytest.mark.campaign

@@ -21,7 +21,10 @@ pytestmark = pytest.mark.slow
             marks=pytest.mark.campaign,
         ),
         pytest.param(
-            14, True, id="a robot dies, and no order remains but by putting elsewhere what another has"
+            14,
+            True,
+            id="a robot dies, and no order remains but by putting elsewhere what another has",
+            marks=pytest.mark.campaign,
         ),
         pytest.param(
             11,

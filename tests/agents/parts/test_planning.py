@@ -113,17 +113,6 @@ def test_a_flood_gets_to_the_cells_that_have_a_distance(seed: int) -> None:
     assert reach.among(reached, points) == [point for point, way in lengths if math.isfinite(way)]
 
 
-def test_ways_lead_around_what_stands_and_aside_of_who_goes_first() -> None:
-    grid = Grid(ROOM.shape, 0.01)
-    wall = ConvexPolygon(((0.0, -0.2), (0.01, -0.2), (0.01, 0.1), (0.0, 0.1)))
-    me = Traveller((-0.1, 0.0), (0.1, 0.0), 0.03, (wall,))
-    x, y = Traffic(grid).aim(me, [])
-    assert y > 0.1 or x < 0.0  # not straight on
-    other = Traveller((-0.25, 0.0), (0.25, 0.0), 0.03, (Disk(0.0, 9.0, 0.1),))
-    x, y = Traffic(grid).aim(me, [other])
-    assert abs(y) > 0.0
-
-
 def test_who_makes_room_is_not_shut_in_by_what_the_other_leaves() -> None:
     walls = [ConvexPolygon(((0.1, y), (0.11, y), (0.11, y + 0.15), (0.1, y + 0.15))) for y in (-0.2, 0.05)]
     me = Traveller((0.06, 0.0), (-0.25, 0.0), 0.03, tuple(walls))

@@ -11,8 +11,6 @@ from hypothesis import strategies as st
 
 from agents.peers.link import Radio, StateLink
 from agents.peers.state import PeerState
-from deploy.library.load import load
-from deploy.run.local import LocalFleet
 from protocol.scenario.model import RobotSpec, Scenario
 from protocol.scenario.network import Burst, Distance, Partition, Roaming
 from protocol.scenario.network import Link as LinkFaults
@@ -20,7 +18,7 @@ from protocol.scenario.network import Link as LinkFaults
 RADIOS = tuple(RobotSpec(i, 0.01, (0.05 * i, 0.0), (0.05 * i, 0.1)) for i in (1, 2))
 LINK = LinkFaults(burst=Burst(good=2.0, bad=0.5), roaming=Roaming(10.0, (0.5, 1.5)))
 WIRELESS = Scenario(robots=RADIOS, seed=5, link=LINK)
-TICKS = range(60_000)
+TICKS = range(24_000)
 
 
 def test_bad_times_are_as_long_and_as_frequent_as_stated() -> None:
@@ -55,12 +53,6 @@ def test_what_a_radio_does_does_not_depend_on_what_was_asked_before(seed: int, t
         )
 
 
-def test_robots_have_radios_of_their_own() -> None:
-    one, other = Radio(WIRELESS, 1), Radio(WIRELESS, 2)
-    assert [one.is_bad(tick) for tick in TICKS[:1000]] != [other.is_bad(tick) for tick in TICKS[:1000]]
-    assert Radio(replace(WIRELESS, link=LinkFaults()), 1).back(17) == 17
-
-
 ROBOTS = tuple(RobotSpec(i, 0.01, (0.05 * i, 0.0), (0.05 * i, 0.1)) for i in (1, 2, 3, 4))
 SCENARIO = Scenario(robots=ROBOTS, seed=5)
 
@@ -92,11 +84,11 @@ def test_a_delay_takes_effect_at_the_first_tick_at_or_after_it() -> None:
 
 @pytest.mark.slow
 def test_loss_and_duplication_happen_as_often_as_stated() -> None:
-    states = [state(2, tick) for tick in range(4000)]
-    lost = heard(LinkFaults(loss=0.3), states, 4000)
-    assert 0.65 < sum(map(len, lost)) / 4000 < 0.75
-    doubled = heard(LinkFaults(duplicate=0.2, delay=(0.0, 0.2)), states, 4100)
-    assert 1.15 < sum(map(len, doubled)) / 4000 < 1.25
+    states = [state(2, tick) for tick in range(1600)]
+    lost = heard(LinkFaults(loss=0.3), states, 1600)
+    assert 0.65 < sum(map(len, lost)) / 1600 < 0.75
+    doubled = heard(LinkFaults(duplicate=0.2, delay=(0.0, 0.2)), states, 1700)
+    assert 1.15 < sum(map(len, doubled)) / 1600 < 1.25
 
 
 def test_a_partition_separates_groups_while_it_lasts() -> None:
@@ -131,14 +123,14 @@ def test_the_order_of_arrival_changes_nothing(random, seed: int) -> None:
 def test_a_burst_of_either_radio_holds_up_and_loses_what_passes_it() -> None:
     burst = Burst(good=1.0, bad=1.0, delay=0.5, loss=0.5)
     link = StateLink(replace(SCENARIO, link=LinkFaults(burst=burst)), 1)
-    for tick in range(8000):
+    for tick in range(3000):
         link.put(state(2, tick))
-    delays = [tick - each.tick for tick in range(8100) for each in link.take(tick)]
+    delays = [tick - each.tick for tick in range(3100) for each in link.take(tick)]
     assert {*delays} == {0, 10, 20}  # bad are none, one and both, each half of the time
-    assert delays.count(0) / 8000 == pytest.approx(0.25, abs=0.06)
-    assert delays.count(10) / 8000 == pytest.approx(0.5 * 0.5, abs=0.06)
-    assert delays.count(20) / 8000 == pytest.approx(0.25 * 0.25, abs=0.04)
-    assert link.lost == 8000 - len(delays)
+    assert delays.count(0) / 3000 == pytest.approx(0.25, abs=0.06)
+    assert delays.count(10) / 3000 == pytest.approx(0.5 * 0.5, abs=0.06)
+    assert delays.count(20) / 3000 == pytest.approx(0.25 * 0.25, abs=0.04)
+    assert link.lost == 3000 - len(delays)
 
 
 def test_states_wait_for_the_end_of_a_gap_of_sender_or_receiver() -> None:
@@ -174,22 +166,6 @@ def test_delay_and_loss_grow_with_the_distance() -> None:
             delays += [tick - each.tick for each in link.take(tick)]
         assert {*delays} == {metres - 1}
         assert len(delays) / 2000 == pytest.approx(share, abs=0.05)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(2))
-def test_nothing_touches_in_a_bad_network(seed: int) -> None:
-    settings = [
-        "link.preset=roaming",
-        "link.capacity=60",
-        "link.burst={good = 0.5, bad = 0.5, delay = [0.0, 0.5], loss = 0.7}",
-        "link.distance.loss=1.0",
-        "control.law=reciprocal",
-        "time.limit=15.0",
-    ]
-    report = LocalFleet(load("random-6", settings, seed)).execute()
-    assert report["collisions"] == 0
-    assert max(report["path_lengths"].values()) > 0.05
 
 
 def test_a_state_that_is_said_again_meets_the_same_faults() -> None:

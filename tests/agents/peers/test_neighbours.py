@@ -81,24 +81,6 @@ def test_a_fenced_robot_stands_where_the_world_says_until_a_newer_life_speaks() 
     assert not known.on_state(state(2, 1, 9), 9)  # an earlier life
 
 
-def test_a_fenced_robot_is_an_obstacle_and_never_moves() -> None:
-    known = Neighbours({2: 0.3, 3: 0.2, 4: 0.1})
-    for each in (4, 3):
-        known.on_state(state(each, 1, each), 9)
-    tell(known, standing(3, (7.0, 7.0), 0.2))
-    tell(known, standing(2, (8.0, 8.0), 0.3))
-    assert [peer.robot for peer in known.moving()] == [4]
-    disks = sorted(((disk.x, disk.y, disk.radius, disk.gamma) for disk in known.disks()), reverse=True)
-    assert disks == [(8.0, 8.0, 0.3, 0.0), (7.0, 7.0, 0.2, 0.0), (4.0, 0.0, 0.1, 1.0)]
-
-
-def test_who_is_lost_is_no_obstacle() -> None:
-    known = Neighbours({2: 0.1})
-    known.on_state(PeerState(2, 1, 5, False, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, radius=0.1), 9)
-    assert known.disks() == []
-    assert known.position(2) is None
-
-
 def test_who_is_gone_is_forgotten() -> None:
     known = Neighbours({2: 0.1, 3: 0.1})
     known.on_state(state(2, 1, 5), 9)
@@ -119,16 +101,6 @@ def test_a_peer_that_the_scenario_did_not_name() -> None:
     tell(known, Member(7, 1, "gone", 0.3))
     assert not known.on_state(state(7, 1, 5), 9)  # it was late
     assert known.disks() == []
-
-
-def test_only_robots_that_are_attended_or_stand_are_kept() -> None:
-    known = Neighbours({2: 0.1, 3: 0.2, 4: 0.1})
-    for member in (Member(2, 1, "live", 0.1), standing(3, (7.0, 7.0), 0.2), Member(4, 1, "live", 0.1)):
-        tell(known, member)
-    for robot in (2, 4):
-        assert known.on_state(state(robot, 1, 5), 9)
-    known.attend([4])
-    assert [(disk.x, disk.radius) for disk in known.disks()] == [(7.0, 0.2), (5.0, 0.1)]
 
 
 def test_in_which_order_peers_are_heard_first_changes_nothing() -> None:

@@ -31,42 +31,10 @@ class Target:
     share: int
 
 
-_BYTES = (
-    0x00,
-    0x01,
-    0x7F,
-    0x80,
-    0x90,
-    0x9F,
-    0xA0,
-    0xC0,
-    0xC1,
-    0xC6,
-    0xCA,
-    0xCB,
-    0xCF,
-    0xD9,
-    0xDC,
-    0xDD,
-    0xDF,
-    0xFF,
-)
+_BYTES = bytes.fromhex("00 01 7f 80 90 9f a0 c0 c1 c6 ca cb cf d9 dc dd df ff")
 _CHANGES = (1, 1, 1, 2, 4)
 _CHARACTERS = "\0\t\n\r \"'#*$/.,:;=[]{}\\-_+0159eEaZzéß∞\u202e\ufeff\ud800😀"
-_WORDS = (
-    "nan",
-    "-inf",
-    "true",
-    "1e999",
-    "0x_1",
-    "1979-05-27",
-    "[[]]",
-    "'''",
-    "robots",
-    "state/2",
-    "state/2",
-    "**",
-)
+_WORDS = """nan -inf true 1e999 0x_1 1979-05-27 [[]] ''' robots state/2 state/2 **""".split()  # noqa: SIM905
 JUNK: tuple[Any, ...] = (
     None, True, False, 0, -1, 1, 2**31, 2**53 + 1, 2**63 - 1, -(2**63), 2**64 - 1,
     0.0, -0.0, 1e-320, 5e-324, 1e308, -1e308, math.nan, math.inf, -math.inf, 0.1,

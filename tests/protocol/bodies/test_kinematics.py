@@ -106,12 +106,6 @@ def test_velocity_direction_and_place_to_stand_say_all_of_a_motion(heading, ahea
 
 
 @given(speeds, speeds, st.sampled_from([BURGER, WHEELLESS]))
-def test_the_place_to_stand_gives_back_the_velocity(vx, vy, body):
-    base, motion = Kinematics(body, PERIOD), Motion(0.3)
-    assert base.velocity_for(motion, base.lead(motion, (vx, vy))) == pytest.approx((vx, vy), abs=1e-12)
-
-
-@given(speeds, speeds, st.sampled_from([BURGER, WHEELLESS]))
 def test_reach_bounds_every_way(vx, vy, body):
     base, motion = Kinematics(body, PERIOD), Motion(0.0, vx, vy)
     to = base.limited(motion, (vx, vy))

@@ -62,13 +62,6 @@ def test_a_flood_does_not_hold_off_a_deadline() -> None:
     assert 0 < len(diary.heard) < 1000
 
 
-def test_who_has_finished_is_left_alone() -> None:
-    diary = Diary(most=2)
-    follow(diary, full_bus(3))
-    assert len(diary.heard) == 2
-    assert diary.woken == 0
-
-
 def test_a_signal_ends_the_loop_between_two_events() -> None:
     class Interrupted(Diary):
         def handle(self, event: Event) -> None:

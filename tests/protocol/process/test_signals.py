@@ -12,7 +12,7 @@ from queue import SimpleQueue
 
 import pytest
 
-from protocol.process.signals import ENDING, STOP, Stopped, StopSignal
+from protocol.process.signals import ENDING, STOP, Stopped
 from tests.scripts import ended
 
 PATIENCE = 20.0  # s
@@ -88,19 +88,6 @@ def test_a_handler_of_the_users_is_left_alone() -> None:
         "assert not STOP.requested\n"
     )
     assert (process.stdout, process.stderr) == ("mine\n", "")
-
-
-def test_elsewhere_than_in_the_main_thread_nothing_changes() -> None:
-    handlers = []
-
-    def work() -> None:
-        with StopSignal().listening():
-            handlers.append(signal.getsignal(signal.SIGINT))
-
-    other = threading.Thread(target=work)
-    other.start()
-    other.join(PATIENCE)
-    assert handlers == [signal.getsignal(signal.SIGINT)]
 
 
 @pytest.mark.parametrize("number", ENDING)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 
 from protocol.scenario.body import PRESETS, Base, Body
@@ -24,13 +22,6 @@ def test_a_body_of_all_and_one_of_a_robot() -> None:
     assert scenario.spec(1).radius == pytest.approx(0.255)
     assert parse_toml(write_toml(scenario)) == scenario
     assert parse_document(document_of(scenario)) == scenario
-
-
-def test_a_point_is_what_there_is_without_a_word() -> None:
-    scenario = parse_toml(ROBOTS)
-    assert all(scenario.body_of(robot).ideal for robot in scenario.ids)
-    assert "body" not in document_of(scenario)
-    assert not replace(PRESETS["point"], lag=0.001).ideal
 
 
 def test_every_preset_has_wheels_inside_its_hull_and_brakes() -> None:
@@ -103,11 +94,6 @@ def test_the_id_stands_in_every_name():
                 'velocity = "r{id}/v"\nodometry = "r{id}/o"').base_of(2)  # fmt: skip
     assert base.of(2).topic(base.of(2).pose) == "vicon/r2/pose"
     assert base.of(2).base_frame == "r2/base"
-
-
-@pytest.mark.parametrize("namespace", ["", "/"])
-def test_a_single_robot_needs_no_namespace(namespace):
-    assert Base(namespace=namespace).of(1).topic("/odom") == "odom"
 
 
 def test_a_fleet_outside_has_bases_without_being_told():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -46,26 +45,6 @@ def test_normalised_length():
     setting = scenario(((0.0, 0.0), (0.3, 0.0)), ((0.1, 0.1), (0.1, 0.2)))
     assert normalised_length(Goals.of(setting), {1: 0.35, 2: 0.15}) == pytest.approx(0.5 / 0.4)
     assert normalised_length(Goals.of(at_goals((0.0, 0.0))), {1: 0.0}) is None
-
-
-def test_another_goal_ends_the_straight_way_and_begins_one():
-    goals = Goals.of(scenario(((0.0, 0.0), (0.3, 0.0)), ((0.1, 0.1), (0.1, 0.2))))
-    goals = goals.to(1, (0.1, 0.1), (0.1, 0.0))
-    assert goals.straight == pytest.approx(0.1 + 0.1 + 0.1)
-    assert goals.points.tolist() == [0.1 + 0.1j, 0.1 + 0.2j]
-    with pytest.raises(KeyError):
-        goals.to(7, (0.0, 0.0), (0.0, 0.0))
-
-
-def test_another_fleet_keeps_the_ways_of_those_that_stay():
-    goals = Goals.of(scenario(((0.0, 0.0), (0.3, 0.0)), ((0.1, 0.1), (0.1, 0.2)))).to(
-        2, (0.0, 0.1), (0.1, 0.1)
-    )
-    stays = scenario(((0.9, 0.9), (0.9, 0.9)), ((0.1, 0.1), (0.1, 0.2)), ((0.0, 0.0), (0.0, 0.5)))
-    fleet = goals.of_fleet(replace(stays, robots=stays.robots[1:]))
-    assert tuple(fleet.ways) == (2, 3)
-    assert fleet.points.tolist() == [0.1j, 0.5j]
-    assert fleet.straight == pytest.approx(0.3 + 0.1 + 0.5)
 
 
 def test_deviation_is_the_distance_from_the_straight_way():

@@ -13,8 +13,9 @@ from tests.world.plants.fleet import BODIES, PERIODS, drive, hostile
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("period", PERIODS)
-@pytest.mark.parametrize("body", ["omnidirectional", "e-puck"])
+@pytest.mark.parametrize(
+    ("body", "period"), [*zip(cycle(["omnidirectional", "e-puck"]), PERIODS, strict=False)]
+)
 def test_in_formulas_with_errors_at_their_worst(body: str, period: float) -> None:
     report = drive(hostile(body, period, "integrator", seed=0, ticks=40))
     assert report["min_clearance"] > 0.0

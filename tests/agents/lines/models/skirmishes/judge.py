@@ -6,8 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 
 from protocol.geometry import Shape
+from protocol.messages import Vector
 from protocol.scenario.model import Scenario
-from tests.agents.lines.models.skirmishes.arena import Vector
 
 TOLERANCE = 2e-9  # m
 

@@ -6,7 +6,8 @@ import math
 from random import Random
 from typing import Any
 
-from tests.agents.lines.models.skirmishes.arena import SPEED, Vector
+from protocol.messages import Vector
+from tests.agents.lines.models.skirmishes.arena import SPEED
 
 
 class Attack:

@@ -13,11 +13,10 @@ from random import Random
 from typing import Any
 
 from agents.peers.state import addressed_to
-from protocol.messages import Command, State, Tick
+from protocol.messages import Command, State, Tick, Vector
 from protocol.scenario.model import Operation, Scenario
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import arena
-from tests.agents.lines.models.skirmishes.arena import Vector
 from tests.agents.lines.models.skirmishes.judge import overlap
 from tests.agents.lines.models.skirmishes.laws import Attack
 

@@ -1,11 +1,55 @@
-"""Rules of safety as the product runs them: the models have to find a violation without each
-(`test_mutants`). Without each rule of the kernel the proof does (`tests/proof`)."""
+"""The product without each rule of safety: the models have to find a violation without any one of them.
+
+Without each rule of the kernel the proof does (`tests/proof`).
+"""
 
 from __future__ import annotations
 
-from tests.agents.lines.models.mutants.mutant import Mutant
-from tests.agents.lines.models.product import LARGE_ROOM
+from typing import NamedTuple
+
+from tests.agents.lines.models.product import LARGE_ROOM, Product
+from tests.agents.lines.models.skirmishes import aftermath, skirmish
 from tests.interpreted import Edit
+
+_RUNS = 2_000  # random ones in which a mutant has to be found, at most, wherever they begin
+
+
+class Mutant(NamedTuple):
+    """The product without one rule.
+
+    Attributes:
+        rule: its short name.
+        says: the rule.
+        edits: what reads otherwise without it.
+        model: whose random runs find a violation: "skirmish" or "aftermath".
+        first: the random run to begin with, where it takes many to come to one that shows the mutant.
+    """
+
+    rule: str
+    says: str
+    edits: tuple[Edit, ...] = ()
+    model: str = "skirmish"
+    first: int = 0
+
+
+class Found(NamedTuple):
+    """A violation, and after how many runs; none if it is ""."""
+
+    tried: int
+    violation: str
+
+
+def hunt(mutant: Mutant, first: int | None = None, runs: int = _RUNS) -> Found:
+    """Look for what goes wrong without the rule, in random runs from `first` on, or the mutant's own."""
+    product = Product(mutant.edits)
+    begin = mutant.first if first is None else first
+    for tried, seed in enumerate(range(begin, begin + runs), 1):
+        model = skirmish if mutant.model == "skirmish" else aftermath
+        violation = model.violation_of(seed, product)
+        if violation:
+            return Found(tried, violation)
+    return Found(runs, "")
+
 
 _BOUNDARY = "agents.lines.boundary"
 _COMMANDS = "world.coordinator.commands"
@@ -86,8 +130,8 @@ ITSELF = (
             ),
             Edit(
                 _PLANT,
-                "        self._actuation = Actuation(scenario)\n",
-                "        self._actuation = Actuation(scenario)\n        self.last: dict[int, Vector] = {}\n",
+                "        self._actuation = Actuators(scenario)\n",
+                "        self._actuation = Actuators(scenario)\n        self.last: dict[int, Vector] = {}\n",
             ),
         ),
     ),
