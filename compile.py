@@ -15,7 +15,7 @@ from setuptools import setup
 from setuptools._distutils import ccompiler
 
 FOLDERS = ("protocol/bodies", "protocol/kernel", "agents")
-FILES = ("protocol/codec.py", "protocol/cursor.py", "protocol/geometry.py", "protocol/line.py")
+FILES = ("protocol/codec.py", "protocol/geometry.py", "protocol/line.py")
 LEFT_OUT = ("agents/bases", "agents/parts", "agents/shell")  # not a robot's arithmetic
 _PROCESS = "process.py"  # run by `python -m`, which takes sources only
 

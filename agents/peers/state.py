@@ -15,8 +15,7 @@ from typing import Final, NamedTuple, final
 import msgspec
 from mypy_extensions import mypyc_attr
 
-from protocol.codec import Reader, keeps_newest
-from protocol.cursor import Cursor
+from protocol.codec import Cursor, Reader, keeps_newest
 from protocol.errors import MessageError
 from protocol.messages import HIGHEST_ID, LARGEST, UNIT, Answer, Claim, Proposal, State, Vector
 from protocol.scenario.model import Scenario

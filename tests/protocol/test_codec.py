@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocol.codec import decode, encode
+from protocol.codec import decode, encode, reader
 from protocol.errors import MessageError
 from protocol.keys import ROBOT_STREAMS
 from protocol.messages import VERSION, AnyMessage, Command, Tick
@@ -88,8 +88,9 @@ def test_another_version_is_named_as_such(message: AnyMessage, version: int) -> 
 
 @given(messages, messages)
 def test_another_type_is_refused(message: AnyMessage, other: AnyMessage) -> None:
+    key, payload = key_of(message), encode(other)
     if type(message) is not type(other):
-        assert refused(key_of(message), encode(other)) == "type"
+        assert refused(key, payload) == ("oversize" if len(payload) > reader(key).limit else "type")
 
 
 @given(messages.filter(lambda message: hasattr(message, "robot")), ids)
