@@ -27,6 +27,29 @@ class Edit(NamedTuple):
     new: str
 
 
+class Mutant(NamedTuple):
+    """The product without one rule.
+
+    Attributes:
+        rule: its short name.
+        says: the rule.
+        edits: what reads otherwise without it.
+        model: whose random runs find a violation.
+        first: the random run to begin with, where it takes many to come to one that shows the mutant.
+    """
+
+    rule: str
+    says: str
+    edits: tuple[Edit, ...]
+    model: str
+    first: int
+
+
+def without(rule: str, says: str, *edits: Edit, model: str = "skirmish", first: int = 0) -> Mutant:
+    """The product without the rule that these words state."""
+    return Mutant(rule, says, edits, model, first)
+
+
 def interpreted(*names: str, edits: Sequence[Edit] = ()) -> list[ModuleType]:
     """Load these modules from their sources, and whatever compiled ones they import, for the caller alone."""
     assert {edit.module for edit in edits} <= set(names)

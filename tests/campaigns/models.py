@@ -15,6 +15,7 @@ from tests.agents.lines.models import mutants as lines
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import aftermath, skirmish
 from tests.campaigns.campaign import Campaign, Dice, Mutant, Outcome
+from tests.interpreted import Mutant as Edited
 from tests.system.orders.turnover import Turnover
 from tests.world.plants.fleet import BODIES as CARRIERS
 from tests.world.plants.fleet import PERIODS, drive, hostile, varied
@@ -42,9 +43,9 @@ def _ride(dice: Dice) -> Outcome:
     return Outcome(kind, violation, figures={"excess, m": excess})
 
 
-def _ride_mutant(mutant: bodies.Mutant) -> tuple[int, str]:
+def _ride_mutant(mutant: Edited) -> tuple[int, str]:
     rides, excess = bodies.hunt(mutant)
-    return rides, f"{mutant.kind}: {excess:.3g} m" if excess > ROUNDING else ""
+    return rides, f"{mutant.model}: {excess:.3g} m" if excess > ROUNDING else ""
 
 
 def _ride_mutants() -> Sequence[Mutant]:

@@ -10,17 +10,22 @@ from pathlib import Path
 import pytest
 
 from agents.bases.base import ros_of
-from agents.shell.node import RobotNode
 from deploy.library.load import load
+from deploy.run.local import LocalFleet
 from protocol.bus.bus import Event, Foreign
-from protocol.bus.local import LocalNetwork
 from protocol.errors import JoinError
 from tests.agents.bases.wheels import STEP, Wheels
 from world.report import result_of
 from world.shell.checkpoint import Checkpoint
-from world.shell.node import WorldNode
+from world.world import WorldCore
 
-SETTINGS = ("time.step=0.1", "sensing.noise=0.003", "sensing.noise_bound=0.006", "time.endless=true")
+SETTINGS = (
+    "world.plant=external",
+    "time.step=0.1",
+    "sensing.noise=0.003",
+    "sensing.noise_bound=0.006",
+    "time.endless=true",
+)
 
 
 class Floor:
@@ -60,70 +65,57 @@ class Floor:
 class Stage:
     """A world, two robots and their floor."""
 
-    def __init__(self, *settings: str, checkpoint: Path | None = None) -> None:
-        self.network = LocalNetwork()
-        self.scenario = scenario = load("turtlebots-2", [*SETTINGS, *settings], 1)
-        self.said: dict[int, list[str]] = {robot: [] for robot in scenario.ids}
-        self._path = checkpoint
+    def __init__(self, caplog, checkpoint: Path | None = None) -> None:
+        self.scenario = load("turtlebots-2", SETTINGS, 1)
         if checkpoint is not None:
             Checkpoint.create(checkpoint)
-        self.start_world()
-        self.floor = self._seat(lambda bus: Floor(bus, scenario))
-        self.robots = {
-            robot: self._seat(
-                lambda bus, robot=robot: RobotNode(bus, "yard", robot, say=self.said[robot].append)
-            )
-            for robot in scenario.ids
-        }
+        self.fleet, self._log = LocalFleet(self.scenario, checkpoint=checkpoint), caplog
+        bus = self.fleet.network.connect()
+        self.floor = bus.node = Floor(bus, self.scenario)
 
-    def _seat(self, made):
-        bus = self.network.connect()
-        bus.node = made(bus)
-        return bus.node
+    @property
+    def world(self) -> WorldCore:
+        return self.fleet.world.world
 
-    def start_world(self) -> None:
-        kept = None if self._path is None else Checkpoint(self._path, "yard", self.scenario)
-        self._bus, self._kept = self.network.connect(), kept
-        self.world = self._bus.node = WorldNode(self._bus, "yard", self.scenario, checkpoint=kept)
-
-    def kill_world(self) -> None:
-        self._bus.close()
-        assert self._kept is not None
-        self._kept.close()
+    def said(self, robot: int) -> list[str]:
+        texts = (record.message.partition(": ") for record in self._log.records)
+        return [text for name, _, text in texts if name == f"robot-{robot}"]
 
     def play(self, until, seconds: float = 90.0) -> None:
         end = time.monotonic() + seconds
-        self.network.run(lambda: until() or time.monotonic() > end)
+        self.fleet.network.run(lambda: until() or time.monotonic() > end)
         assert until()
 
     def away(self, robot: int) -> float:
-        spec = self.world.world.scenario.spec(robot)
-        return math.dist(self.floor.wheels[robot].control, spec.start)
+        return math.dist(self.floor.wheels[robot].control, self.scenario.spec(robot).start)
 
 
 @pytest.mark.slow
-def test_robots_join_once_they_know_where_they_are_and_drive():
-    stage = Stage("world.plant=external")
-    assert stage.world.world.tick == 0
+def test_robots_join_once_they_know_where_they_are_and_drive(caplog):
+    stage = Stage(caplog)
+    assert stage.world.tick == 0
     stage.play(lambda: min(map(stage.away, (1, 2))) > 0.03)
-    for said in stage.said.values():
-        assert said == ["waits for odometry and a pose; stands", "its base and its localisation are sound"]
-    reported = stage.world.world.simulation.places
+    for robot in (1, 2):
+        assert stage.said(robot) == [
+            "waits for odometry and a pose; stands",
+            "its base and its localisation are sound",
+        ]
+    reported = stage.world.simulation.places
     for robot, place in reported.items():
         assert math.dist(place, stage.floor.wheels[robot].control) < 0.06
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seconds", [0.0, 3.0], ids=["while they drive", "once they stand"])
-def test_another_world_takes_over_bases_that_drive(seconds: float, tmp_path: Path) -> None:
+def test_another_world_takes_over_bases_that_drive(seconds: float, tmp_path: Path, caplog) -> None:
     """They face each other, and move on although the places in which they may be overlapped."""
-    stage = Stage("world.plant=external", checkpoint=tmp_path / "checkpoint")
+    stage = Stage(caplog, tmp_path / "checkpoint")
     stage.play(lambda: min(map(stage.away, (1, 2))) > 0.1)
-    stage.kill_world()
-    tick, end = stage.world.world.tick, time.monotonic() + seconds
+    stage.fleet.kill_world()
+    tick, end = stage.world.tick, time.monotonic() + seconds
     stage.play(lambda: time.monotonic() >= end)
-    stage.start_world()
-    begun = stage.world.world
+    stage.fleet.start_world()
+    begun = stage.world
     assert (begun.tick, begun.coordinator.lives.up) == (tick, ())
     stage.play(lambda: len(begun.coordinator.lives.up) == 2)
     before = [wheels.control for wheels in stage.floor.wheels.values()]
@@ -139,16 +131,16 @@ def test_another_world_takes_over_bases_that_drive(seconds: float, tmp_path: Pat
 
 
 @pytest.mark.slow
-def test_a_robot_that_does_not_stand_at_its_start_keeps_the_run_from_beginning():
-    stage = Stage("world.plant=external")
+def test_a_robot_that_does_not_stand_at_its_start_keeps_the_run_from_beginning(caplog):
+    stage = Stage(caplog)
     stage.floor.wheels[2].x += 0.5
-    stage.play(lambda: len(stage.said[2]) == 2)
-    assert "from its start" in stage.said[2][1]
-    assert "because of" in stage.said[2][1]
-    assert stage.world.world.tick == 0
+    stage.play(lambda: len(stage.said(2)) == 2)
+    assert "from its start" in stage.said(2)[1]
+    assert "because of" in stage.said(2)[1]
+    assert stage.world.tick == 0
     stage.floor.wheels[2].x -= 0.5  # it is carried there: odometry does not see that, poses do
-    stage.play(lambda: stage.world.world.tick > 2)
-    assert stage.said[2][-1] == "its base and its localisation are sound"
+    stage.play(lambda: stage.world.tick > 2)
+    assert stage.said(2)[-1] == "its base and its localisation are sound"
 
 
 def test_a_base_for_a_robot_that_is_simulated_is_refused():

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from tests.agents.bodies.mutants import MUTANTS, Mutant, hunt
+from tests.agents.bodies.mutants import MUTANTS, hunt
 from tests.agents.bodies.ride import KINDS, ROUNDING, Product, Ride, excess_of
+from tests.interpreted import Mutant
 
 pytestmark = pytest.mark.slow
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from tests.agents.lines.models.mutants import Mutant
 from tests.agents.lines.models.product import Product
 from tests.agents.parts.haul import Haul, violation_of
-from tests.interpreted import Edit
+from tests.interpreted import Edit, Mutant, without
 
 pytestmark = pytest.mark.slow
 
@@ -15,66 +14,50 @@ _ROBOT, _FILTER, _PARTS = "agents.robot", "agents.safety_filter", "world.coordin
 _RUNS = 1_000  # random ones in which a mutant has to be found, at most, wherever they begin
 
 MUTANTS = (
-    Mutant(
+    without(
         "room-to-grow",
         "a robot takes itself for the larger disk only where that satisfies all that is obeyed",
-        (Edit(_FILTER, "if not (inside and self.lines.reach(radius, part)):", "if not inside:"),),
+        Edit(_FILTER, "if not (inside and self.lines.reach(radius, part)):", "if not inside:"),
     ),
-    Mutant(
+    without(
         "inside-to-grow",
         "and is inside",
-        (Edit(_FILTER, "if not (inside and self.lines.reach", "if not (self.lines.reach"),),
+        Edit(_FILTER, "if not (inside and self.lines.reach", "if not (self.lines.reach"),
     ),
-    Mutant(
+    without(
         "grown-before-asking",
         "it asks for a part only once it keeps the larger disk clear",
-        (
-            Edit(
-                _ROBOT,
-                "return mover.handles if filter_.radius >= mover.radius else None",
-                "return mover.handles",
-            ),
+        Edit(
+            _ROBOT, "return mover.handles if filter_.radius >= mover.radius else None", "return mover.handles"
         ),
     ),
-    Mutant(
+    without(
         "as-large-as-told",
         "it never is a smaller disk than the roster says",
-        (Edit(_ROBOT, "        radius = max(told, radius)\n", ""),),
+        Edit(_ROBOT, "        radius = max(told, radius)\n", ""),
         first=24,
     ),
-    Mutant(
+    without(
         "born-large",
         "a later life begins as the disk that its earlier one was",
-        (
-            Edit(
-                _ROBOT,
-                "        if first and own is not None and own.radius",
-                "        if False and own.radius",
-            ),
+        Edit(
+            _ROBOT, "        if first and own is not None and own.radius", "        if False and own.radius"
         ),
         first=1900,
     ),
-    Mutant(
+    without(
         "stands-at-its-size",
         "the roster says how large the disk is before anybody can be told that it stands",
-        (
-            Edit(
-                _PARTS,
-                "self._lives.roster.alter(robot, radius=self._scenario.loaded_radius(robot, place.part))",
-                "pass",
-            ),
+        Edit(
+            _PARTS,
+            "self._lives.roster.alter(robot, radius=self._scenario.loaded_radius(robot, place.part))",
+            "pass",
         ),
     ),
-    Mutant(
+    without(
         "lines-of-the-larger-disk",
         "half-planes are those of the disk that it is",
-        (
-            Edit(
-                "agents.lines.negotiation",
-                "            self.own_radius = own_radius\n",
-                "            pass\n",
-            ),
-        ),
+        Edit("agents.lines.negotiation", "            self.own_radius = own_radius\n", "            pass\n"),
     ),
 )
 

@@ -19,11 +19,9 @@ from agents.bases.ros_messages import (
     Transforms,
     decode,
 )
-from agents.shell.node import RobotNode
 from deploy.library.load import load
+from deploy.run.local import LocalFleet
 from protocol.bus.bus import Foreign
-from protocol.bus.local import LocalNetwork
-from world.shell.node import WorldNode
 
 SETTINGS = ("base.tools=true", "time.endless=true", "body=point")
 
@@ -57,38 +55,27 @@ class Stage:
     """A world, two robots, and a person at RViz."""
 
     def __init__(self, *settings: str) -> None:
-        self.network = LocalNetwork()
-        self.scenario = load("turtlebots-2", [*SETTINGS, *settings], 1)
-        self.said: list[str] = []
-        self.world = self._seat(lambda bus: WorldNode(bus, "yard", self.scenario))
-        base = self.scenario.base_of(1).of(1)
-        self.person = self._seat(lambda bus: Person(bus, base))
-        self.robots = [
-            self._seat(lambda bus, robot=robot: RobotNode(bus, "yard", robot, say=self.said.append))
-            for robot in self.scenario.ids
-        ]
-
-    def _seat(self, made):
-        bus = self.network.connect()
-        bus.node = made(bus)
-        return bus.node
+        scenario = load("turtlebots-2", [*SETTINGS, *settings], 1)
+        self.fleet = LocalFleet(scenario)
+        bus = self.fleet.network.connect()
+        self.person = bus.node = Person(bus, scenario.base_of(1).of(1))
 
     def play(self, until, seconds: float = 60.0) -> None:
         end = time.monotonic() + seconds
-        self.network.run(lambda: until() or time.monotonic() > end)
+        self.fleet.network.run(lambda: until() or time.monotonic() > end)
         assert until()
 
     def ticks(self, count: int) -> None:
-        last = self.world.world.tick + count
-        self.play(lambda: self.world.world.tick >= last)
+        last = self.fleet.world.world.tick + count
+        self.play(lambda: self.fleet.world.world.tick >= last)
 
     @property
     def place(self):
-        return self.world.world.simulation.places[1]
+        return self.fleet.world.world.simulation.places[1]
 
 
 @pytest.mark.parametrize("dialect", ["ros2dds", "rmw_zenoh"])
-def test_people_see_a_robot_stop_it_and_send_it(dialect):
+def test_people_see_a_robot_stop_it_and_send_it(dialect, caplog):
     stage = Stage(f"base.dialect={dialect}")
     person, tf = stage.person, "tf" if dialect == "rmw_zenoh" else "bot1/tf"
     stage.play(lambda: person.heard.keys() >= {tf, "bot1/disknav/odom", "bot1/disknav/markers"})
@@ -110,15 +97,15 @@ def test_people_see_a_robot_stop_it_and_send_it(dialect):
     stage.play(lambda: math.dist(stage.place, place) > 0.01)
 
     person.go(0.5, 0.6)
-    stage.play(lambda: stage.robots[0].core.goal == (0.5, 0.6))
-    assert stage.said == ["bot1/disknav/stop says stop; stands", "bot1/disknav/stop says go"]
+    stage.play(lambda: stage.fleet.robots[1].node.core.goal == (0.5, 0.6))
+    assert caplog.messages == [f"robot-1: bot1/disknav/stop says {what}" for what in ("stop; stands", "go")]
     person.go(50.0, 0.0)
-    stage.play(lambda: any("a goal is refused" in text for text in stage.said))
+    stage.play(lambda: any("a goal is refused" in text for text in caplog.messages))
 
 
-def test_what_is_no_message_is_ignored_counted_and_said_once():
+def test_what_is_no_message_is_ignored_counted_and_said_once(caplog):
     stage = Stage("base.dialect=rmw_zenoh")
-    robot, person = stage.robots[0], stage.person
+    robot, person = stage.fleet.robots[1].node, stage.person
     stage.play(lambda: "tf" in person.heard)
     goal = robot.core.goal
     for _ in range(3):
@@ -127,8 +114,8 @@ def test_what_is_no_message_is_ignored_counted_and_said_once():
         person.go(0.1, 0.1, frame="odom")
         person.go(math.nan, 0.0)
     stage.play(lambda: robot._health().rejected == {"shape": 6, "range": 6})
-    assert len(stage.said) == 2
-    assert "an attachment of 5 bytes" in stage.said[0]
-    assert "a goal in 'odom', not in 'map'" in stage.said[1]
+    assert len(caplog.messages) == 2
+    assert "an attachment of 5 bytes" in caplog.messages[0]
+    assert "a goal in 'odom', not in 'map'" in caplog.messages[1]
     assert not robot.core.stopped
     assert robot.core.goal == goal

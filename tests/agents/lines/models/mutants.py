@@ -9,27 +9,9 @@ from typing import NamedTuple
 
 from tests.agents.lines.models.product import LARGE_ROOM, Product
 from tests.agents.lines.models.skirmishes import aftermath, skirmish
-from tests.interpreted import Edit
+from tests.interpreted import Edit, Mutant, without
 
 _RUNS = 2_000  # random ones in which a mutant has to be found, at most, wherever they begin
-
-
-class Mutant(NamedTuple):
-    """The product without one rule.
-
-    Attributes:
-        rule: its short name.
-        says: the rule.
-        edits: what reads otherwise without it.
-        model: whose random runs find a violation: "skirmish" or "aftermath".
-        first: the random run to begin with, where it takes many to come to one that shows the mutant.
-    """
-
-    rule: str
-    says: str
-    edits: tuple[Edit, ...] = ()
-    model: str = "skirmish"
-    first: int = 0
 
 
 class Found(NamedTuple):
@@ -64,140 +46,125 @@ _ROSTER = "agents.peers.neighbours"
 _NEGOTIATION = "agents.lines.negotiation"
 
 ITSELF = (
-    Mutant(
+    without(
         "settled-commands",
         "lines are taken over only while no command is under way",
-        (Edit(_HEARING, "if self._open and tick <= self._tick and self._link.ideal", "if self._link.ideal"),),
+        Edit(_HEARING, "if self._open and tick <= self._tick and self._link.ideal", "if self._link.ideal"),
         first=340,
     ),
-    Mutant(
+    without(
         "own-error-at-lines",
         "every place where the own centre can be keeps to the lines, not the most likely one",
-        (
-            Edit(
-                _OWN_SET,
-                "return self.bound if self.shape is None else self.shape.extent(nx, ny)",
-                "return 0.0",
-            ),
+        Edit(
+            _OWN_SET, "return self.bound if self.shape is None else self.shape.extent(nx, ny)", "return 0.0"
         ),
     ),
-    Mutant(
+    without(
         "own-error-at-the-wall",
         "and to the wall",
-        (
-            Edit(
-                _BOUNDARY,
-                "if math.hypot(x + dx, y + dy) + shape.radius + extra <= rim:",
-                "if math.hypot(x + dx, y + dy) + extra <= rim:",
-            ),
+        Edit(
+            _BOUNDARY,
+            "if math.hypot(x + dx, y + dy) + shape.radius + extra <= rim:",
+            "if math.hypot(x + dx, y + dy) + extra <= rim:",
         ),
     ),
-    Mutant(
+    without(
         "actuation-error",
         "a command leaves room for the stated error of its execution",
-        (Edit("agents.bodies", "noise=self._noise,", "noise=0.0,"),),
+        Edit("agents.bodies", "noise=self._noise,", "noise=0.0,"),
     ),
-    Mutant(
+    without(
         "missed-odometry",
         "a tick whose odometry was missed may have led as far as any",
-        (
-            Edit(_ESTIMATE, "self._widen(self._max_step)", "pass"),
-            Edit(
-                _ESTIMATE,
-                "self._history.append(Move(0.0, 0.0, self._max_step))",
-                "self._history.append(Move(0.0, 0.0, 0.0))",
-            ),
+        Edit(_ESTIMATE, "self._widen(self._max_step)", "pass"),
+        Edit(
+            _ESTIMATE,
+            "self._history.append(Move(0.0, 0.0, self._max_step))",
+            "self._history.append(Move(0.0, 0.0, 0.0))",
         ),
     ),
-    Mutant(
+    without(
         "measured-then",
         "a measurement is of the tick that its stamp names",
-        (Edit(_ESTIMATE, "for back in range(-age, 0):", "for back in ():"),),
+        Edit(_ESTIMATE, "for back in range(-age, 0):", "for back in ():"),
     ),
-    Mutant(
+    without(
         "command-of-this-tick",
         "a command counts only in the tick that it names",
-        (Edit(_COMMANDS, "if command.tick != self._tick or not self._open:", "if not self._open:"),),
+        Edit(_COMMANDS, "if command.tick != self._tick or not self._open:", "if not self._open:"),
     ),
-    Mutant(
+    without(
         "watchdog",
         "a robot whose command is missing stands still",
-        (
-            Edit(
-                _PLANT,
-                "            velocity = commands.get(robot)\n",
-                "            velocity = self.last[robot] = commands.get(robot, self.last.get(robot))\n",
-            ),
-            Edit(
-                _PLANT,
-                "        self._actuation = Actuators(scenario)\n",
-                "        self._actuation = Actuators(scenario)\n        self.last: dict[int, Vector] = {}\n",
-            ),
+        Edit(
+            _PLANT,
+            "            velocity = commands.get(robot)\n",
+            "            velocity = self.last[robot] = commands.get(robot, self.last.get(robot))\n",
+        ),
+        Edit(
+            _PLANT,
+            "        self._actuation = Actuators(scenario)\n",
+            "        self._actuation = Actuators(scenario)\n        self.last: dict[int, Vector] = {}\n",
         ),
     ),
-    Mutant(
+    without(
         "fenced-never-moves",
         "no command of a life is executed after it was announced as standing",
-        (
-            Edit(_COMMANDS, '        if life.fenced:\n            return "fenced"\n', ""),
-            Edit(
-                _LIVES,
-                "            if life.status is Status.UP:\n"
-                "                life.status = Status.LOST\n"
-                "\n"
-                "    def listeners",
-                "\n    def listeners",
-            ),
-            Edit(
-                _ROSTER,
-                'return member.incarnation > incarnation or member.status != "live"',
-                "return member.incarnation > incarnation",
-            ),
+        Edit(_COMMANDS, '        if life.fenced:\n            return "fenced"\n', ""),
+        Edit(
+            _LIVES,
+            "            if life.status is Status.UP:\n"
+            "                life.status = Status.LOST\n"
+            "\n"
+            "    def listeners",
+            "\n    def listeners",
+        ),
+        Edit(
+            _ROSTER,
+            'return member.incarnation > incarnation or member.status != "live"',
+            "return member.incarnation > incarnation",
         ),
     ),
-    Mutant(
+    without(
         "no-region-no-motion",
         "a robot moves only once it obeys a region",
-        (Edit(_LINES, "return self.kernel is not None and self.kernel.region is not None", "return True"),),
+        Edit(_LINES, "return self.kernel is not None and self.kernel.region is not None", "return True"),
     ),
-    Mutant(
+    without(
         "stay-in-region",
         "a robot stays in its region",
-        (*LARGE_ROOM, Edit(_FILTER, "        if region is None:\n", "        if True:\n")),
+        *LARGE_ROOM,
+        Edit(_FILTER, "        if region is None:\n", "        if True:\n"),
     ),
 )
 
 SURROUNDINGS = (
-    Mutant(
+    without(
         "own-error-at-lines-one-by-one",
         "every place where the own centre can be keeps clear of what stands",
-        (Edit(_LINES, "found.append(own.kept_in(side.nx, side.ny, side.limit))", "found.append(side)"),),
+        Edit(_LINES, "found.append(own.kept_in(side.nx, side.ny, side.limit))", "found.append(side)"),
     ),
-    Mutant(
+    without(
         "own-error-at-straight-walls",
         "and of straight walls",
-        (Edit(_BOUNDARY, "wall.slack(x, y) - extent - 2.0 * ROUNDING", "wall.slack(x, y)"),),
+        Edit(_BOUNDARY, "wall.slack(x, y) - extent - 2.0 * ROUNDING", "wall.slack(x, y)"),
     ),
-    Mutant(
+    without(
         "nearest-point",
         "a tangent touches the obstacle itself: one through its middle leaves half of it on the own side",
-        (
-            Edit(_NEGOTIATION, "edge = target.limit(nx, ny, 0.0)", "edge = nx * around.x + ny * around.y"),
-            Edit(_OWN_SET, "return is_beside(place.shape, line, low)", "return True"),
-        ),
+        Edit(_NEGOTIATION, "edge = target.limit(nx, ny, 0.0)", "edge = nx * around.x + ny * around.y"),
+        Edit(_OWN_SET, "return is_beside(place.shape, line, low)", "return True"),
     ),
 )
 
 AFTERWARDS = (
-    Mutant(
+    without(
         "say-firsts-again",
         "a first line is said until the ledger tells it",
-        (
-            Edit(
-                _LINES,
-                "        return tuple(list(self._firsts.values())[:FIRSTS])",
-                "        found, self._firsts = tuple(self._firsts.values()), {}\n        return found",
-            ),
+        Edit(
+            _LINES,
+            "        return tuple(list(self._firsts.values())[:FIRSTS])",
+            "        found, self._firsts = tuple(self._firsts.values()), {}\n        return found",
         ),
         model="aftermath",
     ),

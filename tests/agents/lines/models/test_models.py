@@ -8,9 +8,10 @@ from types import ModuleType
 
 import pytest
 
-from tests.agents.lines.models.mutants import MUTANTS, Mutant, hunt
+from tests.agents.lines.models.mutants import MUTANTS, hunt
 from tests.agents.lines.models.product import LARGE_ROOM, Product
 from tests.agents.lines.models.skirmishes import aftermath, skirmish
+from tests.interpreted import Mutant
 
 
 @pytest.mark.parametrize(
