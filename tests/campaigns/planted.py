@@ -58,17 +58,6 @@ def trusting_the_estimate(modules: Modules, _: pytest.MonkeyPatch) -> None:
     boundary.cut = cut
 
 
-def growing_blindly(modules: Modules, _: pytest.MonkeyPatch) -> None:
-    """A robot takes itself for the larger disk that a part needs, wherever it is."""
-    filters = modules["agents.safety_filter"].SafetyFilter
-
-    def reach(self: Any, radius: float, *_: Any) -> bool:
-        self.resize(radius)
-        return True
-
-    filters.reach = reach
-
-
 def not_waiting(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A robot moves before it obeys a region."""
     modules["agents.lines.separating_lines"].SeparatingLines.ready = True
@@ -130,7 +119,6 @@ def failing(modules: Modules, _: pytest.MonkeyPatch) -> None:
 FAULTS: dict[Fault, int] = {  # those that random scenarios show, and a seed from which on they do soon
     half_the_error: 4,
     trusting_the_estimate: 55,
-    growing_blindly: 787,
     not_waiting: 0,
     drawing_as_it_comes: 0,
     failing: 0,
