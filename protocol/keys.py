@@ -11,8 +11,11 @@ Grammar::
     token   = "alive/" session
     session = 1 to 64 of A-Z a-z 0-9 _ -              one process; of a world, its epoch in hexadecimal digits
 
-Tokens are liveliness tokens. `join`, `scenario`, `steering` and `operation` are queryables; all other
-streams are published (declared with types and rates in `protocol.streams`).
+    driver  = "disknav-base/" topic "/" session       of the process that drives a base, whatever its run
+    topic   = ROS domain and topic of the base's velocities, with "%" for "/"
+
+Tokens and drivers are liveliness tokens. `join`, `scenario`, `steering` and `operation` are queryables; all
+other streams are published (declared with types and rates in `protocol.streams`).
 """
 
 from __future__ import annotations
@@ -89,6 +92,16 @@ def robot_token(run: str, robot: int, session: str) -> str:
 def world_token(run: str, session: str) -> str:
     """Key of the liveliness token of a world."""
     return f"disknav/{run}/world/{TOKEN}/{session}"
+
+
+def driver_token(topic: str, session: str) -> str:
+    """Key of the liveliness token of a process that drives the base with a domain and topic."""
+    return f"disknav-base/%{topic.replace('/', '%')}/{session}"
+
+
+def is_driver(key: str) -> bool:
+    """Whether a key is such a token."""
+    return key.startswith("disknav-base/")
 
 
 def session_of(epoch: int) -> str:

@@ -57,6 +57,7 @@ class Ros2Base:
         self._lease, self._life = Lease(self._duration), 0
         self._heading = 0.0  # in the map as the present tick's command comes into effect, rad
         self._blind, self._begun = True, -math.inf
+        self._shared = False
 
     @property
     def note(self) -> str:
@@ -75,6 +76,8 @@ class Ros2Base:
         Raises:
             MessageError: it is no wish that can be read.
         """
+        if self._shared and topic in (self._odometry, self._pose):
+            return None
         if topic == self._odometry:
             self._senses.on_odometry(payload, now)
         elif topic == self._pose:
@@ -123,6 +126,12 @@ class Ros2Base:
         velocity = _STILL if self._blind or late else command.velocity
         self._drive.command(velocity, self._heading, now, self._lease.until)
         self.due = now
+
+    def share(self, shared: bool) -> None:
+        """Whether another process drives this base: as long as one does, nothing of the base is trusted."""
+        self._shared = shared
+        if shared:
+            self._senses.doubt(f"another process drives {self.tells.name}, of this or another run")
 
     def doubt(self, why: str) -> None:
         """The robot found a contradiction: discard all odometry and poses so far."""

@@ -53,6 +53,8 @@ class AttachedBase:
         self._base, self._say, self._clock = base, say, clock
         link.subscribe(*base.hears)
         self._tell = link.publisher(base.tells)
+        self._others: set[str] = set()  # tokens of other processes that drive this base
+        self._own = link.claim(base.tells)
 
     @property
     def due(self) -> float:
@@ -67,6 +69,13 @@ class AttachedBase:
     def hear(self, topic: Topic, payload: bytes) -> Vector | None:
         """Receive a message of one of its topics; as `Ros2Base.hear`."""
         return self._base.hear(topic, payload, self._clock())
+
+    def on_driver(self, token: str, alive: bool) -> None:
+        """The token of a process that drives this base came or went. Of several, each stands."""
+        if token == self._own:
+            return
+        (self._others.add if alive else self._others.discard)(token)
+        self._base.share(bool(self._others))
 
     def begin(self, core: Robot, tick: Tick) -> Sense | None:
         """Odometry and measurement as a tick begins; resets the core's estimate after a fault."""

@@ -27,7 +27,7 @@ from protocol import joining
 from protocol.bus.bus import Bus, Event, Foreign, Presence, Sample
 from protocol.codec import decode, encode
 from protocol.errors import BusError, KeyGrammarError, MessageError
-from protocol.keys import parse, robot_key, robot_token, world_key, world_tokens
+from protocol.keys import is_driver, parse, robot_key, robot_token, world_key, world_tokens
 from protocol.messages import AnyMessage, Health, State, Summary, Tick, Wish
 from protocol.streams import STREAMS
 
@@ -196,7 +196,11 @@ class RobotNode:
                     self._say(f"ignores what is no message of its topics: {error}")
 
     def _on_presence(self, event: Presence) -> None:
-        """A world's token came or went."""
+        """A world's token came or went, or that of a process that drives the same base."""
+        if is_driver(event.key):
+            if self._base is not None:
+                self._base.on_driver(event.key, event.alive)
+            return
         try:
             session = parse(event.key).session
         except KeyGrammarError:

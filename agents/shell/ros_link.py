@@ -11,6 +11,7 @@ from agents.bases.dialects import Kind, Topic, dialect_of
 from agents.robot import Robot
 from protocol.bus.bus import Bus, Foreign, Publish
 from protocol.errors import MessageError
+from protocol.keys import driver_token
 from protocol.messages import Command
 from protocol.operations import Outcome, decode_reply
 from protocol.scenario.body import Base
@@ -28,7 +29,7 @@ class RosLink:
     """
 
     def __init__(self, bus: Bus, base: Base) -> None:
-        self._bus, self._dialect = bus, dialect_of(base)
+        self._bus, self._dialect, self._domain = bus, dialect_of(base), base.domain
         self._topics: dict[str, Topic] = {}  # that it subscribes to, by name
         self._number = 0
         self._announce("NN")
@@ -37,6 +38,14 @@ class RosLink:
         """Declare a publication; the returned function publishes one payload."""
         token = self._announce("MP", topic)
         return self._bus.foreign(self._dialect.key(topic), self._dialect.attach(token))
+
+    def claim(self, topic: Topic) -> str:
+        """Announce this process as the one that publishes a topic, and watch for others; the own token."""
+        name = f"{self._domain}/{topic.name}"
+        own = driver_token(name, self._bus.identity)
+        self._bus.watch(driver_token(name, "*"))
+        self._bus.announce(own)
+        return own
 
     def subscribe(self, *topics: Topic) -> None:
         """Ask for messages: events of the bus, which `topic_of` tells apart."""

@@ -6,11 +6,13 @@ import time
 
 import pytest
 
-from agents.bases.dialects import TWIST, Topic
+from agents.bases.base import ros_of
+from agents.bases.dialects import ODOMETRY, TWIST, Topic
 from agents.robot import Robot
 from agents.shell.attached_base import AttachedBase
 from agents.shell.ros_link import RosLink
 from deploy.library.load import load
+from protocol.bus.bus import Presence
 from protocol.bus.local import LocalNetwork
 from protocol.scenario.body import Base
 
@@ -40,3 +42,31 @@ def test_time_passes_for_a_base_while_its_computer_is_suspended():
     assert attached.due < time.monotonic() - 3000.0  # long over
     attached.stand(core, founded=True)
     assert base.now - before >= 3600.0
+
+
+def test_two_processes_that_drive_one_base_stand_until_one_is_gone():
+    """Of one run or two; a robot whose base is its own is not disturbed."""
+    scenario, network = load("turtlebots-2", ["world.plant=external"]), LocalNetwork()
+    buses = [network.connect() for _ in range(3)]
+    bases = [ros_of(scenario, robot, "/same" if robot == 1 else "/other").base for robot in (1, 1, 2)]
+    attached = [
+        AttachedBase(base, RosLink(bus, scenario.base_of(1)), lambda _: None)
+        for base, bus in zip(bases, buses, strict=True)
+    ]
+
+    def hear() -> None:
+        for each, bus in zip(attached, buses, strict=True):
+            while (event := bus.receive(0.0)) is not None:
+                if isinstance(event, Presence):
+                    each.on_driver(event.key, event.alive)
+
+    hear()
+    text = "another process drives same/cmd_vel, of this or another run"
+    assert [base.note for base in bases] == [text, text, "waits for odometry and a pose"]
+    odometry = Topic("same/odom", ODOMETRY)
+    bases[0].hear(odometry, b"", 0.0)
+    assert bases[0].note == text  # whatever its base says meanwhile
+    buses[1].close()
+    hear()
+    bases[0].hear(odometry, b"", 0.0)
+    assert bases[0].note.startswith("odometry: ")
