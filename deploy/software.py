@@ -206,14 +206,14 @@ def _program(what: str, names: tuple[str, ...], purpose: str, package: str) -> F
 
 
 def _time_source() -> Finding:
-    """Whether the kernel's clock is disciplined: control needs no clock, comparing logs does."""
+    """Whether the kernel's clock is disciplined: control needs no time of day, stamps of two hosts do."""
+    needed = "needed for logs of several hosts, and where poses and odometry are stamped by different hosts"
     try:
         state = ctypes.CDLL(None).adjtimex(ctypes.create_string_buffer(_TIMEX))
     except AttributeError:
-        return Finding("time source", "note", "this system does not say; only logs of several hosts need one")
+        return Finding("time source", "note", f"this system does not say whether there is one; {needed}")
     if state == _UNSYNCHRONISED:
-        text = "the clock follows none; only logs of several hosts need one, control does not"
-        return Finding("time source", "note", text, "chrony or systemd-timesyncd, if hosts are compared")
+        return Finding("time source", "note", f"the clock follows none; {needed}", "chrony or the like")
     return Finding("time source", "good", "the clock is synchronised")
 
 

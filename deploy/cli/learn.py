@@ -205,7 +205,7 @@ def study(
 
     Examples: disknav study tightness --json tightness.json;
     disknav study tuning --runs 5 --transport local;
-    disknav study peers --law courtesy.py:Courtesy --only "swap 1"
+    disknav study peers --law courtesy.py:Courtesy --only "swap 10"
 
     With [b]--shard I/N[/b] N machines share a study. The parts' FILE.runs.jsonl, one after the other in one,
     are that of the whole: the same command without --shard then makes the table of all runs.

@@ -68,7 +68,8 @@ def run(
     ] = None,
     secure: options.Secure = None,
     open_to_all: Annotated[
-        bool, typer.Option("--open", help="Allow an unencrypted fleet beyond this machine.")
+        bool,
+        typer.Option("--open", help="Allow --hosts without --secure; --listen needs no consent."),
     ] = False,
     restart: Annotated[
         str | None,
@@ -135,7 +136,7 @@ def _check_options(given: Mapping[str, Any]) -> None:
     if given["mode"] == "realtime":
         options.refuse({"--speed": given["speed"]}, "in real time a second takes a second: --mode lockstep")
     if given["hosts"] is None:
-        options.refuse({"--open": given["open_to_all"]}, "it says that --hosts may do without --secure")
+        options.refuse({"--open": given["open_to_all"]}, "it lets --hosts do without --secure")
     elif given["listen"]:
         options.refuse({"--listen": given["listen"]}, "the table says where each router listens")
     if given["router"] is not None:

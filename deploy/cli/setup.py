@@ -184,12 +184,11 @@ def calibrate(
     wait: Annotated[float, typer.Option(min=1.0, help="Seconds to wait for the base's messages.")] = 10.0,
     router: options.Router = None,
     setting: options.Settings = None,
-    secure: options.Secure = None,
 ) -> None:
     """Drive a square with one robot's base, and print bounds for the scenario.
 
-    It needs no fleet, and no other program may drive this base. It avoids nothing on its way: keep the floor
-    free.
+    It needs a router without keys and no fleet, and no other program may drive this base. It avoids nothing
+    on its way: keep the floor free.
 
     Example: disknav setup calibrate yard.toml 1 --side 1.0
 
@@ -203,7 +202,6 @@ def calibrate(
     from protocol.bus.bus import drive
     from protocol.bus.zenoh import ZenohBus
 
-    options.refuse_bases(secure)
     loaded = load(scenario, setting or [], None)
     if robot not in loaded.ids:
         raise UsageError(f"{scenario} has no robot {robot}; there are {', '.join(map(str, loaded.ids))}")

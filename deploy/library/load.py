@@ -303,7 +303,7 @@ def _document(name: str, seed: int | None) -> Document:
     if _is_file(path):
         document = read_document(path)
         return document if seed is None else document | {"seed": seed}
-    if path.suffix == ".toml" or "/" in name:
+    if path.suffix or "/" in name:
         raise UsageError(
             f"no scenario file {name!r}; the library has names such as figure-1 (see scenario list)"
         )

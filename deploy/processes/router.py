@@ -17,6 +17,7 @@ from protocol.bus.connection import Connection, configuration
 from protocol.bus.zenoh import ZenohBus
 from protocol.endpoint import DEFAULT_PORT, Endpoint
 from protocol.errors import CertificateError, EndpointTakenError
+from protocol.process.log import LOG
 from protocol.process.signals import STOP
 
 HOST = "127.0.0.1"
@@ -43,6 +44,8 @@ def main(
     bus, endpoint = listening(connection)
     with closing(bus):
         _check_links(connection)
+        if connection.credentials is None and not endpoint.is_loopback:
+            LOG.warning(f"no keys at {endpoint}: any process that reaches it can take part in the run")
         if links > 0.0:
             bus.await_routers(links)
         if ready is not None:

@@ -47,7 +47,7 @@ class RunOptions:
     run: str = field(default_factory=fresh_run_name)
     secure: Path | None = None  # directory of keys; every link is TLS with certificates then
     hosts: HostsTable | None = None  # where processes run; all here unless given
-    open: bool = False  # hosts that others can reach may be without keys
+    open: bool = False  # --hosts that others can reach may be without keys
     speed: float = 0.0  # simulated seconds per second in lock-step; 0: as fast as the machine allows
     restarts: int = 0  # how many times a process that fails is started again: robot, world or router
     log: Path | None = None  # folder for a file of log lines a process

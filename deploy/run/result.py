@@ -131,7 +131,7 @@ def _figures(result: Mapping[str, Any]) -> Table:
             "phi",
             f"{phi['first']:.4f} to {phi['last']:.4f}, {phi['increases']} increases",
         ),
-        ("potential", f"log10(gamma^k / beta) / k: {_number(level['first'])} to {_number(level['last'])}"),
+        ("potential", f"log10(gamma / beta^(1/k)): {_number(level['first'])} to {_number(level['last'])}"),
         ("control", f"{result['law']}, k = {result['k']:g}, filter {result['filter']}"),
         (
             "messages",

@@ -84,7 +84,6 @@ def test_what_is_to_be_stated_is_toml_and_has_a_margin(found):
 @pytest.mark.parametrize(
     "words",
     [
-        ("setup", "calibrate", "turtlebots-2", "1"),
         ("node", "robot", "1", "--run", "yard", "--base", "ros2"),
         ("node", "world", "turtlebots-2", "--set", "world.plant=external"),
         ("run", "turtlebots-2", "--keep", "--set", "world.plant=external"),
