@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import random
 
 import pytest
 from hypothesis import given
@@ -13,7 +12,6 @@ from agents.estimate import HISTORY, Estimate
 from agents.lines.own_set import SIDES
 from protocol.line import HalfPlane
 from protocol.messages import Sense
-from world.plants.plant import truncated_normal
 
 REACH = 0.005
 polar = st.tuples(st.floats(0.0, 2.0 * math.pi), st.floats(0.0, 1.0))
@@ -131,29 +129,6 @@ def test_what_else_is_known_cuts_the_set() -> None:
     assert estimate.support(-1.0, 0.0) == pytest.approx(-0.097, abs=1e-8)
     assert estimate.position[0] == pytest.approx(0.098)
     assert not estimate.contradiction
-
-
-@pytest.mark.parametrize(
-    ("deviation", "error", "mean"),
-    [
-        (3.0, 6.0, {5: 3.12, 20: 1.37, 100: 0.44, 400: 0.16}),
-        (1.0, 3.0, {5: 1.92, 20: 1.15, 100: 0.57, 400: 0.26}),
-        (10.0, 20.0, {5: 10.4, 20: 4.6, 100: 1.5, 400: 0.52}),
-    ],
-)
-def test_how_narrow_the_set_becomes(deviation, error, mean) -> None:
-    """Mean half width of 20 robots, mm, after so many measurements with truncated normal noise."""
-    found = dict.fromkeys(mean, 0.0)
-    for robot in range(20):
-        draw = random.Random(robot)
-        estimate = Estimate(REACH)
-        for tick in range(max(mean)):
-            nx, ny = truncated_normal(draw.random(), draw.random(), 1e-3 * deviation, 1e-3 * error)
-            tell(estimate, 1e-3 * error, tick, (0.1 + nx, ny))
-            if tick + 1 in found:
-                around = [estimate.shape.extent(*off(n * math.pi / 20.0, 1.0, 1.0)) for n in range(40)]
-                found[tick + 1] += 1e3 * sum(around) / 40 / 20
-    assert found == pytest.approx(mean, rel=0.15)
 
 
 # -- stated bounds that are wrong

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import cache
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
@@ -12,7 +11,7 @@ from msgspec.structs import replace
 from agents.peers.state import PeerState, addressed_to, plausible
 from agents.robot import Robot
 from deploy.library.load import load
-from protocol.messages import Claim, Command, Proposal, Sense, State, Tick
+from protocol.messages import Command, Proposal, Sense, State, Tick
 from world.world import WorldCore
 
 SCENARIO = load("swap-4")
@@ -75,38 +74,6 @@ def test_a_later_life_begins_as_the_disk_that_its_earlier_one_was() -> None:
     robot.begin(replace(first, roster=replace(first.roster, members=members)))
     assert robot._filter is not None
     assert robot._filter.radius == 0.07
-
-
-@pytest.mark.parametrize("told_first", [True, False])
-@pytest.mark.parametrize("claimed", [0.0, 0.03])
-def test_a_peer_is_the_disk_that_its_tick_says_whichever_comes_first(
-    told_first: bool, claimed: float
-) -> None:
-    robot, peer = robots()[1][OWN], OTHERS[0]
-    (first, states, _), (second, later, _) = said()[:2]
-    robot.begin(first)
-    for each in OTHERS:
-        robot.hearing.on_state(heard(states[each]))
-    robot.command()
-    assert first.roster is not None
-    members = tuple(
-        replace(each, radius=0.02) if each.robot == peer else each for each in first.roster.members
-    )
-    newer = replace(first.roster, version=first.roster.version + 1, members=members)
-    put_down = replace(second, roster=newer)
-    said_now = [
-        heard(replace(later[each], claim=Claim(1, 0.0, claimed) if claimed else None)) for each in OTHERS
-    ]
-    if told_first:
-        robot.begin(put_down)
-    for state in said_now:
-        robot.hearing.on_state(state)
-    if not told_first:
-        robot.begin(put_down)
-    robot.command()
-    known = robot.hearing.neighbours.state(peer)
-    assert known is not None
-    assert (known.tick, known.radius) == (1, max(0.02, claimed))
 
 
 def test_a_life_that_there_is_not_holds_up_nobody() -> None:

@@ -44,21 +44,6 @@ def test_swinging_every_other_tick_is_no_progress_at_any_period(period: float, l
     assert strongest == 1.0
 
 
-@pytest.mark.parametrize("factor", [0.01, 1000.0])
-def test_time_has_no_scale_of_its_own(factor: float) -> None:
-    """A robot that moves and computes so many times slower waits and escapes so many times longer."""
-    usual, slow = Progress(0.05, 0.41), Progress(0.05 * factor, 0.41 * factor)
-    for tick in range(200):
-        moved = 0.0 if tick % 90 < 60 else 0.005
-        one, other = (
-            progress.update(
-                displacement=(moved, 0.0), desired=(speed, 0.0), free=speed, gamma=0.2, barred=lambda: True
-            )
-            for progress, speed in ((usual, 0.1), (slow, 0.1 / factor))
-        )
-        assert other == pytest.approx(one, abs=1e-9)
-
-
 def test_a_robot_nudged_off_its_goal_waits_while_gamma_falls() -> None:
     progress, gamma = Progress(0.05), 1.0
     for _ in range(200):

@@ -151,12 +151,6 @@ def test_who_passes_is_waited_for() -> None:
     assert ReciprocalLaw(SCENARIO, 1).velocity(view) == (0.0, 0.0)
 
 
-def test_who_comes_at_the_robot_is_made_room_for() -> None:
-    beside = (HERE[0] - 2.4 * RADIUS, 0.0)
-    view = seen(0, beside, (SCENARIO.control.speed, 0.0))
-    assert ReciprocalLaw(SCENARIO, 1).velocity(view)[0] > 0.0
-
-
 def test_who_has_waited_in_vain_does_not_wait_again() -> None:
     law, beside = ReciprocalLaw(SCENARIO, 1), (HERE[0] - 3.5 * RADIUS, 0.0)
     long = round(40.0 * LAP / SCENARIO.time.step)

@@ -76,24 +76,3 @@ def test_exactly_one_of_two_goes_back_to_where_it_can_be_passed_and_in_the_next_
         assert all(wall.distance(*back) >= ASIDE * R for wall in WALLS)
         backs.append(one is not None)
     assert 5 < sum(backs) < 35
-
-
-@pytest.mark.parametrize(
-    ("x", "gamma", "vx", "goes_on"),
-    [
-        pytest.param(-0.9, 0.04, -0.1, True, id="it has passed"),
-        pytest.param(-0.9, 0.0, 0.0, True, id="it is at its goal"),
-        pytest.param(-0.6, 0.0, 0.0, True, id="it is at its goal, beside this one"),
-        pytest.param(0.4, 0.64, -0.1, False, id="it is still coming"),
-        pytest.param(-0.6, 0.04, -0.1, False, id="it is just passing"),
-        pytest.param(-0.9, 0.9, -0.1, False, id="it has gone back, too"),
-    ],
-)
-def test_it_goes_on_as_soon_as_who_goes_first_has_passed(
-    x: float, gamma: float, vx: float, goes_on: bool
-) -> None:
-    robot = next(n for n in (1, 2) if jammed(n, state(3 - n, 0.61))[1] is not None)
-    right, back, tick = jammed(robot, state(3 - robot, 0.61))
-    assert back is not None
-    right.let_pass(tick, (-0.5, 0.0), [state(3 - robot, x, gamma, vx), state(7, 0.4)])
-    assert (right.yielding(tick, (2.5, 0.0)) is None) == goes_on

@@ -20,6 +20,7 @@ from protocol.codec import decode, encode
 from protocol.messages import Tick
 from protocol.scenario.body import Actuation
 from protocol.scenario.model import Control, RobotSpec, Scenario, Sensing, Time
+from tests.proxy import Proxy
 
 angles = st.floats(0.0, 2.0 * math.pi)
 cuts = st.lists(st.tuples(angles, st.floats(-0.5, 1.0)), max_size=40)
@@ -103,13 +104,19 @@ def test_no_robot_is_pushed_through_the_wall(seed: int, sensing: Sensing, noise:
     assert report["collisions"] == 0
 
 
-class Liar:
-    """Stands between the bus and a robot's node: from tick 20 on it is told a place 20 mm away."""
+def lied_to(policy: str, caplog: pytest.LogCaptureFixture) -> tuple[dict, str]:
+    """A run in which measurements are off by five times their bound from tick 20 on, and what it says."""
+    sensing = Sensing(noise=0.002, noise_bound=0.004, contradiction=policy)
+    scenario = replace(
+        along_the_wall(1, sensing),
+        robots=(RobotSpec(1, RADIUS, (-0.2, 0.0), (0.2, 0.0)),),
+        time=Time(limit=15.0, deadlock=2.0),
+    )
+    fleet = LocalFleet(scenario)
+    node = fleet.robots[1].node
+    assert isinstance(node, RobotNode)
 
-    def __init__(self, node: RobotNode) -> None:
-        self._node = node
-
-    def handle(self, event: Event) -> None:
+    def handle(event: Event) -> None:
         if isinstance(event, Sample) and event.key.endswith("tick"):
             told = decode(event.key, event.payload)
             assert isinstance(told, Tick)
@@ -118,40 +125,25 @@ class Liar:
                 x, y = sense.position
                 told = structs.replace(told, sense=structs.replace(sense, position=(x + 0.02, y)))
             event = Sample(event.key, encode(told))
-        self._node.handle(event)
+        node.handle(event)
 
-    def __getattr__(self, name: str) -> object:
-        return getattr(self._node, name)
-
-
-def lied_to(policy: str) -> tuple[dict, str, list[str]]:
-    """A run in which the measurements are wrong by five times the stated bound; what it said of itself."""
-    sensing = Sensing(noise=0.002, noise_bound=0.004, contradiction=policy)
-    scenario = replace(
-        along_the_wall(1, sensing),
-        robots=(RobotSpec(1, RADIUS, (-0.2, 0.0), (0.2, 0.0)),),
-        time=Time(limit=15.0, deadlock=2.0),
-    )
-    fleet, said = LocalFleet(scenario), []
-    bus = fleet.robots[1]
-    node = RobotNode(bus, fleet.run, 1, say=said.append)
-    bus.node = Liar(node)
+    fleet.robots[1].node = Proxy(node, handle=handle)
     report = fleet.execute()
     assert node.core is not None
-    return report, node.core.health(0, 0, {}).note, said
+    note = node.core.health(0, 0, {}).note
+    assert caplog.messages == [f"robot-1: {note}"]
+    return report, note
 
 
-def test_a_robot_whose_measurements_exclude_each_other_stands_still_and_says_so() -> None:
-    report, note, said = lied_to("stand")
+def test_a_robot_whose_measurements_exclude_each_other_stands_still_and_says_so(caplog) -> None:
+    report, note = lied_to("stand", caplog)
     assert report["verdict"] == "deadlock"
     assert report["positions"]["1"][0] < -0.09  # of 0.4 m, 0.1 m were driven by tick 20
     assert "exclude each other by" in note
     assert note.endswith("stands still")
-    assert said == [note]
 
 
-def test_it_goes_on_from_the_newest_measurement_where_it_may() -> None:
-    report, note, said = lied_to("newest")
+def test_it_goes_on_from_the_newest_measurement_where_it_may(caplog) -> None:
+    report, note = lied_to("newest", caplog)
     assert report["positions"]["1"] == pytest.approx([0.18, 0.0], abs=0.005)
     assert note.endswith("begins anew from the newest measurement")
-    assert said == [note]

@@ -40,19 +40,3 @@ def test_subscriptions_follow_who_is_near() -> None:
                 heard.append({peer for peer in range(2, 7) if robot_key("run", peer, "state") in bus.keys})
     assert heard == [{2, 3}, {2, 3}, {2, 3, 4}, {2, 3, 4}, {2, 3, 4, 5}, {3, 4, 5}, {3, 4, 5}, {4, 5}]
     assert peers.readers.keys() == bus.keys
-
-
-def test_robots_withdraw_one_after_the_other() -> None:
-    fleet = [near_only(robot) for robot in range(1, 5)]
-    when = set()
-    for _, peers in fleet:
-        for near in ((5, 6), (6,), (6,)):
-            peers.attend(near)
-            peers.tend(0)
-    for tick in range(1, PERIOD):
-        for robot, (bus, peers) in enumerate(fleet):
-            before = len(bus.keys)
-            peers.tend(tick)
-            if len(bus.keys) < before:
-                when.add((robot, tick))
-    assert {robot for robot, _ in when} == {tick - 1 for _, tick in when} == set(range(4))

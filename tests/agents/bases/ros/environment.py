@@ -14,18 +14,12 @@ PACKAGES = (
     "ros-jazzy-rmw-fastrtps-cpp",
     "ros-jazzy-geometry-msgs",
     "ros-jazzy-nav-msgs",
-    "cyclonedds",
     "mujoco",
     "eclipse-zenoh",
 )
 HERE = Path(__file__).parent
 FOLDER = HERE.parents[3] / "build" / "ros2"
-NEEDED = "import rclpy, geometry_msgs.msg, nav_msgs.msg, cyclonedds.domain, mujoco, zenoh; rclpy.init()"
-LOOPBACK = (
-    "<CycloneDDS><Domain><General><Interfaces>"
-    '<NetworkInterface name="lo" multicast="true"/>'
-    "</Interfaces></General></Domain></CycloneDDS>"
-)
+NEEDED = "import rclpy, geometry_msgs.msg, nav_msgs.msg, mujoco, zenoh; rclpy.init()"
 
 
 def environment(domain: int) -> dict[str, str]:
@@ -35,7 +29,6 @@ def environment(domain: int) -> dict[str, str]:
         "HOME": os.environ.get("HOME", "/tmp"),
         "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
         "ROS_DOMAIN_ID": str(domain),
-        "CYCLONEDDS_URI": LOOPBACK,
         "OMP_NUM_THREADS": "1",
         "MUJOCO_GL": "disable",  # nothing is drawn, and looking for libraries that draw takes a while
     }

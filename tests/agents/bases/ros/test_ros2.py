@@ -24,24 +24,14 @@ pytestmark = [pytest.mark.slow, pytest.mark.process, pytest.mark.alone, pytest.m
 
 
 def turtles(fleet: Yard) -> None:
-    """Bases of rclpy, planners where the law is from outside, and the bridge."""
+    """Bases of rclpy, with planners where the law is from outside, and the bridge."""
     interpreter, ids = environment.python(), fleet.scenario.ids
     apart = {"env": environment.environment(1 + os.getpid() % 100)}
     start = fleet.processes.start
-    for robot in ids:
-        base = [HERE / "turtle.py", f"/bot{robot}", *fleet.axle(robot), NOISE]
-        start(f"base-{robot}", interpreter, *base, fleet.folder / f"truth-{robot}", **apart)
-        if fleet.scenario.control.law == "external":
-            goal = fleet.scenario.spec(robot).goal
-            start(
-                f"planner-{robot}",
-                interpreter,
-                HERE / "planner.py",
-                f"/bot{robot}",
-                *goal,
-                fleet.offset,
-                **apart,
-            )
+    for spec in fleet.scenario.robots:
+        place = (f"/bot{spec.id}", *fleet.axle(spec.id), NOISE, fleet.folder / f"truth-{spec.id}")
+        aim = (*spec.goal, fleet.offset) if fleet.scenario.control.law == "external" else ()
+        start(f"base-{spec.id}", interpreter, HERE / "turtle.py", *place, *aim, **apart)
     names = [f"bot{robot}" for robot in ids]
     start("bridge", interpreter, HERE / "bridge.py", fleet.endpoint, *names, **apart)
 

@@ -1,9 +1,11 @@
 """A robot as ROS 2 has it, that knows nothing of this project: an rclpy node around MuJoCo.
 
 Runs in an environment of its own, which has rclpy, mujoco and numpy and nothing else of what is used here:
-`turtle.py NAMESPACE X Y YAW NOISE TRUTH`. It subscribes to cmd_vel and stops 0.25 s after the last one; it
-publishes odom by its wheels' encoders, and pose with an error of up to NOISE (m). Each line of TRUTH is a
-time (s, CLOCK_MONOTONIC) and where the axle's middle really is then, and which way it faces.
+`turtle.py NAMESPACE X Y YAW NOISE TRUTH [GOAL_X GOAL_Y OFFSET]`. It subscribes to cmd_vel and stops 0.25 s
+after the last one; it publishes odom by its wheels' encoders, and pose with an error of up to NOISE (m). Each
+line of TRUTH is a time (s, CLOCK_MONOTONIC) and where the axle's middle really is then, and which way it
+faces. With a goal (m), that of the point OFFSET (m) ahead of the axle, it also wishes, by cmd_vel_desired, to
+drive straight at it, and heeds no other robot.
 """
 
 import math
@@ -19,7 +21,7 @@ from nav_msgs.msg import Odometry
 from rclpy.node import Node
 
 RADIUS, TRACK, FASTEST, GAIN = 0.033, 0.160, 0.66, 3.0
-TIMEOUT = 0.25  # s
+TIMEOUT, SPEED = 0.25, 0.12  # s, m/s that it wishes
 BURGER = f"""
 <mujoco>
   <option timestep="0.002" integrator="implicitfast"/>
@@ -49,13 +51,14 @@ BURGER = f"""
 
 
 class Turtle(Node):
-    def __init__(self, namespace, x, y, yaw, noise, truth):
+    def __init__(self, namespace, x, y, yaw, noise, truth, goal, offset):
         super().__init__("turtle", namespace=namespace)
         degrees = math.degrees(yaw)
         self.model = mujoco.MjModel.from_xml_string(BURGER.format(x=x, y=y, yaw=degrees))
         self.data = mujoco.MjData(self.model)
         mujoco.mj_step(self.model, self.data, 200)
         self.noise, self.random = noise, random.Random(namespace)
+        self.goal, self.offset = goal, offset
         self.truth = Path(truth).open("w")  # noqa: SIM115
         self.aims, self.told, self.heard = (0.0, 0.0), [0.0, 0.0], -math.inf
         self.x = self.y = self.yaw = 0.0
@@ -63,6 +66,7 @@ class Turtle(Node):
         self.begun = self.steps = None
         self.odom = self.create_publisher(Odometry, "odom", 10)
         self.pose = self.create_publisher(PoseStamped, "pose", 10)
+        self.wish = self.create_publisher(Twist, "cmd_vel_desired", 10)
         self.create_subscription(Twist, "cmd_vel", self.on_velocity, 10)
         self.create_timer(0.02, self.on_time)
         self.rounds = 0
@@ -127,13 +131,24 @@ class Turtle(Node):
             pose.pose.position.y = float(y + size * math.sin(angle))
             pose.pose.orientation.z, pose.pose.orientation.w = math.sin(0.5 * yaw), math.cos(0.5 * yaw)
             self.pose.publish(pose)
+        if self.rounds % 5 == 0 and self.goal is not None:
+            self.drive_at_goal(x, y, yaw)
+
+    def drive_at_goal(self, x, y, yaw):
+        dx = self.goal[0] - x - self.offset * math.cos(yaw)
+        dy = self.goal[1] - y - self.offset * math.sin(yaw)
+        scale = min(SPEED / max(math.hypot(dx, dy), 1e-9), 1.0)
+        twist = Twist()
+        twist.linear.x = float(scale * (math.cos(yaw) * dx + math.sin(yaw) * dy))
+        twist.angular.z = float(scale * (math.cos(yaw) * dy - math.sin(yaw) * dx) / self.offset)
+        self.wish.publish(twist)
 
 
 def main():
-    namespace, x, y, yaw, noise, truth = sys.argv[1:]
+    namespace, *place, noise, truth = sys.argv[1:7]
+    *goal, offset = map(float, sys.argv[7:]) if len(sys.argv) > 7 else (0.0,)
     rclpy.init()
-    node = Turtle(namespace, float(x), float(y), float(yaw), float(noise), truth)
-    rclpy.spin(node)
+    rclpy.spin(Turtle(namespace, *map(float, place), float(noise), truth, goal or None, offset))
 
 
 main()
