@@ -10,9 +10,6 @@ the first two seconds; `bytes` are of all links together, per tick and robot. Ne
 from __future__ import annotations
 
 import argparse
-import json
-import pickle
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -21,19 +18,13 @@ from typing import Literal, NamedTuple
 
 from deploy.library.instances import random_instance
 from deploy.library.load import resolved
-from deploy.processes import table
-from deploy.run.options import fresh_run_name
-from protocol.bus.connection import Connection
 from protocol.draws import Purpose, generator
 from protocol.scenario.model import Journey, Order, Point, Scenario
 from protocol.scenario.network import Network
-from tests.benchmarks.transport import one_host
 from tests.system.hosts.testbed.network import Hosts, unable
 
 _LEGS = 6  # goals of each robot, which it goes to in turn for ever
 _WARM = 2.0  # s of simulated time before bytes are counted
-_PORT = 7447
-_START = 60.0  # s
 
 Interest = Literal["near", "all"]
 
@@ -92,38 +83,9 @@ class Row(NamedTuple):
 
 def measure(scenario: Scenario, count: int) -> Row:
     """One run over `count` hosts, in lock-step."""
-    run = fresh_run_name()
     with TemporaryDirectory(prefix="disknav-") as name, Hosts(count, Path(name) / "log") as hosts:
-        folder, told = Path(name), None
-        for host, rows in _tables(scenario, run, hosts, count).items():
-            path = folder / f"{host}.pickle"
-            path.write_bytes(pickle.dumps(rows))
-            starter = hosts.start(host, [sys.executable, "-m", one_host.__name__, str(path)])
-            assert starter.stdout is not None
-            if host == 1:
-                observer = "tests.system.hosts.testbed.observer"
-                told = hosts.start(1, [sys.executable, "-m", observer, _router(hosts, 1), run]).stdout
-            assert starter.stdout.readline() == "ready\n", (folder / "log").read_text()
-        assert told is not None
-        return _followed(scenario, count, hosts, map(json.loads, told))
-
-
-def _tables(scenario: Scenario, run: str, hosts: Hosts, count: int) -> dict[int, list[table.Process]]:
-    """Rows by host; the world is on the first."""
-    at = homes(scenario, count)
-    rows: dict[int, list[table.Process]] = {}
-    for host in range(1, count + 1):
-        before = tuple(_router(hosts, other) for other in range(1, host))
-        here = Connection("client", (_router(hosts, host),), timeout=_START)
-        router = Connection("router", before, (_router(hosts, host),))
-        rows[host] = [table.router(router, host=str(host))]
-        rows[host] += [table.world(here, run, scenario, True)] * (host == 1)
-        rows[host] += [table.robot(here, run, robot) for robot in scenario.ids if at[robot] == host]
-    return rows
-
-
-def _router(hosts: Hosts, host: int) -> str:
-    return f"tcp/{hosts.address(host)}:{_PORT}"
+        told = hosts.fleet(scenario, homes(scenario, count), lockstep=True)
+        return _followed(scenario, count, hosts, told)
 
 
 def _followed(scenario: Scenario, count: int, hosts: Hosts, told: Iterator[dict[str, object]]) -> Row:

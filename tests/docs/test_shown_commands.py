@@ -60,6 +60,12 @@ def _name(page: Path) -> str:
 
 
 WITH_COMMANDS = [page for page in PAGES if any(block.commands for block in blocks(page))]
+_RUN = {
+    page: {tuple(words) for block in blocks(page) if block.runs for words in block.commands}
+    for page in WITH_COMMANDS
+}
+OWN = [page for page in WITH_COMMANDS if not any(_RUN[page] < each for each in _RUN.values())]
+"""Without those that show nothing but what another page does."""
 
 
 def carry_out(page: Path, disknav: Forks, folder: Path, *, everything: bool) -> None:
@@ -84,7 +90,7 @@ def takes_long(words: list[str]) -> bool:
 
 @pytest.mark.process
 @pytest.mark.timeout(390)
-@pytest.mark.parametrize("page", WITH_COMMANDS, ids=_name)
+@pytest.mark.parametrize("page", OWN, ids=_name)
 def test_they_run(page: Path, disknav: Forks, tmp_path: Path) -> None:
     carry_out(page, disknav, tmp_path, everything=False)
 

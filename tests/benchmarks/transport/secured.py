@@ -12,7 +12,6 @@ from dataclasses import replace
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
-from typing import NamedTuple
 
 from deploy.library.load import load
 from deploy.processes import table
@@ -23,19 +22,10 @@ from deploy.security.keystore import create
 from deploy.security.membership import KeyRing
 from deploy.security.roster import KeyRoster
 from protocol.scenario.model import Scenario
+from tests.benchmarks.transport.bare import Rate
 
 RUN = "measured"
 VARIANTS = ("plain", "tls", "tls and rules")
-
-
-class Rate(NamedTuple):
-    """Ticks per second, and processor time of all processes per tick (ms), router included.
-
-    The second hardly depends on what else the machine does.
-    """
-
-    ticks_per_second: float
-    cpu_ms: float
 
 
 def rate(scenario: Scenario, variant: str, keys: Path) -> Rate:

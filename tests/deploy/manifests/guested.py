@@ -1,4 +1,4 @@
-"""What orchestrators start: figure 2, and a fourth robot that orders of the scenario add a second later. Its
+"""What orchestrators start: a pair, and a third robot that an order of the scenario adds a second later. Its
 process is started with the others, and waits."""
 
 from dataclasses import replace
@@ -7,9 +7,9 @@ from typing import Final
 from deploy.library.load import load
 from protocol.scenario.model import Order, RobotSpec, Scenario
 
-ROBOTS: Final = (1, 2, 3, 4)
-_GUEST = RobotSpec(4, 0.02, (0.2, -0.15), (0.15, -0.2))
+ROBOTS: Final = (1, 2, 3)
+_GUEST = RobotSpec(3, 0.02, (0.2, -0.15), (0.15, -0.2))
 
 
 def guested(*settings: str) -> Scenario:
-    return replace(load("figure-2", settings, 4), orders=(Order(1.0, add=_GUEST),))
+    return replace(load("swap-2", settings), orders=(Order(1.0, add=_GUEST),))

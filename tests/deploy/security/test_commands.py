@@ -3,18 +3,12 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from deploy.cli.setup import keys as make
-from deploy.library.load import load
 from deploy.security.membership import KeyRing
-from deploy.security.roster import read, robot_role
 from protocol.errors import UsageError
-from protocol.scenario.file import write_toml
-from protocol.scenario.model import Order
 from tests.forks import Forks
 
 
@@ -27,16 +21,6 @@ def test_keys_then_a_run_with_them(disknav: Forks, tmp_path: Path) -> None:
     done = disknav("run", "figure-2", "--secure", keys, "--json", "-")
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["run"] == "yard"
-
-
-@pytest.mark.slow
-def test_keys_are_for_robots_that_orders_add_too(tmp_path: Path) -> None:
-    file, keys = tmp_path / "guest.toml", tmp_path / "keys"
-    guest = replace(load("head-on").robots[0], id=7)
-    file.write_text(write_toml(replace(load("head-on"), orders=(Order(1.0, add=guest),))))
-    make(keys, str(file), run="yard")
-    assert read(keys).robots == (1, 2, 7)
-    assert KeyRing(keys).client(robot_role(7), ("tls/127.0.0.1:7447",)).credentials is not None
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import socket
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, closing, suppress
 from pathlib import Path
 
 import msgspec
@@ -75,15 +75,8 @@ def lies(scenario: Scenario, tick: int, own: int | None) -> list[Lie]:
     return found
 
 
-def requests(own: int | None) -> dict[str, bytes]:
-    """Messages that an authorised sender could send to a fleet."""
-    pack = msgspec.msgpack.encode
-    other = next(robot for robot in SCENARIO.ids if robot != own)
-    return {world_key(RUN, "operation"): pack({"halt": True}), robot_key(RUN, other, "join"): b""}
-
-
 class Liar:
-    """A process with the certificate of a role, or none, that publishes in the name of all others."""
+    """A process with the certificate of a role that publishes in the name of all others."""
 
     def __init__(self, connection: Connection, own: int | None) -> None:
         self.bus, self._own = ZenohBus(connection), own
@@ -92,54 +85,37 @@ class Liar:
         self._publish = {
             key: self.bus.publisher(STREAMS[stream], key) for stream, key, _ in lies(SCENARIO, 0, own)
         }
+        other = next(robot for robot in SCENARIO.ids if robot != own)
+        halt = msgspec.msgpack.encode({"halt": True})
+        for key, request in ((world_key(RUN, "operation"), halt), (robot_key(RUN, other, "join"), b"")):
+            with suppress(BusError):
+                self.answers += self.bus.ask(key, request, 0.2)
 
     def lie(self, tick: int) -> None:
         for _, key, payload in lies(SCENARIO, tick, self._own):
             self._publish[key](payload)
             self.told += 1
 
-    def ask(self) -> None:
-        for key, request in requests(self._own).items():
-            try:
-                self.answers += self.bus.ask(key, request, 0.2)
-            except BusError:
-                continue
-
-
-class LiedTo(Fleet):
-    """A fleet among liars, which publish in every tick."""
-
-    def __init__(self, options: RunOptions, roles: dict[str, int | None]) -> None:
-        super().__init__(SCENARIO, options, watch=self._lie)
-        self._roles, self.liars = roles, list[Liar]()
-
-    def _lie(self, clock: Clock) -> None:
-        if not self.liars and clock.tick >= 2:
-            for role, own in self._roles.items():
-                self.liars.append(Liar(self._connection(role), own))
-                self.liars[-1].ask()
-        for liar in self.liars:
-            liar.lie(clock.tick + 1)
-
-    def _connection(self, role: str) -> Connection:
-        observer = self.topology.observer()
-        if self._options.secure is None:
-            return observer
-        return KeyRing(self._options.secure).client(role, observer.connect)
-
-    def __exit__(self, *details: object) -> None:
-        for liar in self.liars:
-            liar.bus.close()
-        super().__exit__(*details)
-
 
 def test_lies_of_those_who_may_not_change_nothing(keys: Path) -> None:
-    alone = LocalFleet(SCENARIO).execute()
-    with LiedTo(RunOptions(run=RUN, secure=keys, speed=8.0), {"robot-2": 2, "monitor": None}) as fleet:
+    liars: list[Liar] = []
+
+    def lie(clock: Clock) -> None:
+        if not liars and clock.tick >= 2:
+            router = fleet.topology.observer().connect
+            for role, own in (("robot-2", 2), ("monitor", None)):
+                liars.append(Liar(KeyRing(keys).client(role, router), own))
+                stack.enter_context(closing(liars[-1].bus))
+        for liar in liars:
+            liar.lie(clock.tick + 1)
+
+    options = RunOptions(run=RUN, secure=keys, speed=8.0)
+    with Fleet(SCENARIO, options, watch=lie) as fleet, ExitStack() as stack:
         report = fleet.execute()
-    assert all(liar.told > 100 and not liar.answers for liar in fleet.liars)
+    assert len(liars) == 2
+    assert all(liar.told > 100 and not liar.answers for liar in liars)
     assert report["verdict"] == "arrived"
-    assert report["trajectory_sha256"] == alone["trajectory_sha256"]
+    assert report["trajectory_sha256"] == LocalFleet(SCENARIO).execute()["trajectory_sha256"]
     assert report["messages"]["rejected"] == {}
     assert fleet.rejected == {}
 

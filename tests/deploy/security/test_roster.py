@@ -6,18 +6,15 @@ from typing import Any
 
 import pytest
 import zenoh
-from hypothesis import given
-from hypothesis import strategies as st
 
-from deploy.processes.router import router_config
 from deploy.security.roster import Home, KeyRoster, access_control
-from protocol.bus.connection import Connection
 from protocol.errors import CertificateError
 from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, parse, robot_key, robot_token, world_key, world_token
 from protocol.streams import STREAMS
 
 ROSTER = KeyRoster("demo", (1, 2, 3))
 RULES = access_control(ROSTER)
+MESSAGES = sorted({message for rule in RULES["rules"] for message in rule["messages"]})
 
 
 def allowed(role: str, message: str, key: str, rules: dict[str, Any] = RULES) -> bool:
@@ -86,21 +83,16 @@ def test_robots_neither_steer_nor_read_each_others_commands() -> None:
     assert not allowed("robot-1", "declare_subscriber", "disknav/demo/**")
 
 
-@given(
-    st.sampled_from(ROSTER.roles),
-    st.sampled_from(RULES["rules"][1]["messages"]),
-    st.from_regex(r"[a-z]{1,8}", fullmatch=True),
-)
-def test_another_run_is_another_world(role: str, message: str, run: str) -> None:
-    run = "other" if run == "demo" else run
-    assert not allowed(role, message, robot_key(run, 1, "state"))
-    assert not allowed(role, message, "**")
+@pytest.mark.parametrize("role", ROSTER.roles)
+def test_another_run_is_another_world(role: str) -> None:
+    for message in MESSAGES:
+        assert not allowed(role, message, robot_key("other", 1, "state"))
+        assert not allowed(role, message, "**")
 
 
 HOSTS = KeyRoster(
     "demo", (1, 2, 3), {"a": Home(("a",), (1,)), "b": Home(("b",), (2, 3)), "c": Home(("c",))}, "a"
 )
-MESSAGES = RULES["rules"][0]["messages"]
 
 
 @pytest.mark.parametrize("host", HOSTS.homes)
@@ -126,10 +118,3 @@ def test_a_router_speaks_for_those_behind_it_and_no_others(host: str) -> None:
 def test_a_host_that_is_not_in_the_roster() -> None:
     with pytest.raises(CertificateError, match="not for a host 'd', but for a, b, c"):
         access_control(HOSTS, "d")
-
-
-def test_zenoh_takes_the_printed_configuration() -> None:
-    text = router_config(Connection("router", access=RULES), "tls/127.0.0.1:7447")
-    config = zenoh.Config.from_json5(text)
-    assert "cert_common_names" in config.get_json("access_control/subjects")
-    assert "7447" in config.get_json("listen/endpoints")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -26,7 +25,6 @@ from tests.skipped_waits import skipped_waits
 from tests.system.orders.guests import GUEST, GUESTED, SWAP, status, step, to_be
 from tests.system.orders.turnover import Turnover, asked
 from world.report import result_of
-from world.shell.checkpoint import Checkpoint
 
 
 def guested(tick: int, seed: int = 0) -> dict[str, Any]:
@@ -225,30 +223,6 @@ def test_no_fault_that_the_world_passes_over_ends_the_process_of_the_next_robot(
     assert calm.report["faults"]["given_up"] == []
     assert [fault["tick"] for fault in calm.report["faults"]["process"]] == [2]
     assert {observe(scenario, busy=seed).trajectory for seed in (1, 2)} == {calm.trajectory}
-
-
-@pytest.mark.slow
-def test_a_restarted_world_knows_who_came_and_went(tmp_path: Path) -> None:
-    Checkpoint.create(tmp_path / "checkpoint")
-    fleet = LocalFleet(SWAP, checkpoint=tmp_path / "checkpoint")
-    step(fleet, 10)
-    assert asked(fleet, {"add": GUEST}).accepted
-    to_be(fleet, 7, "live")
-    assert asked(fleet, {"remove": 1}).accepted
-    step(fleet, 5)
-    before = fleet.world.world
-    fleet.kill_world()
-    fleet.start_world()
-    after = fleet.world.world
-    assert after.truth == before.truth
-    then, now = (
-        before.coordinator.lives.roster.message.members,
-        after.coordinator.lives.roster.message.members,
-    )
-    for one, other in zip(then, now, strict=True):
-        assert (one.robot, one.incarnation, one.radius) == (other.robot, other.incarnation, other.radius)
-    report = fleet.execute()
-    assert (report["verdict"], report["collisions"], report["robots"]) == ("arrived", 0, [2, 3, 4, 7])
 
 
 @pytest.mark.slow

@@ -22,7 +22,7 @@ from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.scenario.model import Obstacle
 from tests.forks import Forks
-from world.shell.checkpoint import Checkpoint
+from tests.system.orders.guests import step
 
 SWAP = load("swap-4")
 LISTED = replace(SWAP, obstacles=(Obstacle(center=(0.2, 0.2), radius=0.02),))
@@ -37,11 +37,6 @@ def asked(fleet: LocalFleet, change: object = None) -> dict[str, Any]:
     read_as = json.loads if payload else msgspec.msgpack.decode
     told: dict[str, Any] = read_as(replies[0])
     return told
-
-
-def step(fleet: LocalFleet, ticks: int) -> None:
-    for _ in range(ticks):
-        assert fleet.step()
 
 
 @pytest.mark.slow
@@ -60,20 +55,6 @@ def test_a_obstacle_that_is_placed_is_kept_clear_of_until_it_is_taken() -> None:
     assert [obstacle[0] for obstacle in asked(fleet)["obstacles"]] == [2]
     report = fleet.execute()
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
-
-
-def test_a_restarted_world_knows_what_came_and_went(tmp_path: Path) -> None:
-    Checkpoint.create(tmp_path / "checkpoint")
-    fleet = LocalFleet(LISTED, checkpoint=tmp_path / "checkpoint")
-    step(fleet, 10)
-    assert asked(fleet, BAR)["accepted"]
-    step(fleet, 3)
-    assert asked(fleet, {"take": 1})["accepted"]
-    before = asked(fleet)["obstacles"]
-    fleet.kill_world()
-    fleet.start_world()
-    assert asked(fleet)["obstacles"] == before
-    assert [obstacle[:2] for obstacle in before] == [[2, "standing"]]
 
 
 def test_a_recording_says_from_when_until_when(tmp_path: Path) -> None:

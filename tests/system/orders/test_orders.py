@@ -9,7 +9,6 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import msgspec
 import pytest
@@ -17,19 +16,17 @@ import pytest
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator, operating
-from protocol.bus.bus import Query
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, DisknavError
-from protocol.keys import world_key
-from protocol.messages import Clock
-from protocol.scenario.model import Journey, Operation, Point, Scenario
+from protocol.scenario.model import Journey, Operation, Point
 from tests.deploy.processes.ports import free_ports
 from tests.deploy.telemetry.monitor.watched import until
+from tests.system.orders.guests import step
+from tests.system.orders.turnover import asked
 from world.shell.checkpoint import Checkpoint
 
 SCENARIO = load("swap-4")
-TOLERANCE = SCENARIO.time.tolerance
 PLACE = (0.05, 0.02)
 
 
@@ -37,43 +34,20 @@ def sent(robot: int, *points: Point, within: float | None = None) -> Operation:
     return Operation(goal=Journey(robot, points, within=within))
 
 
-class Ordered(LocalFleet):
-    """Robot 2 is sent elsewhere at tick 30; where there is a checkpoint the world dies at tick 45."""
-
-    def __init__(self, scenario: Scenario, checkpoint: Path | None = None) -> None:
-        super().__init__(
-            scenario, speed=6.0, watch=self._look, checkpoint=checkpoint
-        )  # for the clock to be told
-        self._doom = checkpoint is not None
-        self.replies: list[dict[str, Any]] = []
-
-    def _look(self, clock: Clock) -> None:
-        if clock.tick >= 30 and not self.replies:
-            self.world.handle(
-                Query(
-                    world_key(self.run, "operation"),
-                    json.dumps({"goal": {"robot": 2, "points": [PLACE]}}).encode(),
-                    lambda reply: self.replies.append(json.loads(reply)),
-                )
-            )
-        if clock.tick >= 45 and self._doom:
-            self._doom = False
-            self.kill_world()
-            self.start_world()
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("world_dies", [False, True])
 def test_a_robot_goes_where_it_is_sent(world_dies: bool, tmp_path: Path) -> None:
-    """Clocks are told by the wall clock, so that the tick of the order differs from run to run."""
-    checkpoint = tmp_path / "checkpoint" if world_dies else None
-    if checkpoint is not None:
-        Checkpoint.create(checkpoint)
-    fleet = Ordered(SCENARIO, checkpoint)
+    Checkpoint.create(tmp_path / "checkpoint")
+    fleet = LocalFleet(SCENARIO, checkpoint=tmp_path / "checkpoint")
+    step(fleet, 30)
+    assert asked(fleet, {"goal": {"robot": 2, "points": [PLACE]}}).accepted
+    step(fleet, 15)
+    if world_dies:
+        fleet.kill_world()
+        fleet.start_world()
     report = fleet.execute()
-    assert fleet.replies[0]["accepted"]
     assert (report["verdict"], report["collisions"], len(report["worlds"])) == ("arrived", 0, world_dies)
-    assert math.dist(report["positions"]["2"], PLACE) <= TOLERANCE
+    assert math.dist(report["positions"]["2"], PLACE) <= SCENARIO.time.tolerance
 
 
 # -- on real zenoh

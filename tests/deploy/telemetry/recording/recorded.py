@@ -1,11 +1,15 @@
-"""Small runs, recorded for the tests of recordings and pictures."""
+"""Small runs, recorded for tests of recordings and pictures; and a world that says whatever a test wants."""
 
 from pathlib import Path
 from typing import Any
 
 from deploy.run.local import LocalFleet
 from deploy.telemetry.recording.reader import RecordedRun
+from protocol import joining
+from protocol.bus.bus import Query
+from protocol.keys import parse, world_key, world_token
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time
+from protocol.streams import STREAMS
 
 ROBOTS = (
     RobotSpec(1, 0.03, (-0.1, 0.01), (0.1, 0.0)),
@@ -30,3 +34,29 @@ def record(path: Path, **changes: Any) -> dict[str, Any]:
 def said_by(recording: RecordedRun, kind: type[Any], robot: int) -> list[Any]:
     """What one robot said, or was told, in messages of a kind."""
     return [message for message in recording.said(kind) if message.robot == robot]
+
+
+class FakeWorld:
+    """Answers requests for the scenario, and publishes the messages of a test."""
+
+    finished, deadline = False, float("inf")
+
+    def __init__(self, bus, run: str) -> None:
+        self.tick = 0
+        self.replies: list[bytes] = []  # to the first request
+        self._bus, self._run = bus, run
+        self._publish = {}
+        if hasattr(bus, "node"):
+            bus.node = self
+        bus.serve(world_key(run, "scenario"))
+        bus.announce(world_token(run, "1"))
+
+    def handle(self, event) -> None:
+        if isinstance(event, Query):
+            overview = joining.encode_reply(joining.Overview(scenario(), True))
+            event.reply(self.replies.pop(0) if self.replies else overview)
+
+    def say(self, key: str, payload: bytes) -> None:
+        if key not in self._publish:
+            self._publish[key] = self._bus.publisher(STREAMS[parse(key).stream], key)
+        self._publish[key](payload)

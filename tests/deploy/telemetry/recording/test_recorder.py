@@ -23,8 +23,7 @@ from protocol.errors import BusError, RecordingError
 from protocol.keys import everything, robot_key, world_key
 from protocol.messages import Clock, Command, Result, State
 from protocol.streams import STREAMS
-from tests.deploy.telemetry.recording.fake_world import FakeWorld
-from tests.deploy.telemetry.recording.recorded import ROBOTS, said_by, scenario
+from tests.deploy.telemetry.recording.recorded import ROBOTS, FakeWorld, said_by, scenario
 
 
 def _recorder(bus: LocalBus, run: str, folder: Path) -> tuple[Recorder, RecordingWriter]:

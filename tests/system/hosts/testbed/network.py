@@ -4,16 +4,26 @@ from __future__ import annotations
 
 import json
 import os
+import pickle
 import shutil
 import signal
 import subprocess
-import time
-from collections.abc import Sequence
+import sys
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import IO, Self
+from typing import IO, Any, Self
 
 import pytest
+
+from deploy.processes import table
+from deploy.run.options import fresh_run_name
+from protocol.bus.connection import Connection
+from protocol.scenario.model import Scenario
+
+_PORT = 7447
+_START = 60.0  # s
+_HERE = "tests.system.hosts.testbed"
 
 
 def unable() -> str | None:
@@ -82,12 +92,36 @@ class Hosts:
         self._processes.append(process)
         return process
 
-    def await_log(self, text: str, seconds: float) -> None:
-        """Wait until a process has said `text`."""
-        deadline = time.monotonic() + seconds
-        while text not in (said := self._log.read_text()):
-            assert time.monotonic() < deadline, f"{text!r} was not said within {seconds} s; but:\n{said}"
-            time.sleep(0.02)
+    def fleet(
+        self, scenario: Scenario, homes: Mapping[int, int], *, lockstep: bool
+    ) -> Iterator[dict[str, Any]]:
+        """Start a fleet with a router on each host; what an observer tells of it, until the result.
+
+        Args:
+            scenario: what is run; its world is on the first host, as the observer is.
+            homes: the host of each robot.
+            lockstep: whether the world waits for its robots.
+        """
+        run, told = fresh_run_name(), None
+        for host in self._numbers:
+            own, before = (self._router(host),), tuple(map(self._router, range(1, host)))
+            here = Connection(connect=own, timeout=_START)
+            rows = [table.router(Connection("router", before, own), host=str(host))]
+            rows += [table.world(here, run, scenario, lockstep)] * (host == 1)
+            rows += [table.robot(here, run, robot) for robot in scenario.ids if homes[robot] == host]
+            path = self._log.with_suffix(f".{host}")
+            path.write_bytes(pickle.dumps(rows))
+            starter = self.start(host, [sys.executable, "-m", f"{_HERE}.one_host", str(path)])
+            if host == 1:
+                observer = [sys.executable, "-m", f"{_HERE}.observer", self._router(1), run]
+                told = self.start(1, observer).stdout
+            assert starter.stdout is not None
+            assert starter.stdout.readline() == "ready\n", self._log.read_text()
+        assert told is not None
+        return map(json.loads, told)
+
+    def _router(self, host: int) -> str:
+        return f"tcp/{self.address(host)}:{_PORT}"
 
     def cut(self, host: int) -> None:
         """Unplug a host from the switch: what is sent is lost, and no sender is told."""
