@@ -1,8 +1,8 @@
 """Every command that README and the documentation show is run, or at least understood by the command line.
 
 A fenced block marked `sh` holds commands. The lines of a page that begin with `disknav` run one after
-another in a folder of the page's own (of an example, a copy of its folder), and have to succeed; proofs and
-moving pictures in campaigns only. A comment before a block changes that:
+another in a folder of the page's own (of an example, a copy of its folder), and have to succeed; proofs,
+checks of the library and moving pictures in campaigns only. A comment before a block changes that:
 
     <!-- not run: why -->     its commands and options have to exist, no more
     <!-- file: mine.toml -->  the block, of whatever kind, is the content of this file in the page's folder
@@ -84,8 +84,12 @@ def carry_out(page: Path, disknav: Forks, folder: Path, *, everything: bool) -> 
 
 
 def takes_long(words: list[str]) -> bool:
-    """Whether a command proves something, or draws a moving picture; the tests of both do so in small."""
-    return words[0] == "certify" or any(word.endswith(".webp") for word in words)
+    """Whether a command proves something, checks a scenario of the library, or draws a moving picture.
+
+    The tests of all three do so in small.
+    """
+    tries = words[0] == "check" and not words[1].endswith(".toml")
+    return words[0] == "certify" or tries or any(word.endswith(".webp") for word in words)
 
 
 @pytest.mark.process

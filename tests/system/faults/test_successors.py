@@ -24,8 +24,7 @@ from protocol.keys import robot_key
 from protocol.scenario.model import ProcessFault, RobotSpec, Scenario
 from protocol.scenario.network import Link
 from tests.proxy import Proxy
-from tests.system.orders.guests import SWAP
-from tests.system.orders.turnover import asked
+from tests.system.orders.turnover import SWAP, asked
 from tests.world.driving import token
 from world.coordinator.lives import Life
 from world.shell.checkpoint import Checkpoint

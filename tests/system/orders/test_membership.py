@@ -22,8 +22,7 @@ from protocol.scenario.file import parse_toml
 from protocol.scenario.model import Operation, Order, ProcessFault, RobotSpec
 from tests.campaigns.observe import observe
 from tests.skipped_waits import skipped_waits
-from tests.system.orders.guests import GUEST, GUESTED, SWAP, status, step, to_be
-from tests.system.orders.turnover import Turnover, asked
+from tests.system.orders.turnover import GUEST, GUESTED, SWAP, Turnover, asked, status, step, to_be
 from world.report import result_of
 
 

@@ -22,7 +22,7 @@ from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.scenario.model import Obstacle
 from tests.forks import Forks
-from tests.system.orders.guests import step
+from tests.system.orders.turnover import step
 
 SWAP = load("swap-4")
 LISTED = replace(SWAP, obstacles=(Obstacle(center=(0.2, 0.2), radius=0.02),))

@@ -22,8 +22,7 @@ from protocol.errors import BusError, DisknavError
 from protocol.scenario.model import Journey, Operation, Point
 from tests.deploy.processes.ports import free_ports
 from tests.deploy.telemetry.monitor.watched import until
-from tests.system.orders.guests import step
-from tests.system.orders.turnover import asked
+from tests.system.orders.turnover import asked, step
 from world.shell.checkpoint import Checkpoint
 
 SCENARIO = load("swap-4")

@@ -1,4 +1,4 @@
-"""A fleet of 3 to 12 in which robots come, go, die or are sent elsewhere all the time, under all faults."""
+"""Fleets in which robots come and go: a guest among four, and 3 to 12 under all faults."""
 
 from __future__ import annotations
 
@@ -8,16 +8,19 @@ from dataclasses import replace
 from typing import Any
 
 import msgspec
+import pytest
 
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.bus import Query
 from protocol.keys import world_key
 from protocol.operations import Reply, decode_reply
-from protocol.scenario.model import RobotSpec, Scenario, Sensing
+from protocol.scenario.model import Order, RobotSpec, Scenario, Sensing
 from protocol.scenario.network import Link, Partition
 
-_SWAP = load("swap-4")
+SWAP = load("swap-4")
+GUEST = RobotSpec(7, 0.03, (0.0, 0.0), (0.0, 0.22))  # where the four of them pass
+GUESTED = replace(SWAP, orders=(Order(0.2, add=GUEST),))
 _ROOM = 0.36  # m from the centre, in which robots are sent about
 _FEWEST, _MOST, _IDS = 3, 12, 20
 
@@ -29,11 +32,11 @@ def faulty(seed: int, seconds: float) -> Scenario:
         for at in (30.0 * n + 10.0 for n in range(int(seconds // 30.0)))
     )
     return replace(
-        _SWAP,
+        SWAP,
         seed=seed,
         link=Link(delay=(0.0, 0.3), loss=0.2, duplicate=0.1, partition=parts),
         sensing=(Sensing(noise=0.001, delay=(0.0, 0.1), dropout=0.1),),
-        time=replace(_SWAP.time, endless=True),
+        time=replace(SWAP.time, endless=True),
     )
 
 
@@ -43,6 +46,26 @@ def asked(fleet: LocalFleet, change: dict[str, Any] | None = None) -> Reply:
     payload = b"" if change is None else msgspec.msgpack.encode(change)
     fleet.world.handle(Query(world_key(fleet.run, "operation"), payload, replies.append))
     return decode_reply(replies[0], Reply)
+
+
+def status(fleet: LocalFleet, robot: int) -> str:
+    """What the world's roster says of a robot; "" if it does not know it."""
+    return next((each.status for each in asked(fleet).roster.members if each.robot == robot), "")
+
+
+def step(fleet: LocalFleet, ticks: int) -> None:
+    """Go on for some ticks."""
+    for _ in range(ticks):
+        assert fleet.step()
+
+
+def to_be(fleet: LocalFleet, robot: int, wanted: str, most: int = 400) -> None:
+    """Go on until a robot has this status, for so many ticks at most."""
+    for _ in range(most):
+        if status(fleet, robot) == wanted:
+            return
+        assert fleet.step()
+    pytest.fail(f"robot {robot} is {status(fleet, robot)}, not {wanted}")
 
 
 class Turnover:
