@@ -5,6 +5,8 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+from base64 import urlsafe_b64encode
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
@@ -30,7 +32,11 @@ def _record(home: Path, name: str, files: list[str]) -> None:
     metadata = home / f"{name}-1.0.dist-info"
     metadata.mkdir()
     (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
-    rows = [f"{file},{ownership._digest(home / file)},{(home / file).stat().st_size}\n" for file in files]
+    rows = []
+    for file in files:
+        content = (home / file).read_bytes()
+        digest = urlsafe_b64encode(sha256(content).digest()).decode().rstrip("=")
+        rows.append(f"{file},sha256={digest},{len(content)}\n")
     (metadata / "RECORD").write_text("".join(rows))
 
 

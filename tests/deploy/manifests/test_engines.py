@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shutil
 import subprocess
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,6 +18,7 @@ from deploy.security.roster import KeyRoster
 from protocol.scenario.file import write_toml
 from tests.deploy.manifests.engine import IMAGE, command, environment, needs_engine, podman
 from tests.deploy.manifests.guested import ROBOTS, guested
+from tests.deploy.telemetry.monitor.watched import until
 
 pytestmark = [pytest.mark.process, pytest.mark.slow, pytest.mark.timeout(240), needs_engine]
 
@@ -28,13 +28,6 @@ PATIENCE = 90.0
 
 def plan(run: str) -> Plan:
     return Plan(KeyRoster(run, ROBOTS), write_toml(SCENARIO), wait=60.0)
-
-
-def until(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < deadline, "waited in vain"
-        time.sleep(0.1)
 
 
 def report(text: str) -> dict[str, Any]:
@@ -85,7 +78,7 @@ def test_compose_brings_up_a_fleet_that_arrives(tmp_path: Path) -> None:
         names = podman("ps", "--all", "--format", "{{.Names}}").stdout.split()
         world = next(name for name in names if "world" in name)
         probe = ["exec", world, "/bin/sh", "-c", manifests.PROBE]
-        until(lambda: podman(*probe, check=False).returncode == 0)  # it waits for its robots
+        until(lambda: podman(*probe, check=False).returncode == 0, PATIENCE)  # it waits for its robots
         up(*it.robots)
         status = podman("wait", world, timeout=PATIENCE).stdout.strip()
         logs = podman("logs", world)
@@ -126,7 +119,10 @@ def booted() -> Iterator[Callable[..., str]]:
     podman("rm", "--force", "--ignore", name)
     podman("run", "--detach", "--rm", "--name", name, *init, IMAGE, *boot)
     try:
-        until(lambda: shell("systemctl is-system-running", check=False).strip() in ("running", "degraded"))
+        until(
+            lambda: shell("systemctl is-system-running", check=False).strip() in ("running", "degraded"),
+            PATIENCE,
+        )
         yield shell
     finally:
         podman("rm", "--force", "--time=0", name)
@@ -140,7 +136,7 @@ def test_systemd_starts_units_whose_software_is_in_a_private_home() -> None:
         assert len(steps) == 2
         shell('cd "$HOME/my fleet/yard" && ' + " && ".join(steps))
         world = "systemctl show disknav-yard-world --property=ActiveState,ExecMainStatus,Result"
-        until(lambda: "ActiveState=inactive" in shell(world) or "failed" in shell(world))
+        until(lambda: "ActiveState=inactive" in shell(world) or "failed" in shell(world), PATIENCE)
         journal = shell("journalctl --no-pager --output=cat --unit=disknav-yard-world")
         assert set(shell(world).split()) == {"ActiveState=inactive", "ExecMainStatus=0", "Result=success"}, (
             shell("journalctl --no-pager --lines=80")

@@ -83,13 +83,13 @@ def test_from_the_command_line(disknav: Forks) -> None:
         said.append((done.returncode, done.stdout + done.stderr))
 
     scenario = replace(LISTED, time=replace(SWAP.time, endless=True))
-    clocks = list[Clock]()
-    with Fleet(scenario, RunOptions(speed=1.0), watch=clocks.append) as fleet:
+    clocks, options = list[Clock](), RunOptions(speed=1.0)
+    with Fleet(scenario, options, watch=clocks.append) as fleet:
 
         def enough() -> bool:
             if clocks and clocks[-1].founded and not said:
                 (endpoint,) = fleet.topology.observer().connect
-                run, router = fleet._options.run, ("--router", endpoint)
+                run, router = options.run, ("--router", endpoint)
                 say("place", run, "-0.19", "-0.19", "--radius", "0.02", *router)  # in no robot's way
                 say("place", run, "0.0", "0.0", "0.1", "0.1", "0.1", "0.0", "0.0", "0.1", *router)
                 say("take", run, "1", *router)

@@ -126,7 +126,7 @@ def test_a_signal_while_the_command_is_imported_ends_it_without_a_word() -> None
     )
     while not minds(process.pid, signal.SIGTERM):
         assert process.poll() is None
-        time.sleep(0.001)
+        time.sleep(0.005)
     process.send_signal(signal.SIGTERM)
     _, said = process.communicate(timeout=60.0)
     assert (process.returncode, said) == (143, "")

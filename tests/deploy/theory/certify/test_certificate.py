@@ -34,17 +34,18 @@ def pair() -> Certificate:
     return proven(PAIR, 100.0)
 
 
-def test_what_is_stored_has_a_second_opinion(pair: Certificate, tmp_path: Path) -> None:
-    """Three robots down to k = 1000 have one in test_command.py."""
-    store(pair, tmp_path / "kept.json")
-    back = fetch(tmp_path / "kept.json", PAIR)
-    assert back == pair
+@pytest.mark.parametrize(("goals", "k"), [(PAIR, 100.0), (TRIPLE, 10_000.0)])
+def test_what_is_stored_has_a_second_opinion(goals: GoalSet, k: float, tmp_path: Path) -> None:
+    certificate = proven(goals, k)
+    store(certificate, tmp_path / "kept.json")
+    back = fetch(tmp_path / "kept.json", goals)
+    assert back == certificate
     checked = replay(back, 3.0)
-    assert checked.proven == pair.proven == 100.0
+    assert checked.proven == certificate.proven == k
     assert checked.enough(None)
-    assert checked.enough(150.0)
-    assert not checked.enough(50.0)
-    assert checked.boxes <= 2 * pair.boxes
+    assert checked.enough(1.5 * k)
+    assert not checked.enough(0.5 * k)
+    assert checked.boxes <= 2 * certificate.boxes
 
 
 def test_what_is_told_stops_it_and_it_goes_on() -> None:

@@ -31,23 +31,24 @@ def call(*arguments: str) -> Result:
     return CliRunner().invoke(app, list(arguments), catch_exceptions=True)
 
 
-def test_a_proof_its_verification_and_its_use(here: Path) -> None:
-    found = call("certify", "figure-2", "--k", "1000", "--quiet", "--json")
+@pytest.mark.parametrize("name", ["swap-2", pytest.param("figure-2", marks=pytest.mark.campaign)])
+def test_a_proof_its_verification_and_its_use(here: Path, name: str) -> None:
+    found = call("certify", name, "--k", "1000", "--quiet", "--json")
     assert found.exit_code == 0
     data = json.loads(found.stdout)
     assert data["proven"] == data["asked"] == 1000.0
     assert data["boxes"] == sum(slab["boxes"] for slab in data["slabs"])
-    assert data["file"] == "figure-2.certificate.json"
+    assert data["file"] == f"{name}.certificate.json"
     assert (here / data["file"]).is_file()
 
-    checked = call("certify", "figure-2", "--verify", data["file"], "--quiet", "--json")
+    checked = call("certify", name, "--verify", data["file"], "--quiet", "--json")
     assert checked.exit_code == 0
     assert json.loads(checked.stdout)["verified"] == 1000.0
     assert call("certify", "--verify", data["file"], "--k", "500", "--quiet").exit_code == 1
 
-    theory = json.loads(call("check", "figure-2", "--json").stdout)
+    theory = json.loads(call("check", name, "--json").stdout)
     assert theory["certificate"] == {"file": data["file"], "k": 1000.0, "refused": None}
-    assert load("figure-2", ("control.k=certified",)).k == 1000.0
+    assert load(name, ("control.k=certified",)).k == 1000.0
 
 
 def test_a_certificate_of_other_goals_is_refused_by_name(here: Path) -> None:
