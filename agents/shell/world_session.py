@@ -19,7 +19,7 @@ RETRY: Final = 0.2  # s until the next question after one that was of no use
 _TIMEOUT = 2.0  # s that a question may take
 _BRIEF = 0.1  # s that it may take when the run is over: the end of the world's token may have been missed
 _REFUSALS = 5  # a dead predecessor's token may take a moment to go
-_NEWS = 0.5  # s that the world may be gone before a warning: one that ends the run leaves at once
+_NEWS = 2.0  # s that the world may be gone before a warning: a launcher that ends the run ends robots, too
 
 
 @final
