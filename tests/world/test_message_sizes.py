@@ -10,24 +10,25 @@ from random import Random
 import msgspec
 import pytest
 
-from agents.lines.negotiation import OUTSTANDING
-from agents.lines.separating_lines import SeparatingLines
-from agents.peers.neighbours import Neighbours
-from agents.peers.state import PeerState
+from agents.lines.separating_lines import FIRSTS
 from protocol.codec import decode, encode
-from protocol.kernel.pair import Owner
 from protocol.keys import robot_key, world_key
-from protocol.line import Line
 from protocol.messages import (
     HIGHEST_ID,
+    Answer,
     AnyMessage,
+    Clock,
     Command,
     FirstLine,
     Grants,
     ListedBinding,
+    Member,
+    Proposal,
     Result,
+    Roster,
     Standing,
     State,
+    Tick,
 )
 from protocol.scenario.file import validated
 from protocol.scenario.model import Control, Obstacle, ProcessFault, RobotSpec, Scenario, Time, Workspace
@@ -79,40 +80,18 @@ def bound(ids: tuple[int, ...], robot: int) -> Grants:
     return Grants(LIFE, LIFE + 2 * HIGHEST_ID + 2, LIFE + 2 * HIGHEST_ID + 1, None, tuple(listed))
 
 
-def cut_off(place: int) -> SeparatingLines:
-    """The lines of one of many after a long partition: all that it owns is unanswered, answers are due."""
-    lines = SeparatingLines(IDS[place], 0.04, speed=0.1, period=0.05)
-    lines.hear(bound(IDS, IDS[place]), Neighbours(dict.fromkeys(IDS, 0.04)))
-    lines.locate(LIFE, POINT, 1e-3)
-    for n, bond in enumerate(lines._lines.values()):
-        bond.state = PeerState(bond.peer, LIFE, LIFE, True, 9.0, 9.0, 0.1, 1.0, 1.0, *POINT, radius=0.04)
-        bond.answers_left = 3
-        owner = bond.bound.lines
-        if isinstance(owner, Owner):
-            owner.number = owner.seen = LIFE
-            for turn in range(OUTSTANDING):
-                owner.propose(Line(math.cos(n + turn), math.sin(n + turn), 100.0 + turn), True)
-        bond.renew()
-    return lines
-
-
-@pytest.mark.slow
 @pytest.mark.parametrize("place", [0, 500, MOST - 1])
 def test_a_state_fits_after_any_partition(place: int) -> None:
-    ledger = cut_off(place)
-    proposals, answers = ledger.entries(POINT)
-    state = State(IDS[place], LIFE, LIFE, POINT, 0.1, 0.2, 0.3, POINT, proposals=proposals, answers=answers)
+    """All that it owns is unanswered, of each peer the newest, and all answers are due."""
+    offers = tuple(Proposal(peer, LIFE, LIFE, *POINT, 100.25) for peer in IDS[place + 1 :])
+    answers = tuple(Answer(peer, LIFE, LIFE, LIFE) for peer in IDS[:place])
+    state = State(IDS[place], LIFE, LIFE, POINT, 0.1, 0.2, 0.3, POINT, proposals=offers, answers=answers)
     assert_fits(state, robot_key("r", IDS[place], "state"))
-    assert len(answers) == place
-    said = [(offer.peer, offer.number) for offer in proposals]
-    assert said == [(peer, LIFE + OUTSTANDING) for peer in IDS[place + 1 :]]  # of each the newest
 
 
 def test_a_command_with_all_first_lines_fits() -> None:
-    lines = SeparatingLines(IDS[0], 0.04, speed=0.1, period=0.05)
-    for peer in IDS[1:]:
-        lines._firsts[LIFE + peer] = FirstLine(LIFE + peer, *POINT, 0.123456789)
-    said = Command(IDS[0], LIFE, LIFE, POINT, 7, LIFE, (), None, LIFE, LIFE, lines.firsts())
+    firsts = tuple(FirstLine(LIFE + peer, *POINT, 0.123456789) for peer in IDS[:FIRSTS])
+    said = Command(IDS[0], LIFE, LIFE, POINT, 7, LIFE, (), None, LIFE, LIFE, firsts)
     assert_fits(said, robot_key("r", IDS[0], "command"))
 
 
@@ -143,37 +122,28 @@ def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() 
     assert_fits(world.truth, world_key("r", "truth"))
 
 
-@pytest.mark.slow
 def test_a_roster_of_all_obstacles_that_there_may_be_fits() -> None:
-    run = JudgedRun(crowd())
-    for life in run.world.coordinator.lives.of.values():
-        life.incarnation = LIFE
-    lives = run.world.coordinator.lives
-    for robot in IDS:
-        run.world.coordinator.join(robot)
+    """Nearly as many corners as may come; and all that the scenario listed are gone."""
     wide = replace(crowd(), workspace=Workspace(1000.0), obstacles=(SPECK,) * MOST)
-    lives.obstacles = lives.roster.obstacles = Surroundings(wide)
-    lives.keeper.found({}, dict.fromkeys(range(1, MOST + 1), SPECK.shape))
-    assert all(lives.take_away(number) for number in range(1, MOST + 1))
+    obstacles = Surroundings(wide)
+    for number in range(1, MOST + 1):
+        obstacles.take_away(number)
     for number in range(MOST_THINGS):
-        order = ROUNDISH if number < 62 else DISK  # nearly as many corners as may come
-        lives.announce(order.shape)
-    assert "at a time" in lives.obstacles.refusal(DISK, wide, [])
-    lives.take_away(MOST + MOST_THINGS)
-    assert "corners" in lives.obstacles.refusal(ROUNDISH, wide, [])
-    told = run.world.open_tick()[IDS[0]]
-    obstacles = [
-        ListedBinding(LIFE + n, -n, (1.0, 0.0, 0.1), ROUNDISH.points, 0.0, True)
-        if n <= 62
-        else ListedBinding(LIFE + n, -n, (1.0, 0.0, 0.1), (POINT,), DISK.radius, True)
-        for n in range(1, MOST_THINGS + 1)
-    ]
-    grants = bound(IDS, IDS[0])
-    told = msgspec.structs.replace(
-        told, grants=msgspec.structs.replace(grants, bindings=(*grants.bindings, *obstacles))
+        obstacles.announce((ROUNDISH if number < 62 else DISK).shape)
+    assert "at a time" in obstacles.refusal(DISK, wide, [])
+    obstacles.take_away(MOST + MOST_THINGS)
+    assert "corners" in obstacles.refusal(ROUNDISH, wide, [])
+    bindings = tuple(
+        ListedBinding(LIFE + n, -n, (1.0, 0.0, 0.1), each.points, each.radius, True)
+        for n, each in enumerate(obstacles.changes, 1)
+        if each.status != "gone"
     )
-    assert_fits(told, robot_key("r", IDS[0], "tick"))
-    assert_fits(run.clock(), world_key("r", "clock"))
+    roster = Roster(LIFE, tuple(Member(robot, LIFE, "live", 0.04) for robot in IDS), obstacles.changes)
+    grants = bound(IDS, IDS[0])
+    grants = msgspec.structs.replace(grants, bindings=(*grants.bindings, *bindings))
+    tick = Tick(IDS[0], LIFE, LIFE, IDS, 7, None, roster, POINT, grants=grants)
+    assert_fits(tick, robot_key("r", IDS[0], "tick"))
+    assert_fits(Clock(LIFE, 1e6, IDS, (), "", obstacles=obstacles.changes), world_key("r", "clock"))
 
 
 @pytest.mark.slow

@@ -10,19 +10,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import get_args
+from typing import Any, get_args
 
 from deploy.library.load import resolved
 from protocol.errors import ScenarioError
 from protocol.scenario.body import PRESETS, Body, Preset
-from protocol.scenario.file import validated
+from protocol.scenario.file import document_of, parse_document, validated
 from protocol.scenario.model import (
     ADDITIONS,
     Control,
-    Journey,
-    Obstacle,
-    Order,
-    Part,
     Point,
     RobotSpec,
     Scenario,
@@ -247,35 +243,13 @@ def _fits(name: Preset, scale: Scale) -> bool:
 def shifted(scenario: Scenario, dx: float, dy: float) -> Scenario:
     """A scenario in a polygonal room, all of which is moved by (dx, dy), m."""
 
-    def moved(point: Point) -> Point:
-        return point[0] + dx, point[1] + dy
+    def moved(value: Any, key: str = "") -> Any:
+        if key in ("start", "goal", "center") and isinstance(value, list):
+            return [value[0] + dx, value[1] + dy]
+        if key == "points":
+            return [[x + dx, y + dy] for x, y in value]
+        if isinstance(value, dict):
+            return {name: moved(each, name) for name, each in value.items()}
+        return [moved(each) for each in value] if isinstance(value, list) else value
 
-    def robot(spec: RobotSpec) -> RobotSpec:
-        return replace(spec, start=moved(spec.start), goal=moved(spec.goal))
-
-    def obstacle(each: Obstacle) -> Obstacle:
-        if each.points is not None:
-            return Obstacle(points=tuple(map(moved, each.points)))
-        assert each.center is not None
-        return Obstacle(center=moved(each.center), radius=each.radius)
-
-    def journey(goal: Journey) -> Journey:
-        return replace(goal, points=tuple(map(moved, goal.points)))
-
-    def order(each: Order) -> Order:
-        return replace(
-            each,
-            goal=None if each.goal is None else journey(each.goal),
-            add=None if each.add is None else robot(each.add),
-            place=None if each.place is None else obstacle(each.place),
-        )
-
-    assert scenario.workspace.points is not None
-    return replace(
-        scenario,
-        workspace=Workspace(points=tuple(map(moved, scenario.workspace.points))),
-        robots=tuple(map(robot, scenario.robots)),
-        obstacles=tuple(map(obstacle, scenario.obstacles)),
-        parts=tuple(Part(part.radius, moved(part.start), moved(part.goal)) for part in scenario.parts),
-        orders=tuple(map(order, scenario.orders)),
-    )
+    return parse_document(moved(document_of(scenario)))
