@@ -119,7 +119,6 @@ class MortalSkirmish(Skirmish):
         world = WorldCore(self.scenario, msgspec.msgpack.decode(self._saved, type=Past))
         self.world = _MortalWorld(world, self)
         self.before = list(world.truth.positions)
-        self.obstacles = dict(world.coordinator.lives.obstacles.standing)
         for process in self.processes.values():
             process.asleep -= 1
 

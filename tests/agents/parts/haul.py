@@ -39,7 +39,6 @@ class Haul(skirmish.Skirmish):
     def __init__(self, seed: int, product: Product) -> None:
         self.handled = 0
         super().__init__(seed, product)
-        self._judged = self.scenario
 
     def _drawn(self, seed: int, rng: Random) -> Scenario:
         plain = super()._drawn(seed, rng)
@@ -50,16 +49,9 @@ class Haul(skirmish.Skirmish):
     def tick(self) -> None:
         """All that happens in one."""
         parts = self.world.coordinator.parts
-        self._judged, before = parts.loaded(self.scenario), parts.places
+        before = parts.places
         super().tick()
         self.handled += [each.carrier for each in before] != [each.carrier for each in parts.places]
-
-    def violation(self) -> str:
-        """As robots were in the tick, with what they carried."""
-        plain, self.scenario = self.scenario, self._judged
-        found = super().violation()
-        self.scenario = plain
-        return found
 
     def _live(self, process: Any, robot: int) -> None:
         super()._live(process, robot)

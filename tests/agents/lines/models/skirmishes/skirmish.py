@@ -17,7 +17,6 @@ from protocol.messages import Command, State, Tick, Vector
 from protocol.scenario.model import Operation, Scenario
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import arena
-from tests.agents.lines.models.skirmishes.judge import overlap
 from tests.agents.lines.models.skirmishes.laws import Attack
 
 TICKS = 40
@@ -55,7 +54,6 @@ class Skirmish:
         self.waits = rng.random() < 0.5  # whether the States of a tick are heard before its commands
         self.before: list[Vector] = list(self.world.truth.positions)
         self.operator = Random(f"operator {seed}") if self.scenario.obstacles else None
-        self.obstacles = self.scenario.shapes  # that stand in this tick
         self.network = Random(f"summaries {seed}") if self.scenario.hears_near else None
         self.tokens = Random(f"tokens {seed}")
         for robot in self.scenario.ids:
@@ -83,7 +81,6 @@ class Skirmish:
         for command in (*self.late, *self.late):
             world.accept(command)
         self.late = self.late[-20:]
-        self.obstacles = dict(world.coordinator.lives.obstacles.standing)
         if self.network is not None:
             self._cut_off(self.tokens)
         world.close_tick()
@@ -160,9 +157,9 @@ class Skirmish:
             self._deliver()
 
     def violation(self) -> str:
-        """What is wrong with where the disks are, or how they came there; "" if nothing."""
-        after = list(self.world.truth.positions)
-        return overlap(self.scenario, self.obstacles, self.before, after)
+        """What touched; "" if nothing did."""
+        contacts = self.world.referee.record.totals.contacts
+        return f"contact of {contacts[0].pair}, {-contacts[0].deepest:.3g} m deep" if contacts else ""
 
     # -- processes
 
