@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 
 from agents.bodies import InertialBody, Limits
@@ -19,11 +21,7 @@ FACING = [0.3 * n for n in range(21)]
 ROOM = RoundBoundary(10.0)
 
 
-class Exact:
-    """A base without errors."""
-
-    def at(self, tick: int) -> tuple[float, float]:
-        return STANDING
+EXACT = SimpleNamespace(at=lambda _: STANDING)  # errors of a base that has none
 
 
 class Track:
@@ -32,7 +30,7 @@ class Track:
     def __init__(self, name: str, standoffs: float, heading: float) -> None:
         kinematics, tolerance = Kinematics(PRESETS[name], PERIOD), Tolerance(PRESETS[name])
         self.body = InertialBody(kinematics, SPEED, tolerance)
-        self.base = SimulatedBase(kinematics, tolerance, Motion(heading), Exact())
+        self.base = SimulatedBase(kinematics, tolerance, Motion(heading), EXACT)
         self.x, self.y = -standoffs * self.body.standoff, 0.0
 
     def tick(self, desired: tuple[float, float]) -> tuple[float, float]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocol.bodies.kinematics import Arc, Kinematics, Motion, Vector, chord, turned
+from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, turned
 from protocol.bodies.sweep import Sweep, Tolerance, sweep
 from protocol.scenario.body import PRESETS, Body
 from world.plants.integrator import SimulatedBase
@@ -26,16 +27,6 @@ angles = st.floats(-math.pi, math.pi)
 ROUNDING = 1e-14  # m
 
 
-class Always:
-    """An error that is always the same."""
-
-    def __init__(self, error: Vector) -> None:
-        self.error = error
-
-    def at(self, tick: int) -> Vector:
-        return self.error
-
-
 def drawn(body: Body, period: float, heading: float, ahead: float, aside: float) -> tuple[Kinematics, Motion]:
     """What a body does; a point stands as a tick begins."""
     motion = Motion(heading) if body.kind == "point" else Motion(heading, ahead, aside, 0.5 * body.hold)
@@ -49,7 +40,8 @@ def test_the_plant_keeps_to_it_however_large_its_errors_are(
     """From the first part of the tick on, and over those in which it hears nothing, or is told to brake."""
     kinematics, motion = drawn(body, period, heading, ahead, aside)
     tolerance = Tolerance(body)
-    base = SimulatedBase(kinematics, tolerance, motion, Always((math.cos(off), math.sin(off))))
+    errors = SimpleNamespace(at=lambda _: (math.cos(off), math.sin(off)))  # always the same
+    base = SimulatedBase(kinematics, tolerance, motion, errors)
     passed = sweep(kinematics, motion, tolerance, kinematics.limited(motion, (vx, vy)))
     nx, ny = math.cos(towards), math.sin(towards)
     x = y = 0.0

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from random import Random
+from types import SimpleNamespace
 from typing import NamedTuple
 
 from protocol.bodies.kinematics import Kinematics, turned
@@ -34,11 +35,7 @@ class Lacking(NamedTuple):
     drift: float
 
 
-class _Exact:
-    """A base without errors: its way is the nominal one."""
-
-    def at(self, tick: int) -> Vector:
-        return STANDING
+_EXACT = SimpleNamespace(at=lambda _: STANDING)  # errors of a base whose way is the nominal one
 
 
 class _Way:
@@ -125,7 +122,7 @@ class _Driver:
             to = kinematics.limited(motion, command)
         elif motion.stands:
             return
-        base = SimulatedBase(kinematics, self._tolerance, motion, _Exact())
+        base = SimulatedBase(kinematics, self._tolerance, motion, _EXACT)
         self._ways.append(_Way(base, plant.positions[index], self._tolerance.slip(motion, to)))
 
     def beyond(self, command: Vector | None, passed: list[Vector], tick: int) -> float:
