@@ -35,7 +35,7 @@ def check(
     Exit status: 0 valid (whatever the theory states), 2 invalid.
     """
     from deploy.library.load import load
-    from deploy.theory.check import render, report, to_json
+    from deploy.theory.check import render, report, scope, to_json
     from deploy.theory.surrounded import surrounded, theorem_for
 
     check_json(json_file)
@@ -51,7 +51,7 @@ def check(
     if not is_standard_output(json_file):
         from rich.console import Console
 
-        Console().print(shown)
+        Console().print(shown, *scope(valid), sep="\n", highlight=False)
 
 
 def _certificate(name: str, scenario: Scenario) -> Certified | None:

@@ -302,6 +302,42 @@ CAVEAT = (
 )
 
 
+def scope(scenario: Scenario) -> list[str]:
+    """Which of these statements hold for another law than the paper's, and what external bases rely on."""
+    law, said = scenario.control.law, []
+    if law == "external":
+        said.append(
+            "The law is external: bounds on k do not concern it, and arrival depends on the planners."
+        )
+    elif law != "gradient":
+        said.append(f"Bounds on k concern the law gradient; that {law} arrives is not proven for any k.")
+    if scenario.is_external and scenario.control.filter != "none":
+        said += [
+            "",
+            "External bases: no collision, as long as these stated bounds hold; nothing here measures them.",
+            *_stated(scenario),
+        ]
+    return said
+
+
+def _stated(scenario: Scenario) -> Iterator[str]:
+    """Times of external bases, one line for all robots that share them."""
+    robots: dict[str, list[str]] = {}
+    for robot in scenario.ids:
+        body, base = scenario.body_of(robot), scenario.base_of(robot)
+        if base is not None:
+            stands = scenario.world.lease + body.hold + body.speed / body.acceleration
+            age = base.age + base.latency
+            text = (
+                f"goes on for {base.patience:g} s after a tick without the next, for {base.timeout:g} s "
+                f"without its process; messages take at most {base.latency:g} s; odometry is at most "
+                f"{age:g} s old; stands at most {stands:.2g} s after its newest confirmed command"
+            )
+            robots.setdefault(text, []).append(str(robot))
+    for text, ids in robots.items():
+        yield f"robot {', '.join(ids)}: {text}"
+
+
 def render(found: CheckReport) -> RenderableType:
     """Tables and sentences for the terminal."""
     parts: list[RenderableType] = [_facts(found), Text()]
