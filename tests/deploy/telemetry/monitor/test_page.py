@@ -27,6 +27,10 @@ MARGIN = 10  # px around the workspace
 DESKTOP, PHONE = {"width": 1280, "height": 860}, {"width": 390, "height": 844}
 
 
+SLOW_DISPLAY = "window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 100);"
+"""Ten pictures in a second: software that draws sixty takes a processor of its own."""
+
+
 @dataclass
 class Shown:
     """A page that shows a fleet, and what it complained about or asked for elsewhere."""
@@ -122,6 +126,7 @@ def shown(
     watcher.steer(Steer(speed=speed, pause=held))
     context = browser.new_context(**{"viewport": DESKTOP, **options})
     context.set_default_timeout(1000 * PATIENCE)
+    context.add_init_script(SLOW_DISPLAY)
     with served(watcher) as server:
         it = Shown(context.new_page(), fleet, watcher, server)
         it.listen()
