@@ -8,7 +8,7 @@ from functools import cache
 from importlib import import_module
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
-from importlib.util import spec_from_loader
+from importlib.util import find_spec, spec_from_loader
 from pathlib import Path
 from types import CodeType, ModuleType
 from typing import Any, NamedTuple
@@ -16,7 +16,8 @@ from typing import Any, NamedTuple
 from deploy.software import compiled
 
 _ROOT = Path(__file__).resolve().parent.parent
-_TWINS = frozenset(".".join(path.relative_to(_ROOT).with_suffix("").parts) for path in compiled())
+_NAMES = (".".join(path.relative_to(_ROOT).with_suffix("").parts) for path in compiled())
+_TWINS = frozenset(name for name in _NAMES if not str(find_spec(name).origin).endswith(".py"))  # type: ignore[union-attr]  # found
 
 
 class Edit(NamedTuple):
