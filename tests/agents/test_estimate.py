@@ -142,7 +142,7 @@ def test_measurements_that_exclude_each_other_are_named_and_the_rest_ignored() -
     assert estimate.position == (0.1, 0.0)
 
 
-def test_who_may_begins_anew_from_the_newest() -> None:
+def test_a_robot_that_may_begins_anew_from_the_newest() -> None:
     estimate = Estimate(REACH, trusting=True)
     for tick, x in enumerate((0.1, 0.107, 0.108)):
         tell(estimate, 0.003, tick, (x, 0.0))

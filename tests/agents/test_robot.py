@@ -76,7 +76,7 @@ def test_a_later_life_begins_as_the_disk_that_its_earlier_one_was() -> None:
     assert robot._filter.radius == 0.07
 
 
-def test_a_life_that_there_is_not_holds_up_nobody() -> None:
+def test_a_missing_life_holds_up_no_robot() -> None:
     """Anybody may say so on an open network: what the true one says is no news then, but it is there."""
     robot = robots()[1][OWN]
     (first, states, _), (second, later, _) = said()[:2]
@@ -90,7 +90,7 @@ def test_a_life_that_there_is_not_holds_up_nobody() -> None:
     assert robot.hearing.complete
 
 
-def test_who_knows_nothing_any_more_adopts_nothing() -> None:
+def test_a_robot_that_knows_nothing_any_more_adopts_nothing() -> None:
     """A line that fitted where it was taken to be need not fit where it is."""
     world, fleet = robots()
     robot, owner = fleet[IDS[-1]], IDS[0]

@@ -57,7 +57,7 @@ def test_a_run_that_is_over_is_left_unless_its_world_may_be_back(kept: bool, tmp
         fleet.network.run(lambda: all(robot is not None and robot.finished for robot in robots))
 
 
-def test_who_asks_a_world_that_leaves_hears_that_it_has_left() -> None:
+def test_a_robot_that_asks_a_world_that_leaves_hears_that_it_has_left() -> None:
     """A question keeps a robot from hearing anything: at the end of a run it is short."""
     fleet, waited = LocalFleet(SCENARIO), list[float]()
     fleet.network.run(lambda: fleet.world.world.tick > 10)
@@ -109,7 +109,7 @@ def test_a_life_that_goes_on_does_not_notice_that_it_asked() -> None:
     assert set(fleet.world.world.coordinator.lives.incarnations.values()) == {1}
 
 
-def test_a_tick_of_an_earlier_life_does_not_shorten_whom_a_robot_awaits() -> None:
+def test_a_tick_of_an_earlier_life_leaves_the_awaited_peers_as_they_are() -> None:
     fleet = LocalFleet(load("swap-4"))
     fleet.step()
     node = fleet.robots[1].node
@@ -126,7 +126,7 @@ def test_a_tick_of_an_earlier_life_does_not_shorten_whom_a_robot_awaits() -> Non
     assert core.hearing.missing == [2]
 
 
-def test_who_missed_when_others_came_near_waits_for_nobody_who_is_gone() -> None:
+def test_a_robot_that_missed_an_approach_does_not_wait_for_gone_peers() -> None:
     """A Tick that names no robot means those that the world named last, and the robot does the same."""
     base, ids = load("random-14"), (1, 4, 5, 8, 10, 12, 13)
     scenario = replace(

@@ -35,7 +35,7 @@ def test_nothing_touches_whatever_is_wished_and_whatever_part_of_it_the_others_d
         assert (np.linalg.norm(at, axis=-1) + radii).max() < 3.0
 
 
-def test_wishes_that_harm_nobody_are_kept_and_worlds_do_not_know_each_other() -> None:
+def test_harmless_wishes_are_kept_and_worlds_do_not_know_each_other() -> None:
     at, radii = spread(1, 4, 6)
     wishes = np.random.default_rng(2).uniform(-0.3, 0.3, at.shape)
     together = disknav.filtered(at, radii, wishes, period=0.01)

@@ -24,7 +24,7 @@ SETTING = Scenario(
 LATE = BODY.lag + Base().lateness.age  # s
 
 
-def test_who_was_not_heard_stands_within_all_that_its_body_may_have_done() -> None:
+def test_a_robot_that_was_not_heard_stands_within_all_that_its_body_may_have_done() -> None:
     outside, body = External(SETTING), SETTING.body_of(1)
     outside.hear(Command(1, 1, 4, (0.1, 0.0), report=Report((0.05, 0.0), 2e-3)))
     leased = 0.5 + body.hold + 0.2 / 0.5  # then it has braked

@@ -33,7 +33,7 @@ FIELDS = {
 }
 
 
-def test_joining_twice_or_as_nobody_is_refused():
+def test_joining_twice_or_under_an_unknown_id_is_refused():
     world = joined(two())
     with pytest.raises(JoinError, match="robot 1 is already running; stop it or use another id"):
         world.coordinator.join(1)

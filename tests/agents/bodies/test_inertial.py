@@ -55,7 +55,7 @@ def test_a_body_leaves_an_edge_from_its_standoff_whichever_way_it_faces(name):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", WHEELED)
-def test_who_is_too_near_an_edge_to_drive_along_it_makes_itself_room(name):
+def test_a_robot_that_is_too_near_an_edge_to_drive_along_it_makes_itself_room(name):
     for heading in FACING[::3]:
         track = Track(name, 1.1, heading)
         for _ in range(60):

@@ -66,7 +66,7 @@ def arrived(moves: float = 0.0, gamma: float = 1.0) -> tuple[float, float] | Non
     return None
 
 
-def test_who_stands_at_its_goal_steps_aside_for_one_that_stands_beside_it() -> None:
+def test_a_robot_that_stands_at_its_goal_steps_aside_for_one_that_stands_beside_it() -> None:
     assert arrived() == pytest.approx((-0.0405, 0.0))
     assert arrived(moves=R) is None
     assert arrived(gamma=R * R) is None

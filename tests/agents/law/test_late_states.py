@@ -40,7 +40,7 @@ def test_a_peer_that_goes_first_has_gone_on_as_it_wished() -> None:
     assert place(peer(0.3, 0.1, 0.09, -0.1, 0.05), 4) == pytest.approx((0.28, 0.11))
 
 
-def test_who_has_less_far_to_go_or_is_heard_at_once_is_where_it_was_heard() -> None:
+def test_a_robot_that_has_less_far_to_go_or_is_heard_at_once_is_where_it_was_heard() -> None:
     assert place(peer(0.3, 0.1, FIRST * ME.gamma, -0.1), 4) == (0.3, 0.1)
     assert place(peer(0.3, 0.1, 0.09, -0.1, tick=4), 4) == (0.3, 0.1)
 
@@ -52,7 +52,7 @@ def test_who_has_less_far_to_go_or_is_heard_at_once_is_where_it_was_heard() -> N
     st.floats(-math.pi, math.pi),
     st.integers(0, 20),
 )
-def test_some_of_the_gap_remains_even_of_one_who_would_have_passed(
+def test_some_of_the_gap_remains_even_of_one_that_would_have_passed(
     gap: float, bearing: float, speed: float, heading: float, age: int
 ) -> None:
     distance = 2.0 * R + gap

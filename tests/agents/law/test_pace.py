@@ -52,7 +52,7 @@ def test_arrival_has_no_tail_and_no_overshoot(period: float) -> None:
 
 
 @given(st.floats(0.0, 20.0), st.floats(0.0, 5.0))
-def test_only_who_knows_the_others_late_and_is_near_its_goal_makes_haste(away: float, latency: float) -> None:
+def test_only_a_robot_near_its_goal_with_late_peers_makes_haste(away: float, latency: float) -> None:
     wholly, at_all = FAST_IN_FULL, FAST_AT_ALL
     speed = late_speed(0.3, away, latency)
     assert 0.3 <= speed <= 0.3 * (1.0 + HASTE)

@@ -144,14 +144,14 @@ def seen(tick: int, peer: Vector, velocity: Vector) -> View:
     return View(tick=tick, position=HERE, goal=GOAL, displacement=(0.0, 0.0), neighbours=known)
 
 
-def test_who_passes_is_waited_for() -> None:
+def test_a_robot_that_passes_is_waited_for() -> None:
     beside = (HERE[0] - 2.4 * RADIUS, 0.0)
     view = seen(0, beside, (0.0, SCENARIO.control.speed))
     assert AugmentedLaw(SCENARIO, 1).velocity(view)[0] > 0.0  # the flow would back off
     assert ReciprocalLaw(SCENARIO, 1).velocity(view) == (0.0, 0.0)
 
 
-def test_who_has_waited_in_vain_does_not_wait_again() -> None:
+def test_a_robot_that_has_waited_in_vain_does_not_wait_again() -> None:
     law, beside = ReciprocalLaw(SCENARIO, 1), (HERE[0] - 3.5 * RADIUS, 0.0)
     long = round(40.0 * LAP / SCENARIO.time.step)
     wishes = [law.velocity(seen(tick, beside, (0.0, 0.0))) for tick in range(long)]

@@ -70,7 +70,7 @@ def test_near_and_far_the_same_are_met_as_on_straight_ways(place: Vector, veloci
         assert [each[:3] for each in met] == ([(*there, RADIUS)] if gap < 0.0 else [])
 
 
-def test_who_is_heard_too_counts_once_and_who_stands_does_not() -> None:
+def test_a_robot_that_is_heard_too_counts_once_and_one_that_stands_does_not() -> None:
     ahead, back = (3.0, 0.0), (-1.0, 0.0)
     picture = _picture({1: (0.0, 0.0), 2: ahead}, {1: WAY, 2: back})
     known = Neighbours({2: RADIUS})
@@ -109,7 +109,7 @@ def _swap(count: int, heard: int) -> list[Encounter]:
 
 
 @given(count=st.integers(5, 60), part=st.floats(0.1, 1.0))
-def test_all_who_meet_have_room_on_the_circle_although_few_are_heard(count: int, part: float) -> None:
+def test_all_that_meet_have_room_on_the_circle_although_few_are_heard(count: int, part: float) -> None:
     heard = max(1, int(part * ((count - 1) // 2)))
     place = roundabout((-FAR, 0.0), (1.0, 0.0), _swap(count, heard))
     assert math.hypot(place.x, place.y) < 1e-9

@@ -106,7 +106,7 @@ def at_the_wall(draw: random.Random) -> tuple[float, float, Polygon]:
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.3, 0.9])
-def test_nobody_stands_still_who_could_go_where_it_wants_to(noise: float) -> None:
+def test_a_robot_that_can_go_where_it_wants_to_does_not_stand(noise: float) -> None:
     """Rounding at edges that leave no room at all must not cost the whole step."""
     boundary, able = INNER_BOUNDARY.RoundBoundary(W), 0
     for seed in range(400):
@@ -135,7 +135,7 @@ def test_nobody_stands_still_who_could_go_where_it_wants_to(noise: float) -> Non
 
 @pytest.mark.parametrize("room", [0.0, 1e-10, 1e-9, 3e-9])
 @pytest.mark.parametrize("error", [1e-9, 0.02])
-def test_who_has_less_room_than_rounding_takes_stands_still(room: float, error: float) -> None:
+def test_a_robot_that_has_less_room_than_rounding_takes_stands_still(room: float, error: float) -> None:
     boundary, shape = RoundBoundary(room), around(error, ROUNDING)
     for turn in range(16):
         dx, dy = (REACH * part for part in unit(turn * math.pi / 8.0))
@@ -202,5 +202,5 @@ def excursion(seed: int, wall: Wall, ticks: int = 300) -> float:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(60))
-def test_nobody_leaves_whatever_is_wrong_with_what_it_knows(seed: int) -> None:
+def test_no_robot_leaves_whatever_is_wrong_with_its_knowledge(seed: int) -> None:
     assert excursion(seed, RoundBoundary) <= TINY

@@ -60,7 +60,7 @@ def test_every_constraint_holds_whatever_the_execution_noise(problem, noise, tur
 
 @pytest.mark.parametrize("far", [0.3, 9e4], ids=["here", "far off"])
 @pytest.mark.parametrize("of", ["line", "wall"])
-def test_who_slides_along_an_edge_does_not_creep_over_it(far: float, of: str) -> None:
+def test_a_robot_that_slides_along_an_edge_does_not_creep_over_it(far: float, of: str) -> None:
     """Each tick's addition rounds, far off by 1e-11 m, and along a straight way always alike."""
     for turn in np.linspace(0.1, 6.0, 12).tolist():
         x, y = begin = far * math.cos(0.4), far * math.sin(0.4)

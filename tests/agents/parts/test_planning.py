@@ -86,7 +86,7 @@ def test_no_part_goes_through_a_wall() -> None:
     assert plan.delivery(1, (0.15, 0.0), (-0.1, 0.0), layout.without(1)) is None
 
 
-def test_whoever_shuts_itself_in_brings_nothing_more() -> None:
+def test_a_robot_that_shuts_itself_in_brings_nothing_more() -> None:
     """A corridor with a niche at its end: the part that closes it goes last, though it is nearer."""
     walls = (
         Obstacle(points=((-0.1, 0.06), (0.3, 0.06), (0.3, 0.2), (-0.1, 0.2))),
@@ -113,7 +113,7 @@ def test_a_flood_gets_to_the_cells_that_have_a_distance(seed: int) -> None:
     assert reach.among(reached, points) == [point for point, way in lengths if math.isfinite(way)]
 
 
-def test_who_makes_room_is_not_shut_in_by_what_the_other_leaves() -> None:
+def test_a_robot_that_makes_room_is_not_shut_in_by_what_the_other_leaves() -> None:
     walls = [ConvexPolygon(((0.1, y), (0.11, y), (0.11, y + 0.15), (0.1, y + 0.15))) for y in (-0.2, 0.05)]
     me = Traveller((0.06, 0.0), (-0.25, 0.0), 0.03, tuple(walls))
     other = Traveller((-0.1, 0.0), (0.03, 0.0), 0.03, tuple(walls))

@@ -67,7 +67,7 @@ def test_the_derivative_is_that_of_the_field() -> None:
     assert (ahead[1] - behind[1]) / (2.0 * step) == pytest.approx(found.yx, rel=1e-5)
 
 
-def test_disks_that_may_touch_are_left_out_and_nobody_is_nothing() -> None:
+def test_disks_that_may_touch_are_left_out_and_an_empty_field_is_nothing() -> None:
     touching = far_field(0, PLACE, *np.array([PLACE]).T, np.array([0.1]), np.array([2.0]), np.array([1.5]))
     assert (touching.log_x, touching.xx) == (0.0, 0.0)
     assert (touching.gamma, touching.largest, touching.slice) == (2.0, 2.0, 1.5)

@@ -81,7 +81,7 @@ def test_a_fenced_robot_stands_where_the_world_says_until_a_newer_life_speaks() 
     assert not known.on_state(state(2, 1, 9), 9)  # an earlier life
 
 
-def test_who_is_gone_is_forgotten() -> None:
+def test_a_robot_that_is_gone_is_forgotten() -> None:
     known = Neighbours({2: 0.1, 3: 0.1})
     known.on_state(state(2, 1, 5), 9)
     tell(known, standing(3, (1.0, 1.0)))

@@ -29,7 +29,7 @@ def test_nothing_changes_before_there_is_time() -> None:
     assert bus.keys == {robot_key("run", 2, "state")}
 
 
-def test_subscriptions_follow_who_is_near() -> None:
+def test_subscriptions_follow_near_robots() -> None:
     bus, peers = near_only(1)
     heard = []
     for turn, near in enumerate(((2, 3), (3, 4), (4, 5), (4, 5))):

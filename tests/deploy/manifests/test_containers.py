@@ -101,7 +101,7 @@ def deployed(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("orchestrator", THIRD)
-def test_whom_orders_add_is_started_with_the_others(
+def test_a_robot_that_orders_add_is_started_with_the_others(
     disknav: Forks, tmp_path: Path, orchestrator: str
 ) -> None:
     """It waits for its disk."""
@@ -112,9 +112,7 @@ def test_whom_orders_add_is_started_with_the_others(
 
 
 @pytest.mark.slow
-def test_nobody_would_start_a_process_again_that_was_told_that_it_is_removed(
-    disknav: Forks, tmp_path: Path
-) -> None:
+def test_no_orchestrator_starts_a_removed_process_again(disknav: Forks, tmp_path: Path) -> None:
     done = deployed(disknav, tmp_path, "systemd", replace(GUEST, id=2))
     assert done.returncode == 2
     assert "robot 2 again" in done.stderr

@@ -44,7 +44,7 @@ def test_a_router_without_its_port_ends_at_once() -> None:
         assert exit_.process.vital
 
 
-def test_nobody_else_takes_the_port_of_a_router_that_will_be_back() -> None:
+def test_no_other_router_takes_the_port_of_one_that_will_be_back() -> None:
     bus, endpoint = listening(Connection("router"))
     with reserved(endpoint):
         bus.close()

@@ -112,7 +112,7 @@ def test_a_process_that_says_nothing_is_named(supervisor: Supervisor) -> None:
         supervisor.report("broken", PATIENCE)
 
 
-def test_who_dies_in_the_middle_of_a_report_dies_alone(supervisor: Supervisor) -> None:
+def test_a_process_that_dies_in_the_middle_of_a_report_dies_alone(supervisor: Supervisor) -> None:
     supervisor.start([waiting("well"), row("torn", die_while_reporting, reports=True)])
     (exit_,) = exits(supervisor, 1)
     assert (exit_.process.name, exit_.code) == ("torn", -signal.SIGKILL)
@@ -131,7 +131,7 @@ def test_waits_grow_to_a_cap_and_begin_anew_after_a_steady_life() -> None:
     assert [backoff.wait(0.0) for _ in range(5000)][-1] == 10.0
 
 
-def test_one_that_keeps_dying_starves_nobody(supervisor: Supervisor) -> None:
+def test_one_that_keeps_dying_starves_no_other(supervisor: Supervisor) -> None:
     """Its next life waits; that of another does not, and what was told to stop is not started again."""
     supervisor.start([row("sick", give, 3, restarts=1000), waiting("sound")])
     supervisor.up(["sick"])

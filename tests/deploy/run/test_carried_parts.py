@@ -55,7 +55,7 @@ def test_a_part_of_one_that_dies_is_taken_over() -> None:
 
 
 @pytest.mark.slow
-def test_a_restarted_world_knows_who_carries_what(tmp_path: Path) -> None:
+def test_a_restarted_world_knows_the_carriers(tmp_path: Path) -> None:
     Checkpoint.create(tmp_path / "checkpoint")
     fleet = LocalFleet(SCENARIO, checkpoint=tmp_path / "checkpoint")
     while not carriers(fleet):

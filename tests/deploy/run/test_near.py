@@ -45,7 +45,7 @@ def test_the_order_of_joining_changes_nothing() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("fenced", [False, True])
-def test_who_begins_anew_among_far_peers_moves_again(fenced: bool) -> None:
+def test_a_robot_that_begins_anew_among_far_peers_moves_again(fenced: bool) -> None:
     """It gets a line with every peer, although it receives hardly any States."""
     faults = [ProcessFault(robot, 3.0 if fenced else 1.0, "restart") for robot in (3, 9)]
     if fenced:

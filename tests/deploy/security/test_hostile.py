@@ -97,7 +97,7 @@ class Liar:
             self.told += 1
 
 
-def test_lies_of_those_who_may_not_change_nothing(keys: Path) -> None:
+def test_lies_without_the_right_to_write_change_nothing(keys: Path) -> None:
     liars: list[Liar] = []
 
     def lie(clock: Clock) -> None:
@@ -120,7 +120,7 @@ def test_lies_of_those_who_may_not_change_nothing(keys: Path) -> None:
     assert fleet.rejected == {}
 
 
-def test_half_open_links_keep_nobody_out(keys: Path) -> None:
+def test_half_open_links_keep_no_client_out(keys: Path) -> None:
     """Connections that say nothing, or begin a handshake and stop."""
     with Supervisor() as supervisor, ExitStack() as stack:
         supervisor.start([table.router(KeyRing(keys).router())])

@@ -171,7 +171,7 @@ def test_with_everything_of_a_host_one_speaks_for_its_robots_only(field: Field) 
     assert not any(isinstance(event, Sample | Query) for event in overheard)
 
 
-def test_who_joins_proves_who_it_is(field: Field) -> None:
+def test_a_robot_that_joins_proves_its_id(field: Field) -> None:
     with field.answering():
         field.rogue.serve(f"disknav/{RUN}/**")
         for robot in ROSTER.robots:

@@ -42,7 +42,7 @@ def test_private_keys_are_their_owners_alone(tmp_path: Path, umask: int) -> None
     assert {mode for name, mode in modes.items() if not name.endswith(".key")} == {0o644}
 
 
-def test_nobody_keeps_the_authoritys_private_key(keys: Path) -> None:
+def test_no_file_keeps_the_authoritys_private_key(keys: Path) -> None:
     secrets = {path.stem for path in keys.iterdir() if b"PRIVATE KEY" in path.read_bytes()}
     assert secrets == set(ROSTER.roles)
 

@@ -51,7 +51,7 @@ def test_everybody_writes_what_is_declared_theirs_and_nothing_else(role: str) ->
 
 
 @pytest.mark.parametrize("role", ROSTER.roles[1:])
-def test_nobody_deletes_and_only_the_world_answers(role: str) -> None:
+def test_no_role_deletes_and_only_the_world_answers(role: str) -> None:
     for key in keys():
         assert not allowed(role, "delete", key)
         answers = role == "world" and key.endswith(("/scenario", "/steering", "/join", "/operation"))

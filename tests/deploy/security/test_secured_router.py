@@ -69,7 +69,7 @@ def test_certificates_of_another_authority_and_of_an_older_run(
         stranger(endpoint, credentials(tmp_path / "before", "robot-1"))
 
 
-def test_without_a_certificate_nobody_gets_in_and_is_told_why(endpoint: str) -> None:
+def test_without_a_certificate_no_client_gets_in_and_each_is_told_why(endpoint: str) -> None:
     with pytest.raises(CertificateError, match=r"demands certificates.*--secure"):
         stranger(endpoint.replace("tls/", "tcp/"), None)
     with pytest.raises(CertificateError, match=r"demands certificates.*--secure"):

@@ -88,7 +88,7 @@ def test_obstacles_that_come_or_go_change_the_room() -> None:
     )
 
 
-def test_lines_are_drawn_between_those_who_are_near() -> None:
+def test_lines_are_drawn_between_near_robots() -> None:
     scene = FleetScene(SCENARIO)
     list(scene.hear(health(3, 7)))
     list(scene.hear(truth(1, 0.0)))
@@ -154,7 +154,7 @@ def test_a_robot_that_an_operator_adds_is_drawn_as_large_as_the_roster_says() ->
     assert len(drawn(scene, "/scene/goals")[0]["cylinders"]) == 3
 
 
-def test_strangers_and_times_that_nobody_can_tell_change_nothing() -> None:
+def test_strangers_and_unknown_times_change_nothing() -> None:
     scene = FleetScene(SCENARIO)
     list(scene.hear(truth(0)))
     before = [*scene.whole()]

@@ -35,7 +35,7 @@ def everything(bus: LocalBus) -> list[Event]:
     return events
 
 
-def test_subscribers_hear_in_order_and_nobody_hears_itself() -> None:
+def test_subscribers_hear_in_order_and_none_hears_itself() -> None:
     network = LocalNetwork()
     one, two, three = network.connect(), network.connect(), network.connect()
     for bus in (one, two):

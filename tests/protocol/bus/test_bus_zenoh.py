@@ -139,7 +139,7 @@ def test_presence_goes_with_a_killed_process(connect: Connect, endpoint: str) ->
         assert time.monotonic() - begin < 8.0  # an unnoticed death would take 10 s
 
 
-def test_asking_waits_for_whoever_will_serve(connect: Connect) -> None:
+def test_asking_waits_for_one_that_will_serve(connect: Connect) -> None:
     asker, server = connect(), connect()
     replies: list[bytes] = []
     asking = threading.Thread(target=lambda: replies.extend(asker.ask(SCENARIO, b"may I?", PATIENCE)))
@@ -152,7 +152,7 @@ def test_asking_waits_for_whoever_will_serve(connect: Connect) -> None:
 
 
 @pytest.mark.parametrize("mode", ["client", "router", "peer"])
-def test_nobody_listens_or_searches_unasked(mode: str) -> None:
+def test_no_session_listens_or_searches_unasked(mode: str) -> None:
     config = configuration(Connection(mode))  # type: ignore[arg-type]  # one of the literals above
     assert config["listen"]["endpoints"] == []
     assert not config["scouting"]["multicast"]["enabled"]

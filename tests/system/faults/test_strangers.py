@@ -64,7 +64,7 @@ class Disturbed(Fleet):
 
 @pytest.mark.process
 @pytest.mark.timeout(150)
-def test_a_stranger_on_an_open_network_ends_nobody() -> None:
+def test_a_stranger_on_an_open_network_ends_no_process() -> None:
     scenario = load("swap-2")
     with Supervisor() as supervisor:
         supervisor.start([table.router(Connection("router"))])

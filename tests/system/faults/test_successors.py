@@ -142,7 +142,7 @@ def test_the_next_one_does_not_wait_for_the_token_of_the_one_before(tmp_path: Pa
 
 
 @pytest.mark.slow
-def test_who_is_to_be_restarted_is_not_its_own_successor_when_a_router_goes(tmp_path: Path) -> None:
+def test_a_process_to_be_restarted_is_not_its_own_successor_when_a_router_goes(tmp_path: Path) -> None:
     """Its launcher gets to it late, and it asks what became of it."""
     fleet, faults = kept(tmp_path, deaf=False), list[ProcessFault]()
     fleet.launcher.carry_out = faults.append  # type: ignore[method-assign]
@@ -181,7 +181,7 @@ def test_a_successor_that_is_heard_before_the_world_is_itself_again_is_no_victim
     assert (report["verdict"], report["faults"]["given_up"], report["worlds"]) == ("arrived", [], [10])
 
 
-def test_nobody_takes_the_seat_of_a_process_that_is_there_when_the_world_comes_back(tmp_path: Path) -> None:
+def test_no_process_takes_the_seat_of_one_that_is_there_when_the_world_comes_back(tmp_path: Path) -> None:
     fleet = kept(tmp_path, ENDLESS)
     go(fleet, 10)
     fleet.world.world.coordinator.lost(2, "hangs")

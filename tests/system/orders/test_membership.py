@@ -55,7 +55,7 @@ def test_nothing_appears_while_somebody_is_in_its_place() -> None:
 
 
 @pytest.mark.slow
-def test_who_is_removed_ends_and_may_come_back() -> None:
+def test_a_robot_that_is_removed_ends_and_may_come_back() -> None:
     fleet = LocalFleet(replace(SWAP, time=replace(SWAP.time, endless=True)))
     step(fleet, 20)
     node = fleet.robots[2].node

@@ -89,7 +89,7 @@ def test_a_world_that_died_has_asked_for_the_same(report: dict[str, Any], tmp_pa
     assert found["faults"]["process"] == report["faults"]["process"]
 
 
-def test_a_later_life_of_one_process_hears_whom_the_first_did_not_know() -> None:
+def test_a_later_life_of_one_process_hears_peers_that_the_first_did_not_know() -> None:
     """Fenced while a robot is added, it joins again, and waits for that robot's States."""
     guest = RobotSpec(2, 0.04, (0.0, 0.1), (0.0, 0.1))
     scenario = Scenario(

@@ -79,7 +79,7 @@ def test_robots_first_router_last(tmp_path: Path) -> None:
 
 
 @pytest.mark.long(8)
-def test_nobody_waits_for_longer_than_asked() -> None:
+def test_no_process_waits_for_longer_than_asked() -> None:
     with by_hand() as it:
         lost = it.start("robot", "1", wait=1.0)
         assert lost.wait(60.0) == EXIT_FAULT

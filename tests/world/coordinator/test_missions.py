@@ -118,7 +118,7 @@ def test_a_goal_upon_anothers_is_accepted_with_a_warning() -> None:
     assert "robot 2" in reply.text
 
 
-def test_whoever_is_halted_stands_and_goes_on_when_released() -> None:
+def test_a_robot_that_is_halted_stands_and_goes_on_when_released() -> None:
     world = joined(two())
     advance(world, {1: (0.1, 0.0), 2: (0.1, 0.0)})
     before = world.truth.positions

@@ -76,7 +76,7 @@ def test_what_cannot_be_handled_stays(robot: int, handling: Handling) -> None:
     assert found.coordinator.lives.roster.message == before
 
 
-def test_nobody_handles_parts_in_an_emergency_stop() -> None:
+def test_no_robot_handles_parts_in_an_emergency_stop() -> None:
     found = world()
     found.operate(Operation(halt=True))
     tick(found, {1: TAKE})
@@ -96,7 +96,7 @@ def test_a_part_is_put_down_once_all_keep_clear_and_its_carrier_stays_large_unti
     assert not found.coordinator.parts.pending
 
 
-def test_who_no_longer_asks_has_put_nothing_down() -> None:
+def test_a_robot_that_no_longer_asks_has_put_nothing_down() -> None:
     found = world()
     tick(found, {1: TAKE})
     tick(found, {1: PUT}, kept=False)
@@ -105,7 +105,7 @@ def test_who_no_longer_asks_has_put_nothing_down() -> None:
     assert not found.coordinator.lives.obstacles.appearing
 
 
-def test_who_dies_stands_with_what_it_carries_until_another_takes_it() -> None:
+def test_a_robot_that_dies_stands_with_what_it_carries_until_another_takes_it() -> None:
     found = world()
     tick(found, {1: TAKE})
     _move(found, 2, (0.0, -0.095))
@@ -122,7 +122,7 @@ def test_parts_and_carriers_are_not_taken_away_by_operators() -> None:
     assert found.operate(Operation(remove=1)).text == "robot 1 carries part 1"
 
 
-def test_who_leaves_with_this_tick_takes_nothing_up() -> None:
+def test_a_robot_that_leaves_with_this_tick_takes_nothing_up() -> None:
     found = world()
     told = found.open_tick()
     assert found.operate(Operation(remove=1)).text == ""

@@ -44,7 +44,7 @@ def test_a_timeout_says_what_is_still_to_come():
     assert (world.verdict, world.reason) == ("timeout", "0.5 s are over; orders are still to come")
 
 
-def test_deadlock_when_nobody_gets_away_from_where_it_was():
+def test_deadlock_when_no_robot_gets_away_from_where_it_was():
     world = joined(two())
     for tick in range(DEADLOCK):
         assert world.verdict == ""
@@ -94,7 +94,7 @@ def test_aborted_when_the_others_are_down_for_good():
     assert result_of(world)["down"] == [2]
 
 
-def test_aborted_when_nobody_is_left():
+def test_aborted_when_no_robot_is_left():
     setting = two(process=(ProcessFault(1, 0.0, "kill"), ProcessFault(2, 0.1, "kill")))
     world = joined(setting)
     while not world.verdict:

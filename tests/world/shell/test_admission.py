@@ -115,7 +115,7 @@ def test_the_process_of_a_robot_that_was_removed_is_not_that_of_the_next_with_it
     assert desk.admitted("next") == 2
 
 
-def test_who_lost_its_seat_while_the_scenario_held_it_still_goes_on() -> None:
+def test_a_process_that_lost_its_seat_while_the_scenario_held_it_still_goes_on() -> None:
     """A process that is frozen for longer than its token lives is the one that it was when it is woken."""
     desk = Desk()
     assert desk.admitted("first") == 1

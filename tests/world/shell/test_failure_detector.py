@@ -137,7 +137,7 @@ def test_after_the_grace_it_is_given_up() -> None:
     assert watch.turn.world.coordinator.active == (1,)
 
 
-def test_while_one_is_missing_nobody_loses_patience_with_the_others() -> None:
+def test_while_one_is_missing_no_other_is_given_up() -> None:
     watch = Watch(grace=100.0 * PATIENCE)
     watch.open()
     watch.go_by(REPEAT)
@@ -204,7 +204,7 @@ def test_the_next_life_is_not_waited_for_for_ever() -> None:
 
 
 @pytest.mark.parametrize("phase", [Phase.SHUTDOWN, Phase.CLOSING])
-def test_who_leaves_at_the_end_is_neither_named_nor_awaited(phase: Phase) -> None:
+def test_a_robot_that_leaves_at_the_end_is_neither_named_nor_awaited(phase: Phase) -> None:
     watch = Watch(restarts=1)
     watch.open()
     watch.close()

@@ -101,7 +101,7 @@ def test_one_that_hangs_is_given_up_alone() -> None:
     assert "hangs" in only["reason"] or "lack it" in only["reason"]
 
 
-def test_one_that_hears_nobody_is_given_up_alone() -> None:
+def test_one_that_hears_no_peer_is_given_up_alone() -> None:
     def hears(event: Event) -> bool:
         return not (isinstance(event, Sample) and event.key.endswith("/state"))
 
@@ -153,7 +153,7 @@ def lies() -> Iterator[dict[str, Any]]:
 
 
 @pytest.mark.parametrize("law", ["gradient", "reciprocal"])
-def test_whatever_a_state_may_say_stops_nobody_else(law: str) -> None:
+def test_whatever_a_state_may_say_stops_no_other_robot(law: str) -> None:
     scenario = replace(load("swap-4", [f"control.law={law}"]), orders=(Order(3.0, remove=FAULTY),))
     lie = itertools.cycle(lies())
 
@@ -185,7 +185,7 @@ def commanding(field: dict[str, Any]) -> Ward:
         {"firsts": tuple(FirstLine(number, UNIT, UNIT, LARGEST) for number in (0, 1, 9, MOST))},
     ],
 )
-def test_whatever_a_command_may_say_stops_nobody_else(field: dict[str, Any]) -> None:
+def test_whatever_a_command_may_say_stops_no_other_robot(field: dict[str, Any]) -> None:
     commanding(field).execute()
 
 
@@ -198,7 +198,7 @@ def test_a_command_that_obeys_what_was_never_granted_is_refused(field: str) -> N
 
 
 @pytest.mark.timeout(60)
-def test_a_world_in_which_all_have_died_hears_who_comes() -> None:
+def test_a_world_in_which_all_have_died_hears_a_robot_that_comes() -> None:
     """In lock-step the world waits for no robot then, and a run that is endless does not end."""
     fleet = LocalFleet(load("swap-4", ["time.endless=true"]))
     for _ in range(10):

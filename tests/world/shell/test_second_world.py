@@ -165,7 +165,7 @@ def test_a_stop_is_repeated_until_all_of_all_worlds_stand() -> None:
     assert said == ["2 worlds of run 'r' were asked, and answer: end all but one"]
 
 
-def test_a_stop_that_has_no_effect_names_who_moves() -> None:
+def test_a_stop_that_has_no_effect_names_the_robots_that_move() -> None:
     bus = Answers(
         (Reply(True, tick=4, halted=True, moving=(2, 3)), Reply(True, tick=4, halted=True, moving=(3, 7)))
     )

@@ -71,7 +71,7 @@ def test_all_report_then_all_are_notified() -> None:
     assert end.shutdown.is_over()
 
 
-def test_nobody_waits_for_one_that_has_gone() -> None:
+def test_no_process_waits_for_one_that_has_gone() -> None:
     end = Ending()
     end.shutdown.begin()
     end.ask(1, published=3)

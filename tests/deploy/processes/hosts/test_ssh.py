@@ -74,7 +74,7 @@ def test_messages_come_whole_wherever_they_are_cut(messages: list[bytes], cuts: 
     os.close(it.writing)
 
 
-def test_whoever_stalls_in_the_middle_of_a_message_is_given_up_within_the_bound(line: Line) -> None:
+def test_a_host_that_stalls_in_the_middle_of_a_message_is_given_up_within_the_bound(line: Line) -> None:
     stream = framed(b"well") + framed(b"half a message")[:-3]
     assert line.arrives(stream) == [b"well"]
     line.clock.now = PATIENCE

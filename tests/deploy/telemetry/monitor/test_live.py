@@ -157,7 +157,7 @@ def test_before_the_scenario_is_known_there_is_nothing_but_the_name() -> None:
     assert rows(it, 0.0)[1]["alive"] is True
 
 
-def test_who_comes_is_a_robot_like_the_others_and_who_leaves_is_none() -> None:
+def test_a_newcomer_is_a_robot_like_the_others_and_one_that_leaves_is_none() -> None:
     guest = RobotSpec(5, 0.02, (0.0, 0.2), (0.1, 0.2))
     it = FleetView("r")
     it.begin(
@@ -220,7 +220,7 @@ def test_a_robot_that_falls_behind_its_peers_is_silent_before_its_token_goes() -
     assert rows(it, 59 * 0.05)[3]["age"] == pytest.approx(49 * 0.05, abs=0.06)
 
 
-def test_in_a_pause_nobody_is_silent() -> None:
+def test_in_a_pause_no_robot_is_silent() -> None:
     it = view()
     run_to(it, 20, 1.0)
     it.steering = Steering(paused=True)

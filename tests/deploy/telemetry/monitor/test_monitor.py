@@ -67,7 +67,7 @@ def test_robots_are_shown_while_they_are_there() -> None:
     assert {row["status"] for row in watcher.snapshot()["robots"]} <= {"under way", "at goal", "joining"}
 
 
-def test_who_comes_late_is_shown_what_is_in_force() -> None:
+def test_a_late_viewer_is_shown_what_is_in_force() -> None:
     fleet = LocalFleet(ring(), "r", speed=1.0)
     watcher = watch_local(fleet.network, "r")
     with running(fleet):
@@ -154,6 +154,6 @@ def test_endpoint_and_run_name_are_enough() -> None:
             until(lambda: watcher.snapshot()["phase"] in ("ended", "lost"))
 
 
-def test_nobody_at_the_endpoint_is_an_error() -> None:
+def test_an_endpoint_without_router_is_an_error() -> None:
     with pytest.raises(BusError):
         attach(Connection(connect=("tcp/127.0.0.1:1",), timeout=0.2), "r")

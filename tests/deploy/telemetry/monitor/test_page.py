@@ -178,7 +178,7 @@ def test_six_robots_move_and_arrive(browser: Browser) -> None:
         assert it.page.get_by_role("button", name="Pause").is_disabled()
 
 
-def test_who_comes_and_who_leaves_changes_the_table_and_no_colour(browser: Browser) -> None:
+def test_robots_that_come_and_leave_change_the_table_and_no_colour(browser: Browser) -> None:
     guest = RobotSpec(2, 0.02, (0.17, 0.17), (0.18, 0.16))
     specs = tuple(replace(spec, id=10 * spec.id) for spec in ring().robots)
     orders = (Order(0.4, add=guest), Order(1.0, remove=20))
@@ -340,7 +340,7 @@ def test_a_tap_selects_and_a_tap_sends(browser: Browser) -> None:
         assert min(heights) >= 44  # px, a finger
 
 
-def test_a_click_sends_the_selected_robot_and_who_comes_late_sees_where(browser: Browser) -> None:
+def test_a_click_sends_the_selected_robot_and_a_late_viewer_sees_where(browser: Browser) -> None:
     with shown(browser, ring(6), speed=0.4) as it:
         it.wait_for_tick(2)
         it.hold()
@@ -372,7 +372,7 @@ def test_a_click_sends_the_selected_robot_and_who_comes_late_sees_where(browser:
         assert it.goal(3) == pytest.approx([-0.05, 0.1], abs=0.002)
 
 
-def test_who_has_no_token_may_only_look_and_all_are_stopped_by_a_key(browser: Browser) -> None:
+def test_a_viewer_without_token_may_only_look_and_all_are_stopped_by_a_key(browser: Browser) -> None:
     with shown(browser, ring(6), speed=0.4, held=True) as it:
         looking, goal = it.other_page(it.server.address), it.goal(2)
         looking.locator("tr[data-robot='2']").click()

@@ -96,7 +96,7 @@ def asleep(server: Server) -> socket.socket:
     return viewer
 
 
-def test_a_viewer_that_does_not_read_holds_up_nobody() -> None:
+def test_a_viewer_that_does_not_read_holds_up_no_other() -> None:
     fleet = LocalFleet(ring(), "r")
     watcher = watch_local(fleet.network, "r", speed=0.3)
     with running(fleet), served(watcher) as server, closing(asleep(server)), live(server) as viewer:
@@ -113,7 +113,7 @@ def test_a_page_of_another_site_cannot_steer() -> None:
             assert news(viewer, "frame")["phase"] == "searching"
 
 
-def test_who_has_no_token_may_only_look() -> None:
+def test_a_viewer_without_token_may_only_look() -> None:
     fleet = LocalFleet(ring(), "r")
     watcher = watch_local(fleet.network, "r", speed=1.0)
     with running(fleet), served(watcher) as server:

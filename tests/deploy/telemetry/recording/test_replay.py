@@ -77,7 +77,7 @@ def test_lost_truths_are_worked_out_from_measurements_to_the_last_bit(recording)
     assert verify(every) == (recording.result["trajectory_sha256"], last - 1)
 
 
-def test_a_tick_that_nobody_knows_is_an_error_of_its_own(recording):
+def test_an_unknown_tick_is_an_error_of_its_own(recording):
     known = recording.entries.where(lambda entry: not _is_measurement(entry.message, 2, 5))
     with pytest.raises(RecordingError, match="the truth of tick 5 was not recorded, nor what robot 2 did"):
         verify(_without_truths(replace(recording, entries=known), {5}))
