@@ -14,9 +14,9 @@ from mypyc.build import mypycify
 from setuptools import setup
 from setuptools._distutils import ccompiler
 
-FOLDERS = ("protocol/bodies", "protocol/kernel", "agents")
+FOLDERS = ("protocol/bodies", "protocol/bus", "protocol/kernel", "agents")
 FILES = ("protocol/codec.py", "protocol/geometry.py", "protocol/line.py")
-LEFT_OUT = ("agents/bases", "agents/parts", "agents/shell")  # not a robot's arithmetic
+LEFT_OUT = ("agents/bases", "agents/parts")  # not what every message passes
 _PROCESS = "process.py"  # run by `python -m`, which takes sources only
 
 
