@@ -102,7 +102,8 @@ def trajectory(recording: RecordedRun) -> CheckedTrajectory:
     or from the tick with which the last of several worlds began.
 
     Raises:
-        RecordingError: a tick is missing that cannot be worked out either, or in which robots came or went.
+        RecordingError: a tick is missing: the first one, one that cannot be worked out from odometry either,
+            or one in which robots came or went.
     """
     if recording.preceding:
         raise RecordingError(
@@ -110,6 +111,11 @@ def trajectory(recording: RecordedRun) -> CheckedTrajectory:
         )
     known = _known(recording)
     begin = max((recording.result or {}).get("worlds", ()), default=0)
+    if begin not in known:
+        raise RecordingError(
+            f"{recording.path}: the truth of tick {begin}, with which the trajectory begins, was not "
+            f"recorded, so the trajectory cannot be checked; record it with less load"
+        )
     missing = set(range(begin, max(known))).difference(known)
     moves = _Moves(recording, missing) if missing else None
     digest = TrajectoryDigest(())

@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -108,6 +109,8 @@ def test_a_recording_goes_on_in_another_file_and_is_read_as_one(tmp_path: Path) 
         RecordingError, match=r"goes on from r\.mcap: name the file with which the run begins"
     ):
         trajectory(later)
+    with pytest.raises(RecordingError, match="truth of tick 0, with which the trajectory begins, was not"):
+        trajectory(replace(later, preceding=""))
     Path(named[-1]).unlink()
     lacking = read(path)
     assert (lacking.cut, lacking.result) == (True, None)
