@@ -88,6 +88,10 @@ def import_(
     robots: Annotated[int, options.robots(1)] = 5,
     radius: Annotated[float, typer.Option(min=1e-3, help="Radius of the robots, m (maps, MovingAI).")] = 0.2,
     seed: Annotated[int, typer.Option(min=0, help="Seed of all random values (maps).")] = 0,
+    error: Annotated[
+        float,
+        typer.Option(min=0.0, max=10.0, help="By how much obstacles may reach into free space, m (maps)."),
+    ] = 0.05,
     obstacles: Annotated[Path | None, typer.Option(help="World file with obstacles (LSC-DR).")] = None,
 ) -> None:
     """Make a scenario file from another tool's: a map, with random starts and goals, or a benchmark.
@@ -98,7 +102,7 @@ def import_(
     from deploy.library.benchmarks import Options, imported
 
     folder = Path() if out is None else out.parent
-    _write(imported(file, Options(robots, radius, seed, obstacles, folder)), out)
+    _write(imported(file, Options(robots, radius, seed, error, obstacles, folder)), out)
 
 
 @app.command()

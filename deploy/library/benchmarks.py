@@ -34,12 +34,14 @@ Pair = tuple[Coordinate, Coordinate]
 
 
 class Options(NamedTuple):
-    """What a file leaves open: number of robots and their radius (m), the seed of what is drawn, a file of
-    obstacles (LSC-DR), and the folder that the scenario is to be written into."""
+    """What a file leaves open: number of robots and their radius (m), the seed of what is drawn, by how much
+    obstacles of a map may reach into free space (m), a file of obstacles (LSC-DR), and the folder that the
+    scenario is to be written into."""
 
     robots: int = 5
     radius: float = 0.2
     seed: int = 0
+    error: float = 0.05
     obstacles: Path | None = None
     folder: Path = Path()
 
@@ -55,7 +57,9 @@ def imported(file: Path, options: Options) -> Scenario:
     if file.suffix in (".yaml", ".yml"):
         found = read_yaml(file)
         if isinstance(found, dict) and "image" in found:
-            return map_scenario(file, options.robots, options.radius, options.seed, options.folder)
+            return map_scenario(
+                file, options.robots, options.radius, options.seed, options.folder, options.error
+            )
         return parse_document(_db_cbs(file, found), str(file))
     if file.suffix not in _FORMATS:
         raise UsageError(

@@ -18,29 +18,33 @@ from protocol.scenario.tables import Document, read_table
 
 _APART = 2.5  # radii between two starts or two goals
 _TRIES = 20_000
+_ERROR = FloorPlan("").error
 
 
-def map_scenario(file: Path, count: int, radius: float, seed: int, folder: Path) -> Scenario:
+def map_scenario(file: Path, count: int, radius: float, seed: int, folder: Path, error: float) -> Scenario:
     """A scenario whose `map` is `file`, to be written into `folder`; it is checked, and keeps the map.
 
     Raises:
         MapError, UsageError: as `on_map`.
     """
-    document = on_map(file, count, radius, seed)
+    document = on_map(file, count, radius, seed, error=error)
     parse_document(expanded(document, folder, document["name"]), document["name"])
     document["map"]["file"] = relpath(file, folder)
     return read_table(document, Scenario)[0]
 
 
-def on_map(file: Path, count: int, radius: float, seed: int, *, speed: float = 0.5) -> Document:
-    """The document of a scenario of `count` robots of `radius` (m) whose `map` is `file`.
+def on_map(
+    file: Path, count: int, radius: float, seed: int, *, speed: float = 0.5, error: float = _ERROR
+) -> Document:
+    """The document of a scenario of `count` robots of `radius` (m) whose `map` is `file`, with obstacles that
+    reach at most `error` (m) into free space.
 
     Raises:
         MapError: the file describes no map.
         UsageError: the robots have no room.
     """
     grid = read_map(file)
-    room = _room(grid, (radius + 2.0 * FloorPlan("").error) / grid.resolution)
+    room = _room(grid, (radius + 2.0 * error) / grid.resolution)
     draw = generator(seed, Purpose.SCENARIO)
     starts, goals = (_places(grid, room, count, _APART * radius, draw) for _ in range(2))
     rows, columns = grid.occupied.shape
@@ -50,7 +54,7 @@ def on_map(file: Path, count: int, radius: float, seed: int, *, speed: float = 0
         "seed": seed,
         "time": {"step": 0.1, "limit": float(round(limit)), "tolerance": 0.05},
         "control": {"speed": speed},
-        "map": {"file": str(file.resolve())},
+        "map": {"file": str(file.resolve())} | ({} if error == _ERROR else {"error": error}),
         "robots": [
             {"id": n + 1, "radius": radius, "start": list(starts[n]), "goal": list(goals[n])}
             for n in range(count)

@@ -231,9 +231,11 @@ def test_check_says_whose_goal_is_barred_and_where(tmp_path: Path) -> None:
 def test_import_writes_a_scenario_that_names_the_map(tmp_path: Path) -> None:
     (tmp_path / "out").mkdir()
     path, out = drawn(tmp_path, ["." * 30] * 30), tmp_path / "out" / "s.toml"
-    done = CliRunner().invoke(app, ["import", str(path), "--robots", "3", "--radius", "0.1", "-o", str(out)])
+    given = ["--robots", "3", "--radius", "0.1", "--error", "0.2", "-o", str(out)]
+    done = CliRunner().invoke(app, ["import", str(path), *given])
     assert done.exit_code == 0, done.output
     assert 'file = "../m.yaml"' in out.read_text()
+    assert "error = 0.2" in out.read_text()
     assert len(load(str(out)).robots) == 3
 
 
