@@ -76,10 +76,10 @@ fast test collect: export PYTHONDONTWRITEBYTECODE =  # hundreds of interpreters:
 collect: $(READY)  # once: else each process of pytest-xdist rewrites what all tests assert
 	@mkdir -p build; $(BIN)/python -m pytest --collect-only -qqq >build/collected.log || { cat build/collected.log; exit 1; }
 
-fast: $(READY)  ## the part of the suite that takes under two minutes
+fast: $(READY)  ## the part of the suite that takes a minute
 	$(BIN)/python -m pytest -n auto -m 'not slow and not process and not browser and not alone and not campaign'
 
-test: $(READY)  ## lint, types, import contracts, and the whole suite from the sources; a quarter of an hour
+test: $(READY)  ## lint, types, import contracts, and the whole suite from the sources; ten minutes
 	@find protocol agents world deploy -name '*.so' -delete; rm -f *__mypyc*.so $(COMPILED)
 	@$(MAKE) --no-print-directory --jobs=2 $(KERNEL) check collect
 	$(BIN)/python -m pytest -n 3 --dist worksteal --durations=20 -m 'not alone and not campaign'  # many wait for real time
