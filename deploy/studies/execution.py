@@ -15,7 +15,7 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from multiprocessing import forkserver
+from multiprocessing import forkserver, resource_tracker
 from multiprocessing.connection import Connection as Channel
 from pathlib import Path
 from typing import Any
@@ -225,6 +225,7 @@ def _workers(jobs: int) -> Iterator[ProcessPoolExecutor]:
     """Worker processes, which end at once with this context or this process, and their fleets with them."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["deploy.studies.execution"])
+    resource_tracker.ensure_running()  # its start unblocks SIGINT and SIGTERM: not within the next block
     with STOP.held():  # what a signal means, this process says
         forkserver.ensure_running()
     lifeline, held = context.Pipe(duplex=False)

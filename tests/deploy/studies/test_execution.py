@@ -11,10 +11,11 @@ from pathlib import Path
 import psutil
 import pytest
 
+from deploy.run.options import Transport
 from deploy.studies import execution
-from deploy.studies.execution import RunLog, execute
+from deploy.studies.execution import Result, RunLog, execute, run_one
 from deploy.studies.experiments import tightness
-from deploy.studies.study import Shard, Study
+from deploy.studies.study import Build, Shard, Study
 from protocol.errors import ProcessError, UsageError
 from protocol.process.signals import STOP
 from tests.deploy.telemetry.monitor.watched import until
@@ -95,6 +96,18 @@ def test_a_worker_that_is_lost_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(execution, "run_one", _lost)
     with pytest.raises(ProcessError, match="goes on"):
         execute(_study(), "local", RunLog(None), jobs=1)
+
+
+def _signalled(build: Build, seed: int, transport: Transport) -> Result:
+    os.kill(os.getpid(), signal.SIGINT)
+    return run_one(build, seed, transport)
+
+
+def test_a_worker_leaves_the_signals_of_a_terminal_to_its_parent(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(execution, "run_one", _signalled)
+    outcome = execute(_study(), "local", RunLog(None), jobs=2)
+    assert outcome.complete
+    assert outcome.executed == 5
 
 
 @pytest.mark.slow
