@@ -14,7 +14,7 @@ from agents.bodies import body_of
 from agents.estimate import Estimate
 from agents.hearing import PeerInbox
 from agents.law import GuardedLaw, View
-from agents.law.pace import turn_of
+from agents.law.pace import may_move
 from agents.parts.carrier import PartCarrier
 from agents.peers.neighbours import KnownRoster, has_ended
 from agents.peers.state import plausible
@@ -72,7 +72,7 @@ class Robot:
         self._roster = KnownRoster(robot, scenario.shapes)
         self._filter = SafetyFilter(scenario, robot, spec.radius, self._body)
         self.hearing = PeerInbox(scenario, robot, self._filter.lines, lockstep=lockstep)
-        self._law, self._turn = GuardedLaw(scenario, robot), turn_of(scenario, robot)
+        self._law = GuardedLaw(scenario, robot)
         self._mover = PartCarrier(scenario, robot) if scenario.parts else None
         self._reports = scenario.is_external
         self._desired = self._moved = STILL
@@ -216,7 +216,7 @@ class Robot:
 
     def _wish(self, position: Vector) -> Vector:
         """The velocity that the law asks for; of a mover, straight to where it aims."""
-        if self._turn is not None and not self._turn.has_come(self.tick):
+        if not may_move(self._scenario, self.robot, self.tick):
             return STILL
         aim = None if self._mover is None else self._mover.aim
         if aim is None:

@@ -160,7 +160,7 @@ class AugmentedLaw:
         )
 
     def stuck(self, view: View, wanted: Vector) -> float:
-        """How strongly to escape from a deadlock, 0 to 1, if `wanted` (m/s) is what a law desired last."""
+        """How strongly to escape from a deadlock, 0 to 1, if a law last desired `wanted` (m/s)."""
         if self._progress is None:
             return 0.0
         gamma = self._far.gamma
@@ -177,7 +177,7 @@ class AugmentedLaw:
 
     def _pace(self, slice_norm: float) -> float:
         if not self._common or self._yields:  # a robot that backs off follows no path of the fleet
-            return pace.own_pace(self._max_rate)
+            return self._max_rate
         # What is known of far peers is from a while ago: it does not slow anything that moved since.
         since = self._speed * self._period * self._late
         far = max(0.0, math.sqrt(self._far.largest) - since)

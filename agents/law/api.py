@@ -19,15 +19,13 @@ from protocol.scenario.model import Scenario
 class View:
     """One tick as its robot sees it. Nothing in it may be changed, or kept beyond the tick.
 
-    Args:
+    Attributes:
         tick: that begins.
         position: own, m.
         goal: own, m; it may be another one in the next tick.
         displacement: really executed during the last tick, m.
         neighbours: peers as last received, and static disks.
         obstacles: static obstacles.
-
-    Attributes: the arguments.
     """
 
     __slots__ = ("displacement", "goal", "neighbours", "obstacles", "position", "tick")
@@ -56,8 +54,7 @@ class Law(Protocol):
         """`robot`: id of the robot to control."""
 
     def velocity(self, view: View) -> Vector:
-        """Desired velocity, m/s, at most the speed limit. Called once in every tick in which the own place is
-        known."""
+        """Desired velocity, m/s, at most the speed limit; once a tick in which the own place is known."""
         ...
 
     def slice_norm(self, position: Vector, goal: Vector) -> float:

@@ -7,6 +7,8 @@ import importlib.util
 import math
 import re
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -15,7 +17,7 @@ from typing import Any, Final
 from agents.law.additions import AugmentedLaw
 from agents.law.api import Law, View
 from agents.law.gradient import GradientLaw
-from protocol.errors import LawError, UsageError
+from protocol.errors import UsageError
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 
@@ -51,7 +53,6 @@ def choose(scenario: Scenario, robot: int) -> Law:
 
     Raises:
         UsageError: there is no such law, or a library that it needs is not installed.
-        LawError: a law from outside cannot be made.
     """
     law = scenario.control.law
     if law == "reciprocal":
@@ -61,23 +62,22 @@ def choose(scenario: Scenario, robot: int) -> Law:
     if law == "external":
         return ExternalLaw(scenario, robot)
     if ":" in law:
-        return OwnLaw(scenario, robot)
+        kind, arguments = found(law)
+        outside: Law = kind(scenario, robot, **arguments)
+        return outside
     return AugmentedLaw(scenario, robot) if scenario.control.additions else GradientLaw(scenario, robot)
 
 
 class GuardedLaw(Law):
-    """The law that a scenario asks for, and none from its first failure on: then the robot stands.
+    """The law that a scenario asks for. One from outside is held to finite numbers, and once it has failed
+    the robot stands.
 
-    What it tells peers of its slice is bounded. A squeezed disk, or a peer with an absurd gamma, makes
-    it larger than any number that a State may hold; at the common pace no slice counts for more than the
-    largest attraction, which is below the bound.
-
-    Args:
-        scenario: the run.
-        robot: id of the robot to control.
+    The slice that peers are told is bounded. A squeezed disk, or a peer with an absurd gamma, makes it larger
+    than any number that a State may hold; at the common pace no slice counts for more than the largest
+    attraction, which is below the bound.
 
     Attributes:
-        failure: what failed; "" if nothing did.
+        failure: names the law and its first failure; "" if it has not failed.
 
     Raises:
         UsageError: there is no such law, or a library that it needs is not installed.
@@ -85,12 +85,12 @@ class GuardedLaw(Law):
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         self.failure = ""
+        self._name, self._speed = scenario.control.law, scenario.control.speed
         self._most = MOST * scenario.workspace.shape.around.radius
+        self._from_outside = ":" in self._name
         self._law: Law | None = None
-        try:
+        with self._guarded(f"cannot be made for robot {robot}"):
             self._law = choose(scenario, robot)
-        except LawError as error:
-            self.failure = str(error)
 
     def tell(self, wish: Vector, tick: int) -> None:
         """A wish from outside, m/s, during `tick`; only the law "external" is told."""
@@ -98,64 +98,41 @@ class GuardedLaw(Law):
             self._law.tell(wish, tick)
 
     def velocity(self, view: View) -> Vector:
-        """Desired velocity, m/s; 0 once the law has failed."""
+        """Desired velocity, m/s, at most the speed limit; 0 once the law has failed."""
+        if self._law is not None and not self._from_outside:
+            return self._law.velocity(view)
         if self._law is not None:
-            try:
-                return self._law.velocity(view)
-            except LawError as error:
-                self._law, self.failure = None, str(error)
+            with self._guarded(f"no velocity in tick {view.tick}"):
+                vx, vy = (float(each) for each in self._law.velocity(view))
+                excess = max(1.0, _finite(math.hypot(vx, vy)) / self._speed)
+                return vx / excess, vy / excess
         return 0.0, 0.0
 
     def slice_norm(self, position: Vector, goal: Vector) -> float:
         """|D_i|, m, at most the bound; that of the attraction alone once the law has failed."""
-        if self._law is not None:
-            try:
-                return min(self._law.slice_norm(position, goal), self._most)
-            except LawError as error:
-                self._law, self.failure = None, str(error)
-        return min(super().slice_norm(position, goal), self._most)
+        norm = super().slice_norm(position, goal)
+        if self._law is not None and not self._from_outside:
+            norm = self._law.slice_norm(position, goal)
+        elif self._law is not None and hasattr(self._law, "slice_norm"):
+            with self._guarded(f"no slice_norm at {position}"):
+                norm = max(0.0, _finite(float(self._law.slice_norm(position, goal))))
+        return min(norm, self._most)
 
-
-class OwnLaw(Law):
-    """A law from outside: any object with `velocity`, and `slice_norm` if it has one, checked in every tick.
-
-    Raises:
-        UsageError: there is no such law.
-        LawError: it fails, or returns something else than finite numbers; names the law and the tick.
-    """
-
-    def __init__(self, scenario: Scenario, robot: int) -> None:
-        self._name, self._speed = scenario.control.law, scenario.control.speed
-        law, arguments = found(self._name)
+    @contextmanager
+    def _guarded(self, what: str) -> Iterator[None]:
+        """Keep the failure of a law from outside, which is not called again."""
         try:
-            self._law = law(scenario, robot, **arguments)
-        except UsageError:
-            raise
+            yield
         except Exception as error:
-            raise LawError(f"{self._name}: cannot be made for robot {robot}: {error!r}") from error
-        self._slice_norm = getattr(self._law, "slice_norm", super().slice_norm)
+            if isinstance(error, UsageError) or not self._from_outside:
+                raise
+            self._law, self.failure = None, f"{self._name}: {what}: {error!r}"
 
-    def velocity(self, view: View) -> Vector:
-        """Desired velocity, m/s; what is faster than the speed limit is slowed down to it."""
-        try:
-            vx, vy = (float(each) for each in self._law.velocity(view))
-        except Exception as error:
-            raise LawError(f"{self._name}: no velocity in tick {view.tick}: {error!r}") from error
-        size = math.hypot(vx, vy)
-        if not math.isfinite(size):
-            raise LawError(f"{self._name}: velocity ({vx}, {vy}) in tick {view.tick}: return finite numbers")
-        excess = max(1.0, size / self._speed)
-        return vx / excess, vy / excess
 
-    def slice_norm(self, position: Vector, goal: Vector) -> float:
-        """|D_i|, m, not negative."""
-        try:
-            norm = float(self._slice_norm(position, goal))
-        except Exception as error:
-            raise LawError(f"{self._name}: no slice_norm at {position}: {error!r}") from error
-        if not math.isfinite(norm):
-            raise LawError(f"{self._name}: slice_norm {norm} at {position}: return a finite number")
-        return max(0.0, norm)
+def _finite(size: float) -> float:
+    if not math.isfinite(size):
+        raise ValueError(f"{size} is not a finite number")
+    return size
 
 
 def found(name: str) -> tuple[Any, dict[str, Any]]:

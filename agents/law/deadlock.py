@@ -1,10 +1,10 @@
 """Deadlock: notice that a robot makes no progress, and leave along the direction of negative curvature.
 
-Two causes stop a robot away from its goal: a saddle of phi, where repulsion cancels attraction (exactly
-symmetric swaps come to rest on one), and a filter that projects the desired velocity to nothing. At a saddle
-phi falls when all members of a cluster circle its centroid, v_i = J (b_i - centroid), J = [[0, 1], [-1, 0]]
-(Karagoz, Bozma, Koditschek, Prop. C.4). The sense of rotation is a constant, so the members agree without
-a word. The escape is a drift within the flow: the other disks and the workspace repel it as ever.
+Two causes stop a robot away from its goal: a saddle of phi, where repulsion cancels attraction, and a filter
+that projects the desired velocity to nothing. At a saddle phi falls when all members of a cluster circle its
+centroid in one sense, v_i = J (b_i - centroid), J = [[0, 1], [-1, 0]] (Karagoz, Bozma, Koditschek, Prop.
+C.4).
+The escape is a drift within the flow: the other disks and the workspace repel it as ever.
 """
 
 from __future__ import annotations
@@ -27,9 +27,7 @@ MOTIONLESS: Mean = ((0.0, 0.0), (0.0, 0.0))
 LAP: Final = 0.4  # s
 STEP: Final = 0.05  # s
 SLOW: Final = 0.1  # below this fraction of the free speed there is no progress
-WINDOW: Final = (
-    0.4  # s, eight periods, time constant over which motion is averaged, so that swinging to and fro is none
-)
+WINDOW: Final = 0.4  # s, time constant over which motion is averaged, so that swinging to and fro is none
 SWING: Final = 3.0  # the window grows by this times the latency: late repulsion swings slowly
 STALEST: Final = 2.0  # s; a peer that is cut off for longer does not make the others wait any longer
 PATIENCE: Final = 1.0  # s without progress before the escape begins, with fresh information
@@ -43,21 +41,20 @@ ADJACENT: Final = 1.25  # closest neighbours: beta_ij <= eps = ADJACENT rho_ij^2
 
 @dataclass
 class Progress:
-    """How much one robot is stuck, from what it wants and what it really does.
+    """How much one robot is stuck, by its desired and its executed motion.
 
-    The free speed is what attraction alone would give, min(speed, 2 s |b_i - g_i|). A robot stalls when
-    it is off its goal and either moves along its desired velocity at less than a tenth of the free speed,
-    or desires less than that. The latter is also the lot of a robot nudged off its goal, which only waits
-    for gamma to fall: it stalls only if a disk bars the straight way to its goal, or gamma falls no more.
+    The free speed is that of attraction alone, min(speed, 2 s |b_i - g_i|). A robot stalls when it is off its
+    goal and moves along its desired velocity at less than a tenth of the free speed. One that desires less
+    than that may only wait for gamma to fall: it stalls if a disk bars the straight way to its goal, or
+    gamma falls no more.
 
     Args:
         period: control period, s.
         lap: in which the largest disk of the fleet moves by its radius at full speed, s.
 
     Attributes:
-        strength: of the escape, 0 (none) to 1, continuous in time. The drift to add to the flow is
-            strength * free speed * `circling`: never more than the attraction, so that it cannot keep
-            a robot in orbit around its goal.
+        strength: of the escape, 0 (none) to 1, continuous in time. The drift in the flow is strength * free
+            speed * `circling`: never more than the attraction, so that no robot orbits its goal.
     """
 
     period: float
@@ -87,9 +84,9 @@ class Progress:
             desired: velocity that the flow asks for, before drift and filter, m/s.
             free: free speed, m/s; 0 at the goal.
             gamma: sum of all robots' squared distances to their goals, m^2, as known.
-            barred: tells whether a disk bars the straight way to the goal (`barred`); not always asked.
-            latency: age of the oldest peer state in use, s. A filter that waits for answers holds a robot
-                for some round trips without any deadlock: the patience grows with it.
+            barred: `barred` of this tick, evaluated only where it decides.
+            latency: age of the oldest State in use, s. The patience grows with it: a filter that waits for
+                answers holds a robot for some round trips without any deadlock.
         """
         laps, periods = self.lap / LAP, self.period / STEP
         scale = max(laps, min(periods, 1.0), 0.25 * periods)
@@ -158,10 +155,8 @@ def cluster(position: Vector, radius: float, peers: Sequence[Other]) -> list[Oth
 
 
 def circling(position: Vector, goal: Vector, radius: float, peers: Sequence[Peer]) -> Vector:
-    """Own part of v, J (b_i - centroid), scaled so that the cluster's fastest member has length 1.
-
-    A robot without neighbours circles its own goal instead: it sidesteps in the same sense.
-    """
+    """J (b_i - centroid), scaled so that the cluster's fastest member has length 1; without neighbours around
+    the own goal."""
     members = [(peer.x, peer.y) for peer in cluster(position, radius, peers)]
     if members:
         members.append(position)
@@ -175,11 +170,8 @@ def circling(position: Vector, goal: Vector, radius: float, peers: Sequence[Peer
 
 
 def centroid(points: Sequence[Vector]) -> Vector:
-    """Mean of the points, m.
-
-    Added up one by one: `sum` rounds otherwise from Python 3.12 on, and trajectories would differ.
-    """
-    x, y = 0.0, 0.0
+    """Mean of the points, m."""
+    x, y = 0.0, 0.0  # not by `sum`, which rounds otherwise from Python 3.12 on
     for px, py in points:
         x, y = x + px, y + py
     return x / len(points), y / len(points)

@@ -66,9 +66,7 @@ class Clearances:
             for column in range(self._bucket(x0 - self.reach), self._bucket(x1 + self.reach) + 1):
                 for row in range(self._bucket(y0 - self.reach), self._bucket(y1 + self.reach) + 1):
                     self._buckets.setdefault((column, row), []).append(entry)
-        clear[[0, -1], :] = clear[
-            :, [0, -1]
-        ] = -self.step  # a rim, so that every other point has eight neighbours
+        clear[[0, -1], :] = clear[:, [0, -1]] = -self.step  # a rim: every other point has eight neighbours
         self.clear: list[float] = clear.ravel().tolist()
 
     def near(self, x: float, y: float) -> list[Shape]:
@@ -104,10 +102,8 @@ class Clearances:
         return (1.0 - v) * low + v * ((1.0 - u) * clear[above] + u * clear[above + 1])
 
     def sees(self, begin: Vector, end: Vector, clear: float) -> bool:
-        """Whether the straight way keeps `clear` (m) of everything, or nearly what is clear at its ends.
-
-        From where more is clear the next place looked at is as much farther: no clearance shrinks faster.
-        """
+        """Whether the straight way keeps `clear` (m) of everything, or nearly the clearance at its ends. No
+        clearance shrinks faster than the way grows, so spare clearance is skipped."""
         needed = min(clear, _NEARER * self.at(*begin), _NEARER * self.at(*end))
         (x, y), length, done = begin, math.dist(begin, end), 0.0
         while done < length:
@@ -164,7 +160,7 @@ class FieldRoute:
         return None if seen is None else (seen[1], math.dist(position, seen[1]) + seen[2])
 
     def _is_fresh(self, position: Vector, begin: Vector, corner: Vector) -> bool:
-        """Whether what was seen from `begin` still counts: the grid tells no more half a step farther."""
+        """Whether a corner seen from `begin` is still valid: the grid resolves half a step."""
         step = self._map.step
         return math.dist(position, begin) < 0.5 * step and math.dist(position, corner) > step
 

@@ -41,8 +41,7 @@ def desired_velocity(
     """Mean velocity (m/s) over one period of the flow that starts at `position` (m).
 
     Where the law asks for more than the speed limit the curve is followed at the limit: it ends after
-    `period` (s), or after `speed * period` of arc if that is sooner. Either way phi descends, and a large
-    scale gives the flow of a robot that saturates by itself. The result never exceeds `speed` (m/s).
+    `period` (s), or after `speed * period` of arc if that is sooner. The result never exceeds `speed` (m/s).
     `begin` is the slice's gradient at `position`, if it is known already.
     """
     if begin is None:

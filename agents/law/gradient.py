@@ -36,9 +36,7 @@ from protocol.geometry import Disk, Shape
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 
-# 1/beta is followed down to this fraction of the squared contact distance, a gap of less than a nanometre
-# per metre of radius, and along its tangent from there on (see `Slice`).
-CONTACT: Final = 1e-9
+CONTACT: Final = 1e-9  # of the squared contact distance: below it 1/beta is continued along its tangent
 _LIMIT: Final = 1.0 + CONTACT
 _REMOTE: Final = 1e6  # times its size, from a room with straight walls: a boundary that counts for nothing
 
@@ -84,9 +82,9 @@ class Slice:
     """D_i and its Jacobian as functions of the own position, built once per tick.
 
     At or behind a contact (beta <= 0, possible because peers are known late) phi has no gradient. There the
-    slice continues 1/beta along its tangent at beta = 1e-9 rho^2: `-D_i` then points straight out of the
-    overlap, outweighs all attraction, and grows with the depth, so that integrating it pushes the disks
-    apart. It is continuously differentiable everywhere. Two coincident centres exert no push.
+    slice continues 1/beta along its tangent at beta = 1e-9 rho^2: `-D_i` then points out of the overlap,
+    outweighs all attraction, and grows with the depth. It is continuously differentiable everywhere. Two
+    coincident centres exert no push.
 
     Args:
         goal: own goal, m.
@@ -126,10 +124,8 @@ class Slice:
         return self._others + (x - self.goal[0]) ** 2 + (y - self.goal[1]) ** 2
 
     def __call__(self, x: float, y: float) -> tuple[float, float]:
-        """D_i at (x, y), m. The law is u_i = -D_i up to a positive scale.
-
-        The same to the last bit as in `gradient`, in 0.6 of its time: a step needs it once without Jacobian.
-        """
+        """D_i at (x, y), m: as in `gradient`, in 0.6 of its time, as a step needs it once without
+        Jacobian."""
         far = self._far
         px, py = x - far.x, y - far.y
         log_x = far.log_x + far.xx * px + far.xy * py  # of half the gradient of log beta
@@ -201,7 +197,7 @@ class Slice:
         )
 
     def norm(self, x: float, y: float) -> float:
-        """|D_i| at (x, y), m: what a robot tells its peers for the common pace."""
+        """|D_i| at (x, y), m, which States carry for the common pace."""
         return math.hypot(*self(x, y))
 
     def _edge_inverse(self, x: float, y: float) -> tuple[float, float]:

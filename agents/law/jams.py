@@ -1,14 +1,13 @@
 """Jams: which robots back off for a while, so that others get through.
 
-In passages that leave room for one only, two that want to go through keep each other from their goals, and
-no flow and no line resolves that (`RightOfWay`): one goes first; the others go back the way they came, to
-where they can be passed, and wait until those ahead have passed, or for a while.
+In passages that leave room for one only, two robots keep each other from their goals (`RightOfWay`): one goes
+first; the others go back the way they came, to where they can be passed, and wait until those ahead have
+passed, or for a while.
 
-Where nothing is narrow (`Dispersal`), a crowd whose goals are on the far side of it presses itself together
-from all sides, and then no robot in it can move before another does, not even in a circle. So all but one
-spread from the jam's centroid to twice the distance, stand there a while, and go on one after the other.
-And two at their goals may leave less than a disk between them where another wants to pass: a robot at its
-goal steps aside in the same manner for one that has been standing beside it.
+Where nothing is narrow (`Dispersal`), a crowd whose goals are on its far side presses itself together, and no
+robot in it can move before another does. So all but one spread from the jam's centroid to twice the distance,
+stand there a while, and go on one after the other. A robot at its goal steps aside in the same manner for one
+that has been standing beside it.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from agents.peers.state import PeerState
 from protocol.geometry import Shape
 from protocol.messages import Vector
 
-# Laps: in one the largest disk moves by its radius at full speed.
+# Laps:
 JAM: Final = 16.0  # without coming nearer to the goal by a radius
 TURN: Final = 64.0  # until another goes first
 WAIT: Final = 24.0  # that the second in line backs off and stands
@@ -38,11 +37,11 @@ _CRUMBS: Final = 4096
 
 
 class GivingWay:
-    """One robot's part in jams. What a jam is, and where to back off to, is a subclass's.
+    """One robot's part in jams; subclasses say what a jam is, and where to back off to.
 
     Args:
-        robot: its id.
-        radius: its own, m.
+        robot: own id.
+        radius: own, m.
         lap: time in which the largest disk moves by its radius at full speed, s.
         period: control period, s.
     """
@@ -68,11 +67,7 @@ class GivingWay:
         self._back, self._until = place, tick + math.ceil(laps * self._lap)
 
     def _is_held(self, tick: int, left: float) -> bool:
-        """Whether the robot has not come nearer to its goal for long; then it counts anew.
-
-        Args:
-            left: length of the way to the goal, m.
-        """
+        """Whether the robot, `left` m from its goal, has not come nearer for long; then the time is reset."""
         if left < self._nearest - self._radius:
             self._nearest, self._since = left, tick
         if tick - self._since < JAM * self._lap:
@@ -85,11 +80,8 @@ class GivingWay:
         return peer.placed and peer.gamma > (NEAR * self._radius) ** 2
 
     def _before(self, tick: int, jam: Iterable[PeerState]) -> list[PeerState]:
-        """Those of these that go before this robot.
-
-        It follows from ids and the tick, so all of a jam know it without a word. It is another robot after a
-        while, for the first may be the one that cannot move.
-        """
+        """Those of these that go before this robot, by ids and the tick, which all of a jam know. After a
+        while another robot is first, as the first may be the one that cannot move."""
         turn = int(tick // (TURN * self._lap))
         own = _order(self._robot, turn)
         return [peer for peer in jam if _order(peer.robot, turn) < own]
@@ -105,7 +97,6 @@ class RightOfWay(GivingWay):
     """One robot's part in jams where obstacles leave little room."""
 
     def __init__(self, robot: int, radius: float, lap: float, period: float) -> None:
-        """As `GivingWay`."""
         super().__init__(robot, radius, lap, period)
         self._trail: list[Vector] = []
         self._awaited: dict[int, float] = {}  # peers that go first, and how far from their goals they were, m
@@ -113,14 +104,8 @@ class RightOfWay(GivingWay):
     def look(
         self, tick: int, position: Vector, left: float, peers: Sequence[PeerState], obstacles: Sequence[Shape]
     ) -> None:
-        """Take in a tick in which the robot may go on.
-
-        Args:
-            position: own, m.
-            left: length of the way to the goal, m.
-            peers: those that move.
-            obstacles: static obstacles.
-        """
+        """Update in a tick in which the robot may go on, at `position` and `left` m from its goal, among
+        moving peers."""
         self._leave_trail(position)
         if not self._is_held(tick, left):
             return
@@ -131,14 +116,8 @@ class RightOfWay(GivingWay):
             self._back_off(tick, self._siding(position, peers, obstacles), WAIT + QUEUE * len(before))
 
     def let_pass(self, tick: int, position: Vector, peers: Sequence[PeerState]) -> None:
-        """Take in a tick in which the robot may give way: if all that it gives way to have passed, or are
-        at their goals, it goes on.
-
-        Args:
-            tick: present.
-            position: own, m.
-            peers: those that move.
-        """
+        """Go on from this tick if all moving peers that the robot gives way to have passed, or are at their
+        goals."""
         if self._back is None:
             return
         for peer in peers:
@@ -180,21 +159,13 @@ class Dispersal(GivingWay):
     """One robot's part in jams where nothing is narrow."""
 
     def __init__(self, robot: int, radius: float, lap: float, period: float) -> None:
-        """As `GivingWay`."""
         super().__init__(robot, radius, lap, period)
         self._beside: dict[int, Vector] = {}  # peers that wanted to pass, and where, at the last look, m
 
     def look(
         self, tick: int, position: Vector, left: float, peers: Sequence[PeerState], *, stuck: bool
     ) -> None:
-        """Take in a tick in which the robot may go on.
-
-        Args:
-            position: own, m.
-            left: length of the way to the goal, m.
-            peers: those that move.
-            stuck: whether the robot escapes from a deadlock.
-        """
+        """As `RightOfWay.look`; `stuck`: whether the robot escapes from a deadlock."""
         if left <= NEAR * self._radius:
             self._look_beside(tick, position, peers)
             return

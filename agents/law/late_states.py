@@ -1,16 +1,14 @@
 """What a robot does differently once States are late: foresight, softer repulsion, more speed near goals.
 
-- A robot that gives way to States as received gives way too late. So a peer that has much farther to go
-  than the robot is taken to have gone on as it wished, and the robot makes room ahead of time (`foreseen`).
-  Only one of two does that, for both together would drive each other back; and some of the gap that was
-  seen remains.
-- The repulsive layer around a disk is about gamma/k thin. Near the goals gamma is small, and the layer is
-  thinner than the way of a peer before its State arrives: robots come so close that each has to wait until
-  it sees the other leave, and lines give them no more speed than gap over latency. A smaller k
-  (`late_gain`) keeps them farther apart, for a path that is a little longer. Far from the goals it would
-  only widen detours.
-- The common pace is not common any more: each robot takes it from where the others were. Near its goal a
-  robot then goes faster (`late_speed`): there it is held back by gaps, not by the way of others.
+- A peer that has much farther to go than the robot is taken to have gone on as it wished, and the robot makes
+  room ahead of time (`foreseen`). Only one of two does that, for both would drive each other back; and some
+  of the gap that was seen remains.
+- The repulsive layer around a disk is about gamma/k thin. Near the goals it is thinner than the way of a peer
+  before its State arrives: robots come so close that each waits until it sees the other leave, and lines give
+  them no more speed than gap over latency. A smaller k (`late_gain`) keeps them farther apart, for a path
+  that is a little longer. Far from the goals it would only widen detours.
+- Each robot takes the common pace from where the others were. Near its goal, where gaps hold it back and not
+  the way of others, a robot goes faster (`late_speed`).
 
 Latencies are in laps: in a lap the largest disk moves by its radius at full speed.
 """
@@ -36,14 +34,10 @@ FAST_AT_ALL: Final = 6.0  # radii from the goal, beyond which it does not
 
 
 def foreseen(me: Peer, peers: Sequence[Peer], tick: int, period: float, lap: float) -> list[Peer]:
-    """All peers, those that go first where their wishes have taken them since their States.
+    """All peers as last heard, those that go first moved on by their wishes since then.
 
     Args:
-        me: this robot.
-        peers: as last heard.
-        tick: the present one.
-        period: control period, s.
-        lap: time in which the largest disk moves by its radius at full speed, s.
+        period, lap: of a tick, and of a lap, s.
     """
     found: list[Peer] = []
     for peer in peers:
@@ -77,8 +71,7 @@ def late_gain(k: float, away: float, latency: float) -> float:
 
 
 def late_speed(speed: float, away: float, latency: float) -> float:
-    """The speed to be given to `common_pace` by a robot `away` (own radii) from its goal, m/s; its own limit
-    holds all the same."""
+    """The speed for `common_pace` of a robot `away` (own radii) from its goal, m/s; its limit stays."""
     return speed * (1.0 + HASTE * _near(away, FAST_IN_FULL, FAST_AT_ALL) * min(LATEST, latency))
 
 

@@ -282,8 +282,8 @@ class Attraction:
     In a sphere world it is straight, as in Koditschek and Rimon's navigation functions; elsewhere gamma_i is
     the squared length of the shortest way, whose gradient leads to the first corner of it.
 
-    In a passage that is wide enough for one only, two that meet bar each other's way for good. So a robot
-    that is not alone goes through those where two can pass, as long as they lead to its goal.
+    In a passage that is wide enough for one only, two that meet block each other. So a robot that is not
+    alone goes through passages where two can pass, as long as they lead to its goal.
 
     Args:
         room: the workspace.
@@ -351,10 +351,8 @@ class Attraction:
         return corners[1:]
 
     def _ahead(self, position: Vector, goal: Vector) -> tuple[Vector, float] | None:
-        """By the widest passages that lead there; once narrow ones are needed, by these for this goal.
-
-        A robot that chose anew in every place could go to and fro between two ways for ever.
-        """
+        """By the widest passages that lead there; once narrow ones are needed, by these for this goal, so
+        that no robot goes to and fro between two ways for ever."""
         for choice in range(self._choice, len(self._widths)):
             found = self._route(choice).ahead(position, goal)
             if found is not None:

@@ -1,17 +1,15 @@
 """Reciprocal velocities where they lead on, the paper's flow where they do not.
 
-A robot goes straight to its goal if the reciprocal half-planes of all disks within reach allow it (van den
-Berg, Guy, Lin, Manocha, "Reciprocal n-Body Collision Avoidance", 2011). If not, it takes the allowed velocity
-nearest to straight on. Where many are about to meet in one place, straight on is first turned to the left, so
-that all of them go round it (`roundabout`). Where that gets it too little nearer to its goal, close to the
-goal, and while it escapes from a deadlock, it follows the paper's gradient flow; close to the goal it waits
-for passing peers rather than be driven aside, if it has an escape. A peer stands where its wish has taken it
-since its State; the own velocity is the own last wish, too, so that both ends reckon with the same.
+A robot takes the velocity nearest to straight on that the reciprocal half-planes of all disks within reach
+allow (van den Berg, Guy, Lin, Manocha, "Reciprocal n-Body Collision Avoidance", 2011, section 4), or the one
+that violates them least (section 5). Where many are about to meet in one place, straight on is first turned
+to the left, so that all of them go round it (`roundabout`). Where that leads too little towards its goal,
+close to the goal, and while it escapes from a deadlock, it follows the paper's gradient flow; close to the
+goal it waits for passing peers rather than be driven aside, if it has an escape. A peer is where its wish has
+taken it since its State; the own velocity is the own last wish, too, so that both ends reckon with the same.
 
-Of two robots each leaves itself the velocities of one half-plane; if both keep to theirs, they do not touch
-within the horizon (section 4 there). The nearest velocity, or the one that violates them least, comes of two
-linear programs in few variables, solved one constraint after another (Seidel; de Berg et al., "Computational
-Geometry", chapter 4), the second as in section 5 of the former.
+The linear programs are solved one constraint after another (Seidel; de Berg et al., "Computational Geometry",
+chapter 4).
 """
 
 from __future__ import annotations
@@ -236,9 +234,9 @@ class ReciprocalLaw:
         return (vx, vy) if vx * ex + vy * ey >= slow * rate * away * away else None
 
     def _waits(self, view: View, flow: Vector) -> bool:
-        """Whether it is better to stand than to be driven aside, near the goal, by peers that pass: as long
-        as none of them comes at the robot. A robot that waits in vain is soon stuck, escapes if it may, and
-        follows the flow until that leads on."""
+        """Whether to stand near the goal rather than be driven aside by peers that pass: as long as none of
+        them comes at the robot. If it waits in vain, it soon escapes, and follows the flow until that leads
+        on."""
         (x, y), (gx, gy) = view.position, self._gradient.aim
         ex, ey = gx - x, gy - y
         away = math.hypot(ex, ey)

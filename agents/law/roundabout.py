@@ -1,12 +1,10 @@
 """A place where many are about to meet, and how each turns so that all go round it.
 
-Robots that go straight on to one place stop each other there. If all go round it in one sense, one behind
-the other, none has to wait, and a way that touches the circle is little longer than the straight one. The
-circle on which disks that follow each other at an angle just touch has the radius of a disk over the sine
-of half that angle.
+If all go round it in one sense, one behind the other, none has to wait, and a way that touches the circle is
+little longer than the straight one. The circle on which disks that follow each other at an angle just touch
+has the radius of a disk over the sine of half that angle.
 
-Peers that are near are heard in every tick. Of those far off the world sums up now and then where they are;
-from one summary to the next it shows how they go on, as a State would say.
+Near peers send a State every tick; two summaries show the courses of far ones.
 """
 
 from __future__ import annotations
@@ -139,9 +137,8 @@ def roundabout(position: Vector, way: Vector, met: Sequence[Encounter]) -> Round
     as the known ones.
 
     Args:
-        position: own, m.
         way: velocity straight on, m/s.
-        met: with which peers; at least one.
+        met: at least one.
     """
     ahead = math.fsum(each.time for each in met) / len(met)
     x, y = position[0] + ahead * way[0], position[1] + ahead * way[1]

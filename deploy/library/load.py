@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from agents.law import View, choose
+from agents.law import GuardedLaw, View
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from deploy.library.encounters import (
@@ -40,7 +40,7 @@ from deploy.library.instances import (
 )
 from deploy.theory.tuning import gain_for
 from protocol.draws import checked_seed
-from protocol.errors import ScenarioError, UsageError
+from protocol.errors import LawError, ScenarioError, UsageError
 from protocol.scenario.file import apply_settings, document_of, parse_document, read_document
 from protocol.scenario.model import Scenario
 from protocol.scenario.tables import Document
@@ -198,7 +198,7 @@ def try_out(scenario: Scenario) -> None:
     if ":" not in scenario.control.law:
         return
     robot = scenario.ids[0]
-    law, own = choose(scenario, robot), scenario.spec(robot)
+    law, own = GuardedLaw(scenario, robot), scenario.spec(robot)
     neighbours = _neighbours(scenario, robot)
     quickest = float("inf")
     for tick in range(TRIES):
@@ -214,6 +214,8 @@ def try_out(scenario: Scenario) -> None:
         law.velocity(view)
         quickest = min(quickest, time.perf_counter() - begin)
         law.slice_norm(own.start, own.goal)
+        if law.failure:
+            raise LawError(law.failure)
     if quickest > scenario.time.step:
         raise UsageError(
             f"control.law: a step of {scenario.control.law} takes {1e3 * quickest:.3g} ms, longer than a "

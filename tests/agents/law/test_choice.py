@@ -13,7 +13,7 @@ from types import ModuleType
 
 import pytest
 
-from agents.law import GuardedLaw, View, choose
+from agents.law import GuardedLaw, View
 from agents.peers.neighbours import Neighbours
 from deploy.library.load import load, try_out
 from deploy.run.local import LocalFleet
@@ -111,7 +111,7 @@ def test_what_takes_longer_than_a_period_is_refused(write: Write) -> None:
 
 def test_what_is_too_fast_is_slowed_down_and_the_attraction_is_told(write: Write) -> None:
     base = load("head-on")
-    law = choose(replace(base, control=Control(law=write("return (3, 4)"), k=60.0)), 1)
+    law = GuardedLaw(replace(base, control=Control(law=write("return (3, 4)"), k=60.0)), 1)
     assert law.velocity(a_view()) == pytest.approx((0.06, 0.08))
     assert law.slice_norm((0.0, 0.0), (3.0, 4.0)) == pytest.approx(10.0)
     assert math.hypot(*law.velocity(a_view())) <= 0.1 + 1e-12
