@@ -43,7 +43,8 @@ lock: $(READY)  ## renew the versions that `make setup` and `make test` install
 	$(UV) pip compile --quiet --upgrade --universal --python-version 3.11 --extra all --extra test \
 	  --no-header --no-annotate --no-emit-index-url pyproject.toml -o requirements.lock
 
-compile: $(COMPILED)  ## make C again of the modules that run for every message, and compare it with their sources; two minutes
+compile: $(COMPILED)  ## make C again of the modules that run for every message, and test it as their sources are tested; three minutes
+	$(BIN)/python -m pytest -n auto -m 'not slow and not process' tests/agents tests/protocol
 	$(BIN)/python -m pytest tests/deploy/test_software.py
 
 $(DEMO): pyproject.toml

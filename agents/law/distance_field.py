@@ -251,8 +251,8 @@ def _distances(shape: Shape, x: Reals, y: Reals) -> Reals:
 
 
 def _from_polygon(shape: ConvexPolygon, x: Reals, y: Reals) -> Reals:
-    inside = np.full(np.broadcast_shapes(x.shape, y.shape), -np.inf)
-    outside = np.full(inside.shape, np.inf)
+    x, y = np.broadcast_arrays(x, y)
+    inside, outside = np.full_like(x, -np.inf), np.full_like(x, np.inf)
     for (nx, ny, offset), (ax, ay), (bx, by) in zip(
         shape.sides, shape.points, (*shape.points[1:], shape.points[0]), strict=True
     ):

@@ -13,7 +13,7 @@ from agents.shell.world_session import PATIENCE
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.bus import Presence, Sample
-from protocol.bus.local import LocalNetwork
+from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import encode
 from protocol.errors import BusError
 from protocol.keys import robot_key
@@ -57,7 +57,9 @@ def test_a_run_that_is_over_is_left_unless_its_world_may_be_back(kept: bool, tmp
         fleet.network.run(lambda: all(robot is not None and robot.finished for robot in robots))
 
 
-def test_a_robot_that_asks_a_world_that_leaves_hears_that_it_has_left() -> None:
+def test_a_robot_that_asks_a_world_that_leaves_hears_that_it_has_left(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     """A question keeps a robot from hearing anything: at the end of a run it is short."""
     fleet, waited = LocalFleet(SCENARIO), list[float]()
     fleet.network.run(lambda: fleet.world.world.tick > 10)
@@ -65,11 +67,11 @@ def test_a_robot_that_asks_a_world_that_leaves_hears_that_it_has_left() -> None:
     assert isinstance(node, RobotNode)
     assert node.core is not None
 
-    def ask(_: str, __: bytes, timeout: float) -> list[bytes]:
+    def ask(_: LocalBus, __: str, ___: bytes, timeout: float) -> list[bytes]:
         waited.append(timeout)
         raise BusError("no answer")
 
-    fleet.robots[1].ask = ask  # type: ignore[method-assign]
+    monkeypatch.setattr(LocalBus, "ask", ask)
     over = Tick(1, 1, node.core.tick, (), epoch=node.core.epoch, over=True)
     node.handle(Sample(robot_key("local", 1, "tick"), encode(over)))
     node.wake(time.monotonic())

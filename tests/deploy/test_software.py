@@ -23,7 +23,7 @@ from protocol.process.installation import ROOT
 from tests.interpreted import interpreted
 
 _TWINS = pytest.mark.skipif(not compiled(), reason="nothing is compiled: `make compile`")
-_SCENARIOS = ("figure-1", "delay-6")
+_SCENARIOS = ("figure-1", "delay-6", "forest-2", "warehouse-2", "turtlebots-3", "parts-1", "random-34")
 
 
 @_TWINS
@@ -52,7 +52,7 @@ def test_trajectories_are_those_of_the_sources(tmp_path: Path) -> None:
         )
     script = (
         "import json, sys; from deploy.library.load import load; from deploy.run.local import LocalFleet\n"
-        "print(json.dumps([LocalFleet(load(name)).execute() for name in sys.argv[1:]]))"
+        "print(json.dumps([LocalFleet(load(name, ['time.limit=5'])).execute() for name in sys.argv[1:]]))"
     )
     environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
     said = subprocess.run(
@@ -64,7 +64,7 @@ def test_trajectories_are_those_of_the_sources(tmp_path: Path) -> None:
         check=True,
     ).stdout
     for name, source in zip(_SCENARIOS, json.loads(said), strict=True):
-        twin = LocalFleet(load(name)).execute()
+        twin = LocalFleet(load(name, ["time.limit=5"])).execute()
         same = ("trajectory_sha256", "min_clearance", "nrl", "phi", "ticks")
         assert {key: source[key] for key in same} == {key: twin[key] for key in same}
 
