@@ -12,8 +12,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import combinations, pairwise
+from itertools import pairwise
 from typing import Final, NamedTuple
+
+import numpy as np
 
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.messages import Vector
@@ -36,13 +38,16 @@ def gaps(room: Shape, obstacles: Sequence[Shape], below: float = math.inf) -> li
 
     To the outside an obstacle has a gap at each corner where a disk may be stuck between the two.
     """
-    found = [
-        Gap(one, other, *ends, math.dist(*ends))
-        for (one, a), (other, b) in combinations(enumerate(obstacles), 2)
-        if math.hypot(a.around.x - b.around.x, a.around.y - b.around.y) - a.around.radius - b.around.radius
-        < below
-        for ends in [_nearest(a, b)]
-    ]
+    disks = [shape.around for shape in obstacles]
+    x, y, radius = np.array([(disk.x, disk.y, disk.radius) for disk in disks]).reshape(-1, 3).T
+    found = []
+    for one, shape in enumerate(
+        obstacles
+    ):  # a thousand obstacles have half a million pairs, and few of them near
+        apart = np.hypot(x[one + 1 :] - x[one], y[one + 1 :] - y[one]) - radius[one + 1 :] - radius[one]
+        for other in (np.flatnonzero(apart < below) + one + 1).tolist():
+            ends = _nearest(shape, obstacles[other])
+            found.append(Gap(one, other, *ends, math.dist(*ends)))
     for one, shape in enumerate(obstacles):
         found += [Gap(one, OUTSIDE, *ends, math.dist(*ends)) for ends in _exits(room, shape)]
     return sorted((gap for gap in found if gap.width < below), key=lambda gap: gap.width)

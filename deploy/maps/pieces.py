@@ -9,6 +9,7 @@ free ones touch, for what lies behind those cannot be reached.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from typing import Final, NamedTuple, TypeVar
 
@@ -140,17 +141,17 @@ def _piece(points: list[_Corner], forbidden: _Forbidden) -> _Piece:
 def _around(rows: Ints, columns: Ints, forbidden: _Forbidden) -> _Piece:
     """The hull of cells."""
     base = rows.min()
-    left = np.full(rows.max() - base + 1, np.iinfo(np.intp).max)
+    left = np.full(rows.max() - base + 2, np.iinfo(np.intp).max)  # of the corners at each height
     right = np.full(len(left), -1)
-    np.minimum.at(left, rows - base, columns)
-    np.maximum.at(right, rows - base, columns + 1)
+    for height in (rows - base, rows - base + 1):
+        np.minimum.at(left, height, columns)
+        np.maximum.at(right, height, columns + 1)
     (each,) = np.nonzero(right >= 0)
-    points = [
-        (x, y + int(base))
-        for side in (left, right)
-        for x, y in zip(side[each].tolist(), each.tolist(), strict=True)
-    ]
-    return _piece([*points, *((x, y + 1) for x, y in points)], forbidden)
+    heights = (each + base).tolist()
+    return _piece(
+        [*zip(left[each].tolist(), heights, strict=True), *zip(right[each].tolist(), heights, strict=True)],
+        forbidden,
+    )
 
 
 def _split(rows: Ints, columns: Ints, forbidden: _Forbidden) -> Iterator[_Piece]:
@@ -161,16 +162,24 @@ def _split(rows: Ints, columns: Ints, forbidden: _Forbidden) -> Iterator[_Piece]
         if not whole.bad:
             yield whole
             continue
-        best: list[tuple[Ints, Ints, _Piece]] = []
-        for along in (rows, columns) if len(rows) <= _MANY else (max(rows, columns, key=np.ptp),):
-            for low in _cuts(along):
-                parts = [
-                    (rows[side], columns[side], _around(rows[side], columns[side], forbidden))
-                    for side in (low, ~low)
-                ]
-                if not best or sum(part[2].bad for part in parts) < sum(part[2].bad for part in best):
-                    best = parts
-        waiting += best
+        waiting += _best_cut(rows, columns, forbidden)
+
+
+def _best_cut(rows: Ints, columns: Ints, forbidden: _Forbidden) -> list[tuple[Ints, Ints, _Piece]]:
+    """Both sides of the cut that leaves least forbidden."""
+    best: list[tuple[Ints, Ints, _Piece]] = []
+    least = math.inf
+    for along in (rows, columns) if len(rows) <= _MANY else (max(rows, columns, key=np.ptp),):
+        for low in _cuts(along):
+            parts, bad = [], 0
+            for side in (low, ~low):
+                if bad < least:  # else the other side need not be known
+                    piece = _around(rows[side], columns[side], forbidden)
+                    parts.append((rows[side], columns[side], piece))
+                    bad += piece.bad
+            if bad < least:
+                best, least = parts, bad
+    return best
 
 
 def _cuts(along: Ints) -> Iterator[Mask]:
