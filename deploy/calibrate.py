@@ -1,7 +1,6 @@
-"""Measuring a base by driving a square: what it is told, what odometry and poses say, what follows.
+"""Calibration of a base: drive a square, and compare commands, odometry and poses.
 
-`Driver` is sans-I/O: it is told what arrives and asked what is to be sent. At the end of the last side
-nothing is sent any more, so that the base shows its own timeout.
+`Driver` is sans-I/O. After the last side it sends nothing, so that the base's own timeout is measured.
 """
 
 from __future__ import annotations
@@ -33,41 +32,41 @@ from protocol.errors import BusError
 from protocol.scenario.body import Base
 
 PAUSE: Final = 1.5  # s at rest between two motions, in which poses are compared
-EVERY: Final = 0.05  # s between two velocities
-SILENCE: Final = 3.0  # s that the base is given to stop by itself
+EVERY: Final = 0.05  # s between two velocity commands
+SILENCE: Final = 3.0  # s without commands, in which the base has to stop by itself
 
 
 class Manoeuvre(NamedTuple):
-    """Something to do for a while."""
+    """A constant velocity command for a time."""
 
     duration: float  # s
     ahead: float  # m/s
     rate: float  # rad/s
-    told: bool = True  # False: nothing is sent
+    told: bool = True  # False: no command is sent
 
 
 class Row(NamedTuple):
-    """A place at a time, by odometry or by a pose."""
+    """A position from odometry or from a pose."""
 
-    time: float  # s, when it arrived
+    time: float  # s, of arrival
     stamp: float  # s, by the clock of its publisher
     x: float  # m
     y: float
     yaw: float  # rad, without jumps
-    ahead: float = 0.0  # m/s, of odometry
-    rate: float = 0.0  # rad/s, of odometry
+    ahead: float = 0.0  # m/s, odometry only
+    rate: float = 0.0  # rad/s, odometry only
 
 
 class Log(NamedTuple):
-    """Everything that was noted."""
+    """Manoeuvres and messages of a calibration."""
 
-    moves: list[tuple[float, Manoeuvre]]  # s, when it began
+    moves: list[tuple[float, Manoeuvre]]  # with the time of its start, s
     odometry: list[Row]
     poses: list[Row]
 
 
 def square(side: float, speed: float, rate: float) -> list[Manoeuvre]:
-    """Four sides of `side` m, four corners, and a last side that is not ended by a command."""
+    """Four sides of `side` m, four corners, and half a side that no command ends."""
     rest = Manoeuvre(PAUSE, 0.0, 0.0)
     moves = [rest]
     for _ in range(4):
@@ -76,19 +75,14 @@ def square(side: float, speed: float, rate: float) -> list[Manoeuvre]:
 
 
 class Driver:
-    """Drives through moves.
-
-    Args:
-        base: its topics and frames.
-        robot: the id that stands for `{id}` in their names.
-        moves: what to do, once odometry and a pose have come.
+    """Drives a sequence of manoeuvres, once odometry and a pose have arrived.
 
     Attributes:
-        base: its topics and frames, of this robot.
-        hears: topics that it wants to hear.
-        tells: the topic that it publishes.
-        due: when `wake` wants to be called, s.
-        finished: whether it is over.
+        base: topics and frames of this robot's base.
+        hears: topics to subscribe to.
+        tells: topic to publish.
+        due: time of the next call of `wake`, s.
+        finished: whether all manoeuvres are over.
     """
 
     def __init__(self, base: Base, robot: int, moves: list[Manoeuvre]) -> None:
@@ -106,12 +100,12 @@ class Driver:
 
     @property
     def waits_for(self) -> str:
-        """What has not come yet; "" if all is there."""
+        """Names of the topics without a message so far; "" if there are none."""
         missing = [topic.name for topic, rows in zip(self.hears, self.log[1:], strict=True) if not rows]
         return " and ".join(missing)
 
     def hear(self, topic: Topic, payload: bytes, now: float) -> None:
-        """A message arrived; raises MessageError if it is not what it should be."""
+        """Process a message; raises MessageError if it is invalid."""
         if topic == self._odometry:
             message = decode(Odometry, payload)
             ahead, rate = message.velocity.linear[0], message.velocity.angular[2]
@@ -128,7 +122,7 @@ class Driver:
             rows.append(Row(now, header.stamp / NANO, x, y, last + wrapped(yaw - last), *speeds))
 
     def wake(self, now: float) -> list[bytes]:
-        """What is to be sent by now."""
+        """Messages to send by now."""
         self.due = now + EVERY
         if self.waits_for:
             return []
@@ -152,16 +146,16 @@ class Driver:
 
 
 class Calibration:
-    """See `protocol.bus.bus.Node`.
+    """A `Node` that drives a base's manoeuvres over zenoh.
 
     Args:
         bus: a connection of its own.
-        driver: what is driven.
-        wait: s in which odometry and a pose have to come.
+        driver: the manoeuvres.
+        wait: time for the first odometry and pose, s.
 
     Raises:
-        BusError: they do not; says which is missing.
-        MessageError: what comes is no ROS 2 message, or of another type.
+        BusError: they do not arrive.
+        MessageError: a message is invalid or of another type.
     """
 
     def __init__(self, bus: Bus, driver: Driver, wait: float) -> None:
@@ -173,51 +167,51 @@ class Calibration:
 
     @property
     def finished(self) -> bool:
-        """Whether the square is driven."""
+        """Whether all manoeuvres are over."""
         return self._driver.finished
 
     @property
     def deadline(self) -> float:
-        """When `wake` wants to be called next, s, monotonic."""
+        """Time of the next call of `wake`, s, monotonic."""
         return self._driver.due
 
     def handle(self, event: Event) -> None:
-        """Something arrived."""
+        """Process an event."""
         if isinstance(event, Foreign):
             self._driver.hear(self._link.topic_of(event), event.payload, time.monotonic())
 
     def wake(self, now: float) -> None:
-        """Tell the base what it is to do by now."""
+        """Publish the messages that are due."""
         missing = self._driver.waits_for
         if missing and now > self._given_up:
             raise BusError(
-                f"nothing came on {missing}: do their publishers, or the bridge with that namespace, "
-                "run on the same router?"
+                f"no message on {missing}: check that their publishers, or a bridge with that namespace, "
+                "use the same router"
             )
         for payload in self._driver.wake(now):
             self._tell(payload)
 
 
-MARGIN: Final = 1.5  # how many times as much as was measured is to be stated
-_BEGUN: Final = 0.1  # of the speed: above it, the base has begun
-_FALLING: Final = 0.8  # of the speed: below it, the base brakes
+MARGIN: Final = 1.5  # stated bound over measured value
+_BEGUN: Final = 0.1  # share of the speed above which the base has started
+_FALLING: Final = 0.8  # share of the speed below which the base brakes
 
 
 class MeasuredBounds(NamedTuple):
-    """What was measured."""
+    """Measured properties of a base."""
 
-    noise_bound: float  # m, farthest of a pose at rest from the mean of that rest
+    noise_bound: float  # m, largest distance of a pose at rest from their mean
     heading: float  # rad, likewise
-    odometry: float  # share of a way that odometry is off, beyond what poses are
-    error: float  # share of a way that the base is off what it was told, by odometry
-    lag: float  # s, from a velocity that is sent to odometry that says it
-    timeout: float  # s, from the last velocity to odometry that says that the base brakes
-    acceleration: float  # m/s^2, at which it then brakes
-    interval: float  # s, longest between two odometries
+    odometry: float  # relative error of odometry's distance, against poses
+    error: float  # relative error of the driven distance, against the command
+    lag: float  # s, from a velocity command to odometry that shows it
+    timeout: float  # s, from the last command to odometry that shows braking
+    acceleration: float  # m/s^2, deceleration after the timeout
+    interval: float  # s, longest time between two odometry messages
 
 
 def bounds(log: Log) -> MeasuredBounds:
-    """Everything that a square says of a base."""
+    """Measured properties, from the log of a square."""
     rests = [begin + move.duration for begin, move in log.moves if move.told and _stands(move)]  # their ends
     places = [(_mean(log.odometry, rest), _mean(log.poses, rest)) for rest in rests]
     noise = max(_farthest(log.poses, pose, rest) for (_, pose), rest in zip(places, rests, strict=True))
@@ -240,7 +234,7 @@ def statements(found: MeasuredBounds) -> str:
     return "\n".join(
         (
             "[sensing]",
-            "noise = 1e-3  # any that is not 0: the bound alone counts; add what every pose is off alike",
+            "noise = 1e-3  # above 0; add a constant error of the poses to the bound",
             f"noise_bound = {_up(MARGIN * found.noise_bound)}",
             f"heading = {_up(MARGIN * found.heading)}",
             "",
@@ -258,7 +252,7 @@ def statements(found: MeasuredBounds) -> str:
 
 
 def _up(value: float) -> str:
-    """Two digits, not less than the value."""
+    """Round up to two digits."""
     return _digits(value, math.ceil)
 
 
@@ -278,7 +272,7 @@ def _stands(move: Manoeuvre) -> bool:
 
 
 def _within(rows: Sequence[Row], end: float) -> list[Row]:
-    """Rows of the second half of a rest, in which the base surely stands."""
+    """Rows of the second half of a rest, when the base stands."""
     return [row for row in rows if end - 0.5 * PAUSE <= row.time <= end] or [
         min(rows, key=lambda row: abs(row.time - end))
     ]
@@ -298,7 +292,7 @@ def _widest(rows: Sequence[Row], mean: Row, end: float) -> float:
 
 
 def _slip(places: Sequence[tuple[Row, Row]]) -> float:
-    """The largest share by which a side's length differs between odometry and poses."""
+    """Largest relative difference of a side's length between odometry and poses."""
     worst = 0.0
     for (one, before), (other, after) in pairwise(places):
         way = math.hypot(other.x - one.x, other.y - one.y)
@@ -309,7 +303,7 @@ def _slip(places: Sequence[tuple[Row, Row]]) -> float:
 
 
 def _off(log: Log) -> float:
-    """The largest share by which odometry says that a side was longer or shorter than told."""
+    """Largest relative difference of a side's length between odometry and command."""
     worst = 0.0
     for (begin, move), (end, _) in pairwise(log.moves):
         if move.told and move.ahead > 0.0 and log.moves[-1][0] != end:
@@ -320,7 +314,7 @@ def _off(log: Log) -> float:
 
 
 def _lag(log: Log) -> float:
-    """The longest time from the first velocity of a side to odometry that says that the base has begun, s."""
+    """Longest time from the first command of a side to odometry that shows motion, s."""
     begun = []
     for begin, move in log.moves:
         if move.ahead > 0.0:
@@ -330,7 +324,7 @@ def _lag(log: Log) -> float:
 
 
 def _stop(log: Log) -> tuple[float, float]:
-    """How long the base goes on by itself, s, and how fast it then brakes, m/s^2."""
+    """Time to the start of braking without commands, s, and deceleration, m/s^2."""
     silent, last = log.moves[-1][0], log.moves[-2][1]
     after = [row for row in log.odometry if row.time >= silent]
     low = [row for row in after if row.ahead < _FALLING * last.ahead]

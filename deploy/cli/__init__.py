@@ -1,1 +1,1 @@
-"""The command `disknav`: one file for each group; each subcommand imports what it needs as it is called."""
+"""The command `disknav`, one file for each group. Each subcommand imports its libraries when it is called."""

@@ -1,4 +1,4 @@
-"""Every subcommand of `disknav`, by what people want to do."""
+"""All subcommands of `disknav`, grouped by task."""
 
 from __future__ import annotations
 
@@ -15,10 +15,9 @@ from deploy.cli.run import run
 
 
 class CommandGroup(TyperGroup):
-    """All subcommands; `--json` with no file after it means standard output, in each of them."""
+    """All subcommands. In each, `--json` without a file means standard output."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """See click."""
         spelled: list[str] = []
         for word, following in zip(args, [*args[1:], "--"], strict=False):
             spelled.append(word)

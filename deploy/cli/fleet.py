@@ -1,4 +1,4 @@
-"""`disknav fleet` and `disknav stop`: operations on a running fleet, whose name comes first."""
+"""`disknav fleet` and `disknav stop`: operations on a running fleet, named by the first argument."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 app = typer.Typer(name="fleet", help="Give orders to a running fleet.", no_args_is_help=True)
 _POINTS = {"ignore_unknown_options": True}  # -0.1 is no option
-_PATIENCE = 1e6  # s to wait for an end without --within
-_STANDING = 10.0  # s that robots may take to stand
+_PATIENCE = 1e6  # s to wait for an order to end
+_STANDING = 10.0  # s to wait for all robots to stand
 
 
 @app.command(context_settings=_POINTS)
@@ -57,7 +57,7 @@ def goal(
     """
     check_json(json_file)
     if not points:
-        options.refuse({"--wait": wait}, "nothing is ordered that could end: give points")
+        options.refuse({"--wait": wait}, "there is no order to wait for: give points")
     if patrol and wait:
         raise UsageError("--wait: a patrol has no end; leave out --patrol or --wait")
     order = _order(robot, points or [], queue, patrol, within, cancel)
@@ -98,13 +98,13 @@ def add(
 ) -> None:
     """Add a robot: its disk appears once the others keep clear of its position.
 
-    [b]disknav run[/b] starts its process, too, on the host that a table names for it, if there is one;
-    elsewhere start it with [b]disknav node robot[/b]. With keys it needs its own: [b]disknav setup keys[/b]
-    makes them for robots of the scenario and of its orders.
+    [b]disknav run[/b] also starts its process, with [b]--hosts[/b] on the host that the table names for it;
+    otherwise start it with [b]disknav node robot[/b]. With keys it needs one of its own: [b]disknav setup
+    keys[/b] makes keys for the robots of the scenario and of its orders.
 
     Example: disknav fleet add yard 7 0.1 -0.2 --radius 0.03 --goal -0.1 0.2
 
-    Exit status: 0 it has appeared, 1 refused, 2 invalid, 3 no answer, or a robot stays in its place.
+    Exit status: 0 it has appeared, 1 refused, 2 invalid, 3 no answer, or a robot does not make room.
     """
     spec = {"id": robot, "radius": radius, "start": [x, y], "goal": list(goal or (x, y))}
     operation = _operation({"add": spec})
@@ -153,17 +153,17 @@ def place(
     Examples: disknav fleet place yard 0.1 0.05 --radius 0.02;
     disknav fleet place yard -0.1 0.0 0.1 0.0 0.1 0.01 -0.1 0.01
 
-    Exit status: 0 it stands, 1 refused, 2 invalid, 3 no answer, or a robot stays in its place.
+    Exit status: 0 it is in place, 1 refused, 2 invalid, 3 no answer, or a robot does not make room.
     """
     operation = _operation({"place": _obstacle(points, radius)})
     if operation.place is not None and (defect := operation.place.defect()):
-        raise UsageError(f"that is no obstacle: it {defect}")
+        raise UsageError(f"invalid obstacle: it {defect}")
     with _operating(run, router, secure) as operator:
         reply = _done(operator, operation)
         if reply.text:
-            print(f"beware: it {reply.text}")
+            print(f"warning: the obstacle {reply.text}")
         operator.stands(reply.number, within)
-    print(f"obstacle {reply.number} stands")
+    print(f"obstacle {reply.number} is in place")
 
 
 @app.command()
@@ -232,7 +232,7 @@ def release(run: options.Run, router: options.Router = None, secure: options.Sec
 
     Example: disknav fleet release yard
 
-    Exit status: 0 they are released, 1 they have to stand, 2 invalid, 3 no answer.
+    Exit status: 0 released, 1 refused, 2 invalid, 3 no answer.
     """
     with _operating(run, router, secure) as operator:
         told = _done(operator, Operation(halt=False))
@@ -251,7 +251,7 @@ def probe(
 
     Example: disknav fleet probe yard robot-3
 
-    Exit status: 0 it is well, 2 invalid, 3 no message in time.
+    Exit status: 0 it is alive, 2 invalid, 3 no message in time.
     """
     from deploy.run.operator import probe as listen
 
@@ -262,18 +262,18 @@ def probe(
 
 @contextmanager
 def _operating(run: str, router: str | None, secure: Path | None) -> Iterator[Operator]:
-    """Speak to the world of `run`, with the operator's key where there are keys."""
+    """A connection to the world of `run`, with the operator's key if there are keys."""
     from deploy.run import operator
 
     membership = KeyRing(secure)
-    membership.run(run)  # the keys are of this run
+    membership.run(run)  # refuses keys of another run
     connection = membership.client(OPERATOR, (router or membership.default_router,))
     with operator.operating(connection, run) as session:
         yield session
 
 
 def _operation(asked: dict[str, Any]) -> Operation:
-    """The operation that a command line stands for; raises UsageError."""
+    """Operation of a command line; raises UsageError."""
     try:
         return read_operation(asked)
     except MessageError as error:
@@ -281,7 +281,7 @@ def _operation(asked: dict[str, Any]) -> Operation:
 
 
 def _done(operator: Operator, operation: Operation) -> Reply:
-    """Have an operation carried out; ends the command with status 1 if it was refused."""
+    """Have an operation carried out. A refusal ends the command with status 1."""
     reply = operator.operate(operation)
     if not reply.accepted:
         print(f"refused: {reply.text}")
@@ -290,20 +290,16 @@ def _done(operator: Operator, operation: Operation) -> Reply:
 
 
 def _pairs(numbers: Sequence[float]) -> list[list[float]]:
-    """Points of a command line, m.
-
-    Raises:
-        UsageError: a number is missing.
-    """
+    """Points of a command line, m; raises UsageError if a number is missing."""
     if len(numbers) % 2:
-        raise UsageError("points are pairs of x and y: one number is missing, or one is too many")
+        raise UsageError("points are pairs of x and y: a number is missing, or there is one too many")
     return [list(pair) for pair in zip(numbers[::2], numbers[1::2], strict=True)]
 
 
 def _order(
     robot: int, points: list[float], queue: bool, patrol: bool, within: float | None, cancel: bool
 ) -> Operation | None:
-    """The order that the command line stands for; None for a question."""
+    """Order of a command line; None if it only asks for the status."""
     places = _pairs(points)
     if cancel and (points or queue or patrol or within is not None):
         raise UsageError("--cancel goes alone: leave out the points and other options")
@@ -320,14 +316,13 @@ def _print_goal(reply: Reply, status: GoalStatus | None) -> None:
         print(f"refused: {reply.text}")
         return
     if reply.text:
-        print(f"beware: {reply.text}")
+        print(f"warning: {reply.text}")
     if status is not None:
         ahead = f", {status.ahead} more after it" if status.ahead else ""
         print(f"robot {status.robot}: {status.status}, {_point(status.goal)}{ahead}")
 
 
 def _obstacle(numbers: list[float], radius: float | None) -> dict[str, Any]:
-    """The obstacle that a command line stands for."""
     points = _pairs(numbers)
     if radius is None:
         return {"points": points}

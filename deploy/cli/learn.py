@@ -1,4 +1,4 @@
-"""What a scenario's theory says, what is proved of it, and what is measured: check, certify and study."""
+"""The commands check, certify and study: theory of a scenario, proof of a K, and measurements."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ def check(
     Exit status: 0 valid (whatever the theory states), 2 invalid.
     """
     from deploy.library.load import load
-    from deploy.theory.check import render, report, scope, to_json
+    from deploy.theory.check import report, to_json
+    from deploy.theory.check_text import render, scope
     from deploy.theory.surrounded import surrounded, theorem_for
 
     check_json(json_file)
@@ -55,7 +56,7 @@ def check(
 
 
 def _certificate(name: str, scenario: Scenario) -> Certified | None:
-    """What lies beside the scenario."""
+    """Certificate beside the scenario file."""
     from deploy.theory.certify.certificate import ProofError, path_for, stored
     from deploy.theory.check import Certified
 
@@ -90,7 +91,7 @@ def certify(
     ] = None,
     out: Annotated[
         Path | None,
-        options.out("The certificate, or where to go on; SCENARIO.certificate.json unless given."),
+        options.out("Certificate to write or continue; default SCENARIO.certificate.json."),
     ] = None,
     setting: options.Settings = None,
     json_file: options.Json = None,
@@ -99,21 +100,21 @@ def certify(
     """Find and prove a K: for every k >= K the goal is the only minimum of phi, all other critical points
     saddles or maxima.
 
-    Goes from large k downwards and can be stopped at any time; the same command goes on below what is proven.
+    The search goes from large k downwards and can be stopped at any time; the same command continues it.
     [b]--verify FILE[/b] replays the branching in arbitrary precision, and shares no arithmetic with the
-    search; with SCENARIO it also asks whether the certificate is of these goals.
+    search; with SCENARIO it also checks that the certificate belongs to these goals.
 
     Examples: disknav certify figure-2 --k 10; disknav certify --verify figure-2.certificate.json
 
-    Exit status: 0 proven (K, or anything without --k), 1 not within the time, 2 invalid, 130 interrupted.
+    Exit status: 0 proven (K, or any k without --k), 1 not within the time, 2 invalid, 130 interrupted.
     """
     from deploy.library.load import read
     from protocol.errors import UsageError
 
     if verify is not None:
-        options.refuse({"--out": out}, "--verify searches for nothing")
+        options.refuse({"--out": out}, "--verify writes no certificate")
         if scenario is None:
-            options.refuse({"--set": setting}, "there is no SCENARIO to set it in")
+            options.refuse({"--set": setting}, "it needs a SCENARIO")
     check_json(json_file)
     silent = quiet or is_standard_output(json_file)
     read_scenario = None if scenario is None else read(scenario, setting or [])
@@ -207,20 +208,20 @@ def study(
     disknav study tuning --runs 5 --transport local;
     disknav study peers --law courtesy.py:Courtesy --only "swap 10"
 
-    With [b]--shard I/N[/b] N machines share a study. The parts' FILE.runs.jsonl, one after the other in one,
-    are that of the whole: the same command without --shard then makes the table of all runs.
+    With [b]--shard I/N[/b] N machines share a study. Concatenate the FILE.runs.jsonl of all shards into one:
+    the same command without --shard then makes the table of all runs.
 
-    Exit status: 0 done, 1 done but something touched that must not, 2 invalid, 3 fault, 130 interrupted.
+    Exit status: 0 done, 1 done, but with contacts that must not happen, 2 invalid, 3 fault, 130 interrupted.
     """
     from deploy.studies.perform import StudyRequest, perform
     from deploy.studies.study import Shard
 
     if name != "peers":
-        options.refuse({"--law": law, "--only": only}, f"study {name} has no laws beside each other")
+        options.refuse({"--law": law, "--only": only}, f"study {name} compares no laws")
     if name == "scale":
         options.refuse({"--jobs": jobs}, "study scale measures speed: one run at a time")
     if json_file is None or is_standard_output(json_file):
-        options.refuse({"--fresh": fresh}, "only --json FILE keeps what was measured")
+        options.refuse({"--fresh": fresh}, "no results are kept: add --json FILE")
     request = StudyRequest(
         name=name,
         runs=runs,

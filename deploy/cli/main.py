@@ -1,4 +1,4 @@
-"""The `disknav` command as a process: signals, and how errors become words and exit statuses."""
+"""The `disknav` command as a process: signals, error messages and exit statuses."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from protocol.process.signals import STOP, Stopped
 
 def main() -> None:
     """Entry point of the `disknav` command. A signal that asks it to end decides its exit status."""
-    STOP.listen()  # before anything that takes time to import
+    STOP.listen()  # before the slow imports
     try:
         status = _run()
     except Stopped:
@@ -36,15 +36,15 @@ def _run() -> int:
 
     invalid = DocumentError, UsageError, KeyGrammarError, CertificateError, RunTakenError
     begin(LAUNCHER)
-    if isinstance(sys.stdout, TextIOWrapper):  # characters that the terminal's encoding lacks are escaped
+    if isinstance(sys.stdout, TextIOWrapper):  # escape characters that the terminal cannot show
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
-        if is_checkout():  # what pip unpacks has the times of unpacking
+        if is_checkout():  # files that pip installed have the times of the installation
             check_compiled()
         from deploy.cli.application import app
 
         app()
-    except StartError:  # one line is enough
+    except StartError:  # is logged already
         return EXIT_FAULT
     except DisknavError as error:
         LOG.error(error)

@@ -1,4 +1,4 @@
-"""`disknav monitor`: look at a running fleet from outside."""
+"""`disknav monitor`: watch a running fleet."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from deploy.telemetry.monitor.snapshot import Source, Steerable
 
 _TIMEOUT = 5.0  # s to reach the fleet
-_NICENESS = 10  # a fleet on the same machine first
+_NICENESS = 10  # a fleet on the same machine goes first
 
 
 def monitor(
@@ -57,12 +57,12 @@ def monitor(
     """Watch a running fleet: a table in the terminal, a live page with [b]--web[/b], a scene in Foxglove with
     [b]--foxglove[/b]. Ctrl-C ends it.
 
-    The fleet does not notice: what this monitor cannot keep up with is dropped, never waited for.
-    The run may begin later. The table ends with the run; all else stays until Ctrl-C.
+    It never slows down the fleet: messages that it cannot keep up with are dropped.
+    It may start before the run. The table ends with the run; page, scene and metrics stay until Ctrl-C.
 
     Example: disknav monitor demo --router tcp/10.0.0.1:7447 --web
 
-    Exit status: 0 the run ended while it was watched, 2 invalid, 3 nothing listens there, 130 Ctrl-C.
+    Exit status: 0 the run has ended, 2 invalid, 3 no router at the endpoint, 130 Ctrl-C.
     """
     from deploy.telemetry.monitor.watcher import attach
 
@@ -94,7 +94,7 @@ def monitor(
 
 
 def _connection(endpoints: list[str] | None, membership: KeyRing, role: str) -> Connection:
-    """A router relays everything; the processes of a mesh relay nothing, so each needs a link."""
+    """One link to a router, which relays all messages; or one to each process of a mesh, which relay none."""
     if endpoints is None or len(endpoints) == 1 or membership.directory is not None:
         return membership.client(role, endpoints or (membership.default_router,), timeout=_TIMEOUT)
     return Connection("peer", connect=tuple(map(Endpoint, endpoints)), timeout=_TIMEOUT)

@@ -1,4 +1,4 @@
-"""`disknav node`: the single processes of a run, for other launchers."""
+"""`disknav node`: single processes of a run, for other launchers."""
 
 from __future__ import annotations
 
@@ -56,18 +56,18 @@ def robot(
     disknav node robot 1 --run yard --base ros2 --namespace /bot1
     """
     if namespace is not None and base is None:
-        raise UsageError("a namespace is that of a base's topics: say --base ros2, too")
+        raise UsageError("--namespace is for an external base: add --base ros2")
     if base is not None:
         options.refuse_bases(secure)
     namespace = None if namespace is None else ros_name(namespace)
     membership = KeyRing(secure)
     role, name = robot_role(robot_id), membership.named_run(run)
-    robot_key(name, robot_id, "join")  # whether there can be such a robot
-    # Whatever is wrong with its files is said here,
+    robot_key(name, robot_id, "join")  # refuses an invalid id
+    # Errors in its files are reported here,
     (endpoint,) = membership.client(role, (router or membership.default_router,)).connect
-    begin(f"robot-{robot_id}", name, log)  # or with its log
-    # A fresh interpreter: a robot carries neither this command line nor its libraries. -P: nor what lies in
-    # the working directory, where a folder may be called `agents`, too.
+    begin(f"robot-{robot_id}", name, log)  # as are those of its log
+    # A fresh interpreter, without the libraries of this command line. -P: without the working directory,
+    # which may hold another folder `agents`.
     files = ["" if file is None else str(file.absolute()) for file in (secure, alive, log)]
     outside = [base or "", namespace or ""]
     arguments = [endpoint, name, str(robot_id), str(wait), *files, *outside]
@@ -167,7 +167,7 @@ def router(
     from deploy.processes.router import main, router_config
 
     if secure is None:
-        options.refuse({"--host": host or None}, "without keys every router is alike: add --secure DIR")
+        options.refuse({"--host": host or None}, "it chooses a router's key: add --secure DIR")
     membership = KeyRing(secure)
     plain = membership.router(() if listen is None else (listen,), connect or (), host)
     connection = replace(plain, admin=admin)
@@ -185,14 +185,14 @@ def host(
     run: Annotated[str, typer.Option(help="Name of the run, for `ps`.")] = "",
     facts: Annotated[
         tuple[str, int] | None,
-        typer.Option(help="Only say what this host is like; where its router listens."),
+        typer.Option(help="Only print facts about this host, whose router listens here."),
     ] = None,
 ) -> None:
-    """Start processes for a launcher on another host, by way of standard input and output."""
+    """Start processes for a launcher on another host, over standard input and output."""
     from deploy.processes.spawn import environment
 
-    # A fresh interpreter: processes that are forked carry neither this command line nor its libraries.
-    # -P: nor what lies in the working directory.
+    # A fresh interpreter, so that forked processes are without the libraries of this command line.
+    # -P: without the working directory.
     arguments = [run] if facts is None else ["--facts", *map(str, facts)]
     call = [sys.executable, "-P", "-m", "deploy.processes.hosts.remote", *arguments]
     os.execve(sys.executable, call, environment())

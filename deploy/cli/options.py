@@ -1,4 +1,4 @@
-"""Options that mean the same in every command, declared once, and how one that cannot apply is refused."""
+"""Options shared by several commands, and the refusal of options that do not apply."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from protocol.errors import UsageError
 
 
 def _names(typed: str) -> list[tuple[str, str]]:
-    """Names of the library that begin as what was typed, for the shell's completion; files come with it."""
+    """Library names and scenario files for the shell's completion."""
     from deploy.library.load import catalogue
 
     found = [(entry.name.removesuffix("N"), entry.text) for entry in catalogue()]
@@ -81,7 +81,7 @@ RouterThere = Annotated[
     typer.Option(
         "--router",
         metavar="ENDPOINT",
-        help="Use the router that listens at this endpoint, and start none.",
+        help="Use the router that listens at this endpoint instead of starting one.",
     ),
 ]
 Secure = Annotated[
@@ -102,21 +102,21 @@ ModeOption = Annotated[
 
 
 def robots(least: int) -> Any:
-    """`--robots` or `-n`: how many."""
+    """`--robots` or `-n`: the number of robots."""
     return typer.Option("--robots", "-n", min=least, max=1000, help="Number of robots.")
 
 
 def out(help_: str, metavar: str = "FILE") -> Any:
-    """`--out` or `-o`: where the command puts what it makes."""
+    """`--out` or `-o`: the file or folder that the command writes."""
     return typer.Option("--out", "-o", metavar=metavar, help=help_)
 
 
 def refuse(options: Mapping[str, object], reason: str) -> None:
-    """Refuse options that were given but cannot apply.
+    """Refuse options that were given but do not apply.
 
     Args:
-        options: what was given for each, None or False where nothing was.
-        reason: why not, and what to do.
+        options: their values, by name; None or False if not given.
+        reason: why they do not apply, and what to do.
 
     Raises:
         UsageError: one was given.
@@ -127,10 +127,6 @@ def refuse(options: Mapping[str, object], reason: str) -> None:
 
 
 def refuse_bases(secure: Path | None) -> None:
-    """Refuse keys where messages of ROS 2 have to pass.
-
-    Raises:
-        UsageError: keys were given.
-    """
-    reason = "rules of a secured router let the messages of the fleet pass, and none of ROS 2"
+    """Refuse keys for a run with ROS 2 bases; raises UsageError."""
+    reason = "the access rules of a secured router admit no messages of ROS 2"
     refuse({"--secure": secure}, f"{reason}; use a router without keys, on a network of the fleet's own")

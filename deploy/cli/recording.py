@@ -1,4 +1,4 @@
-"""`disknav recording`: what is in a recording, pictures of it, and the run played again."""
+"""`disknav recording`: inspect, draw and replay recordings."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from deploy.output import bar, check_json, is_standard_output, write_json
 from protocol.errors import RecordingError
 from protocol.process.signals import STOP
 
-if TYPE_CHECKING:  # the rest of the command line does without what reading takes, numpy first of all
+if TYPE_CHECKING:  # reading needs numpy, other commands do not
     from rich.table import Table
 
     from deploy.telemetry.recording.reader import RecordedRun
@@ -72,7 +72,7 @@ def plot(
     draw.check(out, len(recordings))
     if out.suffix not in draw.ANIMATIONS:
         options.refuse(
-            {"--width": width, "--seconds": seconds}, "it belongs to an animation: name a .gif or .webp"
+            {"--width": width, "--seconds": seconds}, "it is for an animation: name a .gif or .webp"
         )
     found = [_read(path) for path in recordings]
     if until is not None:
@@ -85,7 +85,7 @@ def plot(
 def replay(
     recording: options.RecordingFile,
     zenoh: Annotated[
-        bool, typer.Option("--zenoh", help="Publish the messages on a network, under the recorded keys.")
+        bool, typer.Option("--zenoh", help="Publish the messages over zenoh, under the recorded keys.")
     ] = False,
     router: Annotated[
         str | None,
@@ -114,21 +114,19 @@ def replay(
 
     Example: disknav recording replay figure-1.mcap --zenoh --router tcp/127.0.0.1:7447 --speed 2
 
-    Exit status: 0 the same trajectory (or nothing to compare it with), 3 another one.
+    Exit status: 0 same trajectory, or no result to compare with; 3 another trajectory.
     """
     from deploy.telemetry.recording.replay import verify
 
     if not (zenoh or router is not None or web):
-        options.refuse({"--run": run, "--speed": speed}, "nothing is played: add --zenoh or --web")
+        options.refuse({"--run": run, "--speed": speed}, "nothing is replayed: add --zenoh or --web")
     pace = 1.0 if speed is None else speed
     found = _read(recording)
     trajectory = verify(found)
     if trajectory is not None:
         typer.echo(f"trajectory {trajectory.sha256}, as in the result{trajectory.remark}")
     else:
-        typer.echo(
-            "no trajectory hash to compare with: the result, or the beginning of the run, is not in this file"
-        )
+        typer.echo("trajectory not compared: this file lacks the result or the beginning of the run")
     if ros2 is not None:
         from deploy.telemetry.recording.replay import export
 
@@ -157,7 +155,7 @@ def _summary(recording: RecordedRun) -> dict[str, str]:
         else "none: no result was recorded",
         "ticks": f"{ticks}, {ticks * scenario.time.step:g} s simulated",
         "messages": f"{recording.counts.total()}",
-        "file": "cut short: what follows the cut is lost" if recording.cut else "complete",
+        "file": "cut short: the messages after the cut are lost" if recording.cut else "complete",
         "trajectory": _check(recording),
     }
 
@@ -180,7 +178,7 @@ def _check(recording: RecordedRun) -> str:
     except RecordingError as error:
         return f"cannot be checked: {error}"
     if recording.result is None:
-        return f"{found.sha256}, nothing to compare it with{found.remark}"
+        return f"{found.sha256}, no result to compare with{found.remark}"
     same = found.sha256 == recording.result.get("trajectory_sha256")
     return f"{found.sha256}, {'as in the result' if same else 'NOT the one in the result'}{found.remark}"
 

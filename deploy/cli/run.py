@@ -130,24 +130,24 @@ def run(
 
 
 def _check_options(given: Mapping[str, Any]) -> None:
-    """Refuse what cannot apply."""
+    """Refuse options that do not apply."""
     if given["record"] is None:
         options.refuse({"--rotate": given["rotate"]}, "nothing is recorded: add --record")
     if given["mode"] == "realtime":
-        options.refuse({"--speed": given["speed"]}, "in real time a second takes a second: --mode lockstep")
+        options.refuse({"--speed": given["speed"]}, "real time has one speed: use --mode lockstep")
     if given["hosts"] is None:
-        options.refuse({"--open": given["open_to_all"]}, "it lets --hosts do without --secure")
+        options.refuse({"--open": given["open_to_all"]}, "it allows --hosts without --secure")
     elif given["listen"]:
         options.refuse({"--listen": given["listen"]}, "the table says where each router listens")
     if given["router"] is not None:
         options.refuse(
-            {"--listen": given["listen"]}, "--router names a router that is there: none is started"
+            {"--listen": given["listen"]}, "--router names a router that runs already: no other is started"
         )
     if given["transport"] != "routed":
-        options.refuse({"--listen": given["listen"]}, f"there is no router in {given['transport']}")
-        options.refuse({"--keep": given["keep"]}, "orders come by a router: leave out --transport")
+        options.refuse({"--listen": given["listen"]}, f"transport {given['transport']} has no router")
+        options.refuse({"--keep": given["keep"]}, "orders need a router: leave out --transport")
     if given["keep"]:
-        options.refuse({"--plot": given["plot"]}, "the run has no end to draw: disknav recording plot does")
+        options.refuse({"--plot": given["plot"]}, "add --record, then use disknav recording plot")
 
 
 def _print_files(result: Mapping[str, Any], plot: Path | None, json_file: Path | None) -> None:

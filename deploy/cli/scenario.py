@@ -1,4 +1,4 @@
-"""`disknav scenario`: the library, and generators of scenario files."""
+"""`disknav scenario`: list the library, and make scenario files."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def import_(
     seed: Annotated[int, typer.Option(min=0, help="Seed of all random values (maps).")] = 0,
     error: Annotated[
         float,
-        typer.Option(min=0.0, max=10.0, help="By how much obstacles may reach into free space, m (maps)."),
+        typer.Option(min=0.0, max=10.0, help="How far obstacles may reach into free space, m (maps)."),
     ] = 0.05,
     obstacles: Annotated[Path | None, typer.Option(help="World file with obstacles (LSC-DR).")] = None,
 ) -> None:

@@ -1,4 +1,4 @@
-"""`disknav setup`: what comes before a fleet runs: keys, hosts, orchestrators, bases, this machine."""
+"""`disknav setup`: prepare keys, hosts, orchestrators and bases, and examine this machine."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def keys(
 ) -> None:
     """Make an authority and one certificate each for router, world, monitor, operator and every robot.
 
-    With [b]--hosts[/b], one for the router of each host, which speaks for the robots there and no others.
+    With [b]--hosts[/b] each host's router has its own, valid for the robots of that host only.
 
     With [b]--secure DIR[/b] other commands use them: every link is TLS with certificates at both ends, and
     the router lets each robot write under its own id only. A host needs ca.pem, roster.json and
@@ -71,7 +71,7 @@ def keys(
     found = read(scenario)
     ids, newcomers = found.ids, [spec.id for spec in found.newcomers]
     if hosts is not None and host:
-        raise UsageError("the table says where each router is: leave out --host, or --hosts")
+        raise UsageError("the table has the address of each router: leave out --host, or --hosts")
     if hosts is None:
         roster = KeyRoster(name, tuple(sorted({*ids, *newcomers})))
     else:
@@ -146,7 +146,7 @@ def deploy(
         options.refuse({"--router": router}, f"{orchestrator} gives the router a name of its own")
     loaded = load(scenario, setting or [], seed)
     if loaded.is_external:
-        raise UsageError("external bases and keys cannot go together: start the fleet by hand, without")
+        raise UsageError("external bases cannot be used with keys: start the fleet by hand, without keys")
     added = {spec.id for spec in loaded.newcomers}
     if again := sorted(added & {*loaded.ids}):
         raise UsageError(
@@ -176,9 +176,7 @@ def deploy(
 def calibrate(
     scenario: options.Scenario,
     robot: Annotated[int, typer.Argument(metavar="ROBOT", help="The robot's id in the scenario.")],
-    side: Annotated[
-        float, typer.Option(min=0.2, help="Side of the square, m, which lies ahead and to the left.")
-    ] = 0.8,
+    side: Annotated[float, typer.Option(min=0.2, help="Side of the square ahead and to the left, m.")] = 0.8,
     speed: Annotated[float, typer.Option(min=0.01, help="Speed, m/s.")] = 0.1,
     rate: Annotated[float, typer.Option(min=0.05, help="Turning rate, rad/s.")] = 0.6,
     wait: Annotated[float, typer.Option(min=1.0, help="Seconds to wait for the base's messages.")] = 10.0,
@@ -187,16 +185,16 @@ def calibrate(
 ) -> None:
     """Drive a square with one robot's base, and print bounds for the scenario.
 
-    It needs a router without keys and no fleet, and no other program may drive this base. It avoids nothing
-    on its way: keep the floor free.
+    It needs a router without keys, and no other program may drive this base. It does not avoid obstacles:
+    keep the floor free.
 
     Example: disknav setup calibrate yard.toml 1 --side 1.0
 
-    Exit status: 0 done, 2 invalid, 3 its messages do not come, or are others.
+    Exit status: 0 done, 2 invalid, 3 the base's messages are missing or of another type.
     """
     from agents.bases.base import require
 
-    require()  # before what needs it
+    require()  # before the imports that need it
     from deploy.calibrate import Calibration, Driver, bounds, square, statements
     from deploy.library.load import load
     from protocol.bus.bus import drive
@@ -216,17 +214,17 @@ def calibrate(
     print(
         f"measured: poses at rest within {1e3 * found.noise_bound:.1f} mm and {found.heading:.3f} rad; sides "
         f"off by {100 * found.odometry:.1f} % by odometry, by {100 * found.error:.1f} % of the command;\n"
-        f"late by {found.lag:.3f} s; odometry at least every {found.interval:.3f} s; left alone it brakes "
+        f"lag {found.lag:.3f} s; odometry at least every {found.interval:.3f} s; without commands it brakes "
         f"after {found.timeout:.2f} s, by {found.acceleration:.2f} m/s^2\n"
-        f"to state, with room for what one square does not show:\n\n{statements(found)}"
+        f"for the scenario, with a margin:\n\n{statements(found)}"
     )
 
 
 @app.command()
 def doctor(json_file: options.Json = None) -> None:
-    """Examine this installation and machine, run two robots, and print a cure for each problem.
+    """Examine this installation and machine, run two robots, and print a remedy for each problem.
 
-    ok: fine; --: fine unless what stands there is wanted; !!: fleets will not run.
+    ok: works; --: an optional part is missing; !!: fleets will not run.
 
     Example: disknav setup doctor
 
@@ -243,7 +241,7 @@ def doctor(json_file: options.Json = None) -> None:
 
 
 def _are_fit(hosts: Sequence[Host]) -> bool:
-    """Look at all hosts at once, and print what was found."""
+    """Check all hosts at once, and print the findings."""
     from concurrent.futures import ThreadPoolExecutor
 
     from rich.console import Console
@@ -256,7 +254,7 @@ def _are_fit(hosts: Sequence[Host]) -> bool:
     with ThreadPoolExecutor(len(hosts)) as pool:
         findings = list(pool.map(check, hosts))
     rows = Table(box=None, pad_edge=False)
-    for title in ("host", "", "what", "how it is"):
+    for title in ("host", "", "check", "finding"):
         rows.add_column(title)
     for host, about in zip(hosts, findings, strict=True):
         for each in about:
@@ -266,7 +264,7 @@ def _are_fit(hosts: Sequence[Host]) -> bool:
 
 
 def _trial() -> Finding:
-    """Two robots as real processes for some ticks, as every fleet runs."""
+    """Run two robots as real processes for some ticks."""
     from deploy.library.load import load
     from deploy.run.fleet import Fleet
     from deploy.run.options import RunOptions
@@ -277,7 +275,7 @@ def _trial() -> Finding:
         with Fleet(load("head-on", ["time.limit=1.0"]), RunOptions()) as fleet:
             report = fleet.execute()
     except DisknavError as error:
-        return Finding("fleet", "bad", f"two robots did not run: {error}", "see what stands above")
+        return Finding("fleet", "bad", f"two robots did not run: {error}", "see the messages above")
     if report["verdict"] == "timeout" and report["collisions"] == 0:
         rate = report["ticks"] / report["wall_time"]
         return Finding("fleet", "good", f"two robots, a world and a router ran {rate:.0f} ticks a second")
@@ -286,7 +284,7 @@ def _trial() -> Finding:
 
 
 def _print(found: list[Finding]) -> None:
-    """Line by line and not wrapped, so that commands can be copied."""
+    """Print unwrapped lines, so that commands can be copied."""
     from rich.console import Console
     from rich.text import Text
 
