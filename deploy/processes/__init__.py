@@ -1,1 +1,1 @@
-"""The processes of a fleet: a table of them, a supervisor that walks it, the router, how they start."""
+"""The processes of a fleet: table, supervisor, fork server and router."""

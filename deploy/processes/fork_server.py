@@ -1,9 +1,9 @@
-"""The process that all others are forked from, and that is their parent; and what a forked one does first.
+"""The fork server: parent of all processes of a fleet; and the start of a forked process.
 
-It imports what they need once (numpy, zenoh, the robots' modules) and opens no zenoh session, after
-which forking would not be safe. A fork takes about a millisecond and shares the imported memory.
-One channel joins it to the supervisor: requests come in, news of the processes go out. When the
-channel ends, because the supervisor closed it or died in whatever way, all processes are killed.
+It imports the libraries of all processes once (numpy, zenoh, the robots' modules), and opens no zenoh
+session, which would make forking unsafe. A fork takes about a millisecond and shares the imported memory.
+Requests from the supervisor and news to it use one channel. When the channel ends, for whatever reason, all
+processes are killed.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from protocol.process import log
 from protocol.process.log import LOG, set_process_title
 from protocol.process.signals import STOP, Stopped
 
-FAULT = 3  # exit status of a process that an exception ended
+FAULT = 3  # exit status after an exception
 _PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
 _LIBC = ctypes.CDLL(None)
 
@@ -51,13 +51,16 @@ _LIBC = ctypes.CDLL(None)
 def run_forked(
     process: Process, run: str, report: int | None, lifeline: int, begin_log: Callable[[str], None]
 ) -> NoReturn:
-    """Call what `process` names in this process, which exists for nothing else, and exit.
+    """Run the entry function of `process` in this newly forked process, and exit.
 
-    Its title is its name and `run`. `report` is the writing end of a pipe for text to the supervisor,
-    `lifeline` the reading end of one that ends with the fork server; `begin_log` begins its log, by its
-    name. The exit status is what the function returns, 0 if a signal ended it, 3 after an exception: one of
-    this software's own says its message, any other logs its traceback. The fork server listens to `STOP`, and
-    so does this process from the beginning.
+    Args:
+        process: its row of the table.
+        run: name of the run, for the process title.
+        report: writing end of a pipe for text to the supervisor, if any.
+        lifeline: reading end of a pipe that ends with the fork server.
+        begin_log: starts the log of a process, by its name.
+
+    The exit status is the function's result, 0 after a signal, 3 after an exception.
     """
     code = FAULT
     try:
@@ -66,11 +69,11 @@ def run_forked(
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         _close_all_but({report, lifeline})
         _end_with_parent(lifeline)
-        os.dup2(2, 1)  # standard output is the command's alone
+        os.dup2(2, 1)  # standard output is reserved for the command
         begin_log(process.name)
         LOG.info(f"process {os.getpid()} begins")
         if process.core is not None:
-            stay_on(process.core)  # before there are other threads
+            stay_on(process.core)  # before other threads start
         module, _, function = process.entry.partition(":")
         arguments = process.arguments
         if report is not None:
@@ -82,7 +85,7 @@ def run_forked(
         code = ending.code if isinstance(ending.code, int) else FAULT
     except DisknavError as error:
         LOG.error(error)
-    except BaseException:  # noqa: BLE001  nothing above this frame could report it
+    except BaseException:  # noqa: BLE001  no caller is left to report it
         LOG.exception("failed:")
     finally:
         try:
@@ -90,12 +93,14 @@ def run_forked(
             sys.stderr.flush()
             sys.stdout.flush()
         finally:  # the reader may be gone
-            # Never back into the fork server's loop, and past threads that would linger.
+            # Do not return into the fork server's loop, and do not wait for threads.
             os._exit(code if isinstance(code, int) else FAULT)
 
 
 def end_with_pipe(lifeline: int) -> None:
-    """Kill this process, from a thread, when the other end of a pipe is gone: portable, but needs to run."""
+    """Kill this process from a thread when the other end of a pipe is closed. Portable, but a stopped process
+    survives.
+    """
 
     def watch() -> None:
         os.read(lifeline, 1)
@@ -106,7 +111,7 @@ def end_with_pipe(lifeline: int) -> None:
 
 def _end_with_parent(lifeline: int) -> None:
     if sys.platform == "linux":
-        # By the kernel: needs no thread, and reaches a stopped process too.
+        # Done by the kernel: needs no thread, and also kills a stopped process.
         if _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL) != 0:
             raise OSError("prctl(PR_SET_PDEATHSIG) failed")
         if os.getppid() == 1 or _ended(lifeline):  # the parent died before that
@@ -124,17 +129,17 @@ def _ended(pipe: int) -> bool:
 
 
 def _close_all_but(kept: set[int | None]) -> None:
-    """Close what was inherited besides the standard streams: a held pipe would never end for others."""
+    """Close inherited descriptors except the standard streams: a copy of a pipe would keep it open."""
     for descriptor in [int(each.name) for each in Path("/dev/fd").iterdir()]:
         if descriptor > 2 and descriptor not in kept:
-            with suppress(OSError):  # the one that listed them is closed already
+            with suppress(OSError):  # the descriptor of the listing is closed already
                 os.close(descriptor)
 
 
 def main(channel: int, modules: Sequence[str], run: str = "", logs: str = "") -> None:
-    """Serve one supervisor, on a socket inherited from it, until the other end is closed.
+    """Serve a supervisor on an inherited socket until the other end is closed.
 
-    `logs` is the folder for the files of the processes' logs; empty for none.
+    `logs` is the folder of the processes' log files; empty for none.
     """
     both: Channel[Any, Any] = Channel(channel)
     folder = Path(logs) if logs else None
@@ -151,25 +156,25 @@ def serve(
     store: Callable[[Store], None] | None = None,
     patience: float = inf,
 ) -> None:
-    """Serve one supervisor; leave no process behind.
+    """Serve a supervisor; kill all processes at the end.
 
     Args:
-        requests: ends when the supervisor does.
-        news: the way back; may be the same channel.
-        modules: imported first.
-        run: stands in the titles of this process and of those forked from it.
-        begin_log: gives a forked process its log, by its name.
-        store: takes files.
-        patience: s without a request after which the supervisor counts as gone.
+        requests: channel from the supervisor.
+        news: channel to the supervisor; may be the same.
+        modules: modules to import before the first fork.
+        run: name of the run, for process titles.
+        begin_log: starts the log of a forked process, by its name.
+        store: writes a received file.
+        patience: s without a request after which the supervisor is considered dead.
     """
     set_process_title("fork server", run)
     for module in modules:
         importlib.import_module(module)
     gc.collect()
-    gc.freeze()  # else the collector writes to, and so copies, every page that is shared with the forks
+    gc.freeze()  # otherwise the collector would write to, and so copy, all pages shared with forks
     server = _Server(requests, news, run, begin_log, store, patience)
     try:
-        with suppress(ConnectionError):  # the reader of the news is gone
+        with suppress(ConnectionError):  # the supervisor is gone
             server.serve()
     finally:
         server.kill_all()
@@ -189,9 +194,9 @@ class _Server:
         self._begin_log = begin_log
         self._store, self._patience = store, patience
         self._heard = time.monotonic()
-        self._lives: dict[int, int] = {}  # pid -> life, of those not yet waited for
-        self._reports: dict[int, tuple[int, Channel[str, str]]] = {}  # descriptor -> life, its pipe
-        self._lifeline, self._held = os.pipe()  # the forks' ends are at end of file when this process is gone
+        self._lives: dict[int, int] = {}  # pid -> process number, of processes not yet waited for
+        self._reports: dict[int, tuple[int, Channel[str, str]]] = {}  # descriptor -> process number, pipe
+        self._lifeline, self._held = os.pipe()  # forks read its end of file when this process is gone
         self._signalled, written = os.pipe()  # a signal makes it readable
         os.set_blocking(written, False)
         STOP.listen()
@@ -212,7 +217,7 @@ class _Server:
                     if STOP.requested:
                         return
                     self._collect()
-                elif isinstance(ready, int) and ready in self._reports:  # else just collected
+                elif isinstance(ready, int) and ready in self._reports:  # not collected just now
                     self._relay(ready)
 
     def kill_all(self) -> None:
@@ -237,7 +242,7 @@ class _Server:
 
     def _fork(self, start: Start) -> None:
         reading, writing = os.pipe() if start.process.reports else (None, None)
-        with STOP.held():  # what reaches the new process before Python is ready in it
+        with STOP.held():  # signals that arrive before Python is ready in the new process
             pid = os.fork()
         if pid == 0:
             run_forked(start.process, self._run, writing, self._lifeline, self._begin_log)
@@ -251,14 +256,14 @@ class _Server:
         life, pipe = self._reports[descriptor]
         try:
             text = pipe.recv()
-        except (EOFError, OSError):  # it has ended, perhaps in the middle of a report
+        except (EOFError, OSError):  # the process has ended, perhaps within a report
             del self._reports[descriptor]
             pipe.close()
         else:
             self._tell(ProcessReport(life, text))
 
     def _collect(self) -> None:
-        unit = 2**20 if sys.platform == "darwin" else 2**10  # ru_maxrss is in bytes there, in KiB here
+        unit = 2**20 if sys.platform == "darwin" else 2**10  # ru_maxrss: bytes on macOS, KiB on Linux
         while self._lives:
             pid, status, usage = os.wait4(-1, os.WNOHANG)
             if pid == 0:
@@ -270,7 +275,7 @@ class _Server:
             self._tell(Exited(life, code, cpu, usage.ru_maxrss / unit))
 
     def _relay_last(self, life: int) -> None:
-        """What a process reported before it ended is told before its end."""
+        """Relay the last reports of a process before its end."""
         for descriptor, (owner, pipe) in list(self._reports.items()):
             while owner == life and descriptor in self._reports and pipe.poll():
                 self._relay(descriptor)

@@ -1,8 +1,7 @@
-"""The router: a router-mode session in a process of its own, doing what a stock `zenohd` would.
+"""The router: a session in router mode, in a process of its own; equivalent to a stock `zenohd`.
 
-It relays between its clients, and between them and the routers it connects to. The process that
-starts it learns the endpoint from the router itself, once it listens: so two fleets that start at once on one
-host never take the same port.
+It relays between its clients and the routers it connects to. It reports its endpoint to its parent once it
+listens, so two fleets that start at once on one host never use the same port.
 """
 
 from __future__ import annotations
@@ -21,8 +20,8 @@ from protocol.process.log import LOG
 from protocol.process.signals import STOP
 
 HOST = "127.0.0.1"
-PORTS = range(DEFAULT_PORT, DEFAULT_PORT + 100)  # zenoh's own port and those after it
-_HEAD = "// For zenohd 1.10 or newer: zenohd -c THIS_FILE. Whatever is not named here is zenoh's default.\n"
+PORTS = range(DEFAULT_PORT, DEFAULT_PORT + 100)  # zenoh's default port and the following
+_HEAD = "// For zenohd 1.10 or newer: zenohd -c THIS_FILE. All other settings are zenoh's defaults.\n"
 
 
 def main(
@@ -30,16 +29,18 @@ def main(
     links: float = 0.0,
     ready: Callable[[str], None] | None = None,
 ) -> int:
-    """Route until SIGTERM or SIGINT; `ready` is told the first endpoint as soon as it can be used.
+    """Route until SIGTERM or SIGINT.
 
-    Without `connection.listen` the first free port from 7447 on 127.0.0.1 is taken. `links` is for
-    how long (s) links to other routers are waited for before that; they come up in the background else.
+    Args:
+        connection: endpoints and credentials; without `listen`, the first free port from 7447 on 127.0.0.1.
+        links: time to wait for links to other routers, s; 0: they come up in the background.
+        ready: called with the first endpoint as soon as it can be used.
 
     Raises:
-        EndpointTakenError: the endpoint that was asked for is taken (and by which program), or every port is.
-        CertificateError: another router does not accept this one's certificate, or the reverse.
-        BusError: the endpoint cannot be listened on for another reason, or a link is waited for in vain.
-        Stopped: a signal asks this process to end before it listens.
+        EndpointTakenError: the requested endpoint (with the program that uses it), or every port, is taken.
+        CertificateError: another router refuses this one's certificate, or the reverse.
+        BusError: listening fails for another reason, or a link is missing after `links` s.
+        Stopped: a signal arrived before the router listened.
     """
     bus, endpoint = listening(connection)
     with closing(bus):
@@ -55,14 +56,14 @@ def main(
 
 
 def listening(connection: Connection) -> tuple[ZenohBus, Endpoint]:
-    """Open a router session; returns it with the endpoint that it listens on."""
+    """Open a router session; returns it with its endpoint."""
     if connection.listen:
         return _asked_for(connection), connection.listen[0]
     protocol = "tcp" if connection.credentials is None else "tls"
     for port in PORTS:
         endpoint = Endpoint.at(protocol, HOST, port)
         try:
-            with reserved(endpoint):  # else another fleet's router is about to come back there
+            with reserved(endpoint):  # fails if another fleet's router is being restarted there
                 pass
             return ZenohBus(replace(connection, listen=(endpoint,))), endpoint
         except (EndpointTakenError, OSError):
@@ -75,25 +76,25 @@ def listening(connection: Connection) -> tuple[ZenohBus, Endpoint]:
 
 @contextmanager
 def reserved(endpoint: Endpoint) -> Iterator[None]:
-    """Keep an endpoint's port from processes that look for a free one, while its own router is not there.
+    """Keep an endpoint's port free for its router while that restarts.
 
-    A socket for UDP, where no router listens, says so to other processes, and goes with this one.
+    A bound UDP socket, which no router uses, marks the port for other processes of this software.
 
     Raises:
         OSError: another process has reserved it.
     """
     address = endpoint.address
-    assert address is not None, "only routers on a network look for ports"
+    assert address is not None, "only routers on a network have ports"
     with socket.socket(socket.AF_INET6 if ":" in address[0] else socket.AF_INET, socket.SOCK_DGRAM) as place:
         place.bind(address)
         yield
 
 
 def _check_links(connection: Connection) -> None:
-    """Say that a router refuses this one: zenoh would go on trying without a word."""
+    """Report a refused certificate, which zenoh would retry silently."""
     if connection.credentials is None:
         return
-    from protocol.bus.diagnose import refusal  # only where it may be needed
+    from protocol.bus.diagnose import refusal
 
     for endpoint in connection.connect:
         if (why := refusal(endpoint, connection.credentials)) is not None:
@@ -107,13 +108,13 @@ def _asked_for(connection: Connection) -> ZenohBus:
         holders = "; ".join(filter(None, map(holder, connection.listen)))
         raise EndpointTakenError(
             f"cannot listen on {', '.join(connection.listen)}: taken{holders and f' by {holders}'}; "
-            f"use that router, name another endpoint, or name none and a free port is taken"
+            f"use that router, name another endpoint, or name none to use a free port"
         ) from error
 
 
 def holder(endpoint: Endpoint) -> str:
-    """The program that listens on the port of an endpoint, as far as this user may know; else empty."""
-    import psutil  # only for this text: the router itself stays lean
+    """The program that listens on the port of an endpoint; empty if this user may not know."""
+    import psutil  # only here, to keep the router's memory small
 
     if endpoint.address is None:
         return ""
@@ -123,15 +124,15 @@ def holder(endpoint: Endpoint) -> str:
                 if each.pid is None:
                     return "a process of another user"
                 return f"{psutil.Process(each.pid).name()} (process {each.pid})"
-    except psutil.Error:  # ended meanwhile, or this user may not look
+    except psutil.Error:  # the program has ended, or this user may not look
         return ""
     return ""
 
 
 def router_config(connection: Connection, default: Endpoint) -> str:
-    """JSON5 by which `zenohd` relays, and enforces, exactly as `disknav node router` does.
+    """JSON5 configuration with which `zenohd` acts exactly as `disknav node router` does.
 
-    `default` is listened on where `connection` names no endpoint.
+    `default` is the endpoint to listen on if `connection` names none.
     """
     listening = connection if connection.listen else replace(connection, listen=(default,))
     return _HEAD + json.dumps(configuration(listening), indent=2) + "\n"

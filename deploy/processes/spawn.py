@@ -1,13 +1,11 @@
-"""Starts processes, fast and without orphans: the supervisor's side of the fork server, what they say, and
-how the system schedules them.
+"""Starting processes quickly and without orphans: the supervisor's side of the fork server, and its messages.
 
-Measured: 16 processes are up in 0.8 of the time of `multiprocessing`'s own fork server, with 2 MB of
-private memory each beside 4, and in a twelfth of the time of an interpreter for each (22 MB), which is what
-circus, supervisord and subprocess start. Nor do these say what an ended process cost, or work the same over
-ssh. The fork server leads a session of its own, so a terminal's Ctrl-C reaches the supervisor alone.
+A fork costs a fraction of the time and memory of `multiprocessing`'s fork server, and much less than one
+interpreter per process, as circus, supervisord and subprocess start it. The fork server leads its own
+session, so a terminal's Ctrl-C reaches the supervisor only.
 
-Requests go one way and are pickled; news come back and are not, because they may come from another host:
-one that was taken over must not be able to run anything here.
+Requests are pickled. News are not, since they may come from another host, which must not be able to run code
+here if an attacker controls it.
 """
 
 from __future__ import annotations
@@ -29,28 +27,28 @@ from msgspec import Meta
 from protocol.errors import ProcessError
 from protocol.process.log import LOG
 
-_LEAST = 2  # robots for each core
+_LEAST = 2  # robots per core from which they are pinned
 
 
 def stay_on(core: int) -> None:
-    """Keep this process, which has one thread yet, on one processor core; Linux only."""
+    """Pin this process to one processor core; Linux only. Call it before other threads start."""
     try:
         os.sched_setaffinity(0, {core})
-    except OSError as error:  # a sandbox may refuse it, a container lose the core: then it is slower
+    except OSError as error:  # refused by a sandbox, or the container has lost the core: only slower
         LOG.info(f"does not stay on core {core}: {error}")
 
 
 def core_of(turn: int, robots: int) -> int | None:
-    """The processor core that a robot's process is to stay on, None where the system had better choose.
+    """Processor core for a robot's process; None to leave the choice to the system.
 
-    The threads of a robot take turns, and so do robots that wait for each other: left to itself the system
-    moves them to whichever core is idle, away from what the other core's cache holds of them. On two cores
-    beside other work a tick of 16 and 32 robots takes 0.85 of the time so; with 64 on a quiet machine there
-    was no difference (`python -m tests.benchmarks`).
+    The threads of a robot, and robots that wait for each other, run in turn. The system would move them to
+    whichever core is idle, away from their cached data; on two busy cores, pinning saves 15 % of a tick
+    with 16
+    or 32 robots.
 
     Args:
-        turn: how many robots of the fleet come before this one.
-        robots: how many there are.
+        turn: index of the robot in the fleet.
+        robots: number of robots.
     """
     if sys.platform != "linux":
         return None
@@ -60,45 +58,45 @@ def core_of(turn: int, robots: int) -> int | None:
 
 @dataclass(frozen=True, slots=True)
 class Process:
-    """One row: what to start, and what its end means."""
+    """One row of the table: a process to start, and the consequences of its end."""
 
     name: str  # unique in a fleet, such as `robot-3`
     entry: str  # "module:function"; it returns the exit status
     arguments: tuple[Any, ...] = ()  # picklable
     vital: bool = False  # the fleet cannot go on without it
-    restarts: int = 0  # how many times it is started again by itself after it failed
-    reports: bool = False  # the function takes one more argument: a callable for text to the supervisor
-    core: int | None = None  # number of the processor core that it stays on; as the system likes unless given
-    patience: float = 5.0  # s that it may take to end after SIGTERM; it is killed then
+    restarts: int = 0  # number of automatic restarts after failures
+    reports: bool = False  # one more argument follows: a callable that sends text to the supervisor
+    core: int | None = None  # processor core to pin it to; None: chosen by the system
+    patience: float = 5.0  # s from SIGTERM to SIGKILL
 
 
 class Start(NamedTuple):
     """Request: fork a process."""
 
-    life: int  # names this one process, for ever
+    life: int  # number of this process, never used again
     process: Process
 
 
 class Signal(NamedTuple):
-    """Request: send a signal. To a process that has ended, nothing is sent."""
+    """Request: send a signal; ignored if the process has ended."""
 
     life: int
     number: int
 
 
 class Store(NamedTuple):
-    """Request, to a fork server on another host: put a file, its owner's alone, into its folder."""
+    """Request to a fork server on another host: write a file into its folder, readable by its owner only."""
 
     name: str
     content: bytes
 
 
 class Beat(NamedTuple):
-    """Request: nothing; the supervisor is there."""
+    """Request: heartbeat of the supervisor."""
 
 
 class _News(msgspec.Struct, frozen=True, tag=True, array_like=True, forbid_unknown_fields=True):
-    """Base of what the fork server tells; `life` says of which process."""
+    """Base of the fork server's messages; `life` is the number of the process."""
 
     life: int
 
@@ -110,18 +108,18 @@ class Started(_News, frozen=True):
 
 
 class ProcessReport(_News, frozen=True):
-    """News: the process says something."""
+    """News: a text from the process."""
 
     text: str
 
 
 class Exited(_News, frozen=True):
-    """News: the process is gone; the exit code is negative for a signal."""
+    """News: the process has ended; a negative exit code is a signal."""
 
     code: Annotated[int, Meta(ge=-64, le=255)]
     cpu_s: Annotated[float, Meta(ge=0, le=1e9)]
     max_rss_mb: Annotated[float, Meta(ge=0, le=1e9)]
-    why: str = ""  # where the exit code does not say it
+    why: str = ""  # reason, if the exit code does not tell it
 
 
 Request = Start | Signal | Store | Beat
@@ -134,12 +132,11 @@ _decoder = msgspec.msgpack.Decoder(News)
 
 
 def encode_news(news: News) -> bytes:
-    """News as they cross the channel."""
     return _encoder.encode(news)
 
 
 def decode_news(payload: bytes) -> News:
-    """The reverse; raises one of `protocol.codec.DAMAGED`."""
+    """Inverse of `encode_news`; raises one of `protocol.codec.DAMAGED`."""
     decoded: News = _decoder.decode(payload)
     return decoded
 
@@ -155,15 +152,21 @@ _CLOSING = 5.0  # s
 
 
 def environment() -> dict[str, str]:
-    """Of a fork server. Robots are one thread each: more would only cost memory, and forks dislike them."""
+    """Environment of a fork server: one OpenBLAS thread, as more cost memory and make forking unsafe."""
     return {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
 
 
 class Spawner:
-    """A fork server of one's own. `close` kills whatever was started and still runs.
+    """A fork server of this process. `close` kills all processes it has started.
+
+    Args:
+        modules: modules that it imports before the first fork.
+        run: name of the run, for process titles.
+        logs: folder of the log files.
+        lives: unused process numbers, if shared with other spawners.
 
     Raises:
-        ProcessError: the fork server is gone; its own words are on standard error.
+        ProcessError: the fork server is gone; its output is on standard error.
     """
 
     def __init__(
@@ -173,16 +176,12 @@ class Spawner:
         logs: Path | None = None,
         lives: Iterator[int] | None = None,
     ) -> None:
-        """Start the fork server, with `modules` imported, without waiting for it; titles name the `run`.
-
-        Processes log to files in the folder `logs`. `lives` are numbers that no other process has or had.
-        """
         ours, theirs = socket.socketpair()
         with theirs:
             self._server = self._serve(theirs, modules, run, logs)
         self._channel: Channel[Request, Any] = Channel(ours.detach())
         self._lives = count(1) if lives is None else lives
-        self.gone = False  # the fork server ended by itself, and this was said once
+        self.gone = False  # the fork server has ended by itself
 
     def _serve(
         self, theirs: socket.socket, modules: Sequence[str], run: str, logs: Path | None
@@ -203,17 +202,17 @@ class Spawner:
         )
 
     def start(self, process: Process) -> int:
-        """Ask for a process; returns the number of its life."""
+        """Request a process; returns its number."""
         life = next(self._lives)
         self._send(Start(life, process))
         return life
 
     def signal(self, life: int, number: int) -> None:
-        """Send a signal; nothing happens if that process has ended."""
+        """Send a signal; ignored if the process has ended."""
         self._send(Signal(life, number))
 
     def news(self, timeout: float) -> Iterator[News]:
-        """What happened; waits at most `timeout` s for the first of it."""
+        """Messages of the fork server; waits at most `timeout` s for the first."""
         try:
             while self._channel.poll(timeout):
                 yield decode_news(self._channel.recv_bytes(MAX_NEWS))
@@ -222,15 +221,15 @@ class Spawner:
             raise self._gone() from None
 
     def fileno(self) -> int:
-        """What is readable when there is news."""
+        """Descriptor that is readable when there are messages."""
         return self._channel.fileno()
 
     def hang_up(self) -> None:
-        """Have the fork server end, and with it every process, without waiting for that."""
+        """Close the channel, which ends the fork server and all its processes, without waiting."""
         self._channel.close()
 
     def close(self) -> None:
-        """End the fork server, and with it every process; may be called twice."""
+        """End the fork server and all its processes; may be called twice."""
         self.hang_up()
         try:
             self._server.wait(_CLOSING)

@@ -1,8 +1,7 @@
-"""Starts, watches and stops the processes of a table. One per fleet; nothing outlives it.
+"""Starts, watches and stops the processes of a table. One per fleet; no process outlives it.
 
-circus and supervisord walk such a table, too, but with an interpreter for each process, which costs what
-`deploy.processes.spawn` says. A process that failed waits before it is started again, longer each time it
-fails soon after: exponentially with a cap, as in systemd's RestartSteps and Kubernetes' CrashLoopBackOff.
+After the second failure in a row a restart is delayed, exponentially with a cap, as by systemd's RestartSteps
+and Kubernetes' CrashLoopBackOff.
 """
 
 from __future__ import annotations
@@ -23,40 +22,43 @@ if TYPE_CHECKING:
     from deploy.processes.hosts.spawners import HostSpawners
 
 
-STEADY = 60.0  # s; a failure after this run time starts a new row of failures
-_FIRST = 0.25  # s, after the second failure in a row; after the first there is no wait
-_LONGEST = 10.0  # s, well within what a world waits for a robot to join
+STEADY = 60.0  # s of run time after which a failure counts as the first
+_FIRST = 0.25  # s, after the second failure in a row
+_LONGEST = 10.0  # s, well below the time that a world waits for a robot
 
 
 @dataclass
 class Backoff:
-    """The waits of one process."""
+    """Delays before the restarts of one process."""
 
     _in_a_row: int = 0
 
     def wait(self, lived: float) -> float:
-        """How long to wait, s, after a failure at the age of `lived` s."""
+        """Delay before the next restart, s, after a failure at the age of `lived` s."""
         if lived >= STEADY:
             self._in_a_row = 0
         self._in_a_row += 1
         return 0.0 if self._in_a_row == 1 else min(_LONGEST, _FIRST * 2.0 ** min(self._in_a_row - 2, 16))
 
 
-_MOST = 1000  # reports that wait to be asked for
-_UNHEARD = 2 * MAX_NEWS  # characters of them
+_MOST = 1000  # unread reports
+_UNHEARD = 2 * MAX_NEWS  # characters of unread reports
 
 
 class Exit(NamedTuple):
-    """A process ended.
+    """End of a process.
 
-    expected: it was told to, or finished with status 0; again: it is started anew by itself.
+    Attributes:
+        expected: it was told to end, or finished with status 0.
+        again: it is restarted automatically.
+        why: reason, if the code does not tell it.
     """
 
     process: Process
     code: int
     expected: bool
     again: bool = False
-    why: str = ""  # where the code does not say it
+    why: str = ""
 
     def __str__(self) -> str:
         if self.why:
@@ -68,11 +70,11 @@ class Exit(NamedTuple):
 
 
 class Usage(NamedTuple):
-    """What one row of the table cost, over all its lives so far."""
+    """Resources used by all processes of one row so far."""
 
     name: str
-    pid: int  # of the latest life
-    exit_code: int | None  # of the latest life; None while it runs
+    pid: int  # of the latest process
+    exit_code: int | None  # of the latest process; None while it runs
     restarts: int
     cpu_s: float
     max_rss_mb: float
@@ -86,11 +88,11 @@ class ProcessLife:
     number: int
     pid: int = 0
     exit_code: int | None = None
-    up: bool = False  # whether it, or one before it, has done anything that it is for
+    up: bool = False  # this or an earlier process of the row has worked
     told_to_end: bool = False
-    again: bool = False  # start it again as soon as it has ended
-    began: float = 0.0  # s, monotonic: when the latest was asked for
-    due: float | None = None  # s, monotonic: when the next is to be started; none waits otherwise
+    again: bool = False  # restart it as soon as it has ended
+    began: float = 0.0  # s, monotonic: start of the latest process
+    due: float | None = None  # s, monotonic: start of the next process, if one is scheduled
     backoff: Backoff = field(default_factory=Backoff)
     restarts: int = 0
     failures: int = 0
@@ -100,8 +102,9 @@ class ProcessLife:
     max_rss_mb: float = 0.0
 
     def hear(self, text: str) -> None:
-        """Take a report, if its row makes any. Of unread reports the newest is kept: a host that was taken
-        over may never stop."""
+        """Keep a report of a reporting process. Only the newest unread reports are kept, since a host that an
+        attacker controls may never stop.
+        """
         if not self.process.reports:
             return
         self.up = True
@@ -112,36 +115,38 @@ class ProcessLife:
 
     @property
     def over(self) -> bool:
-        """Whether its process has ended, and none follows by itself."""
+        """Whether its process has ended, and no restart is scheduled."""
         return self.exit_code is not None and self.due is None
 
     def usage(self) -> Usage:
-        """What this row cost so far; of a running process, as the system says now."""
+        """Resources used so far, including those of a running process."""
         cpu, rss = self.cpu_s, self.max_rss_mb
         if self.exit_code is None and self.pid:
             try:
                 now = psutil.Process(self.pid)
                 times = now.cpu_times()
                 cpu, rss = cpu + times.user + times.system, max(rss, now.memory_info().rss / 2**20)
-            except psutil.Error:  # ended since the last poll, which will say so
+            except psutil.Error:  # it has ended since the last poll
                 pass
         return Usage(self.process.name, self.pid, self.exit_code, self.restarts, cpu, rss)
 
 
 _POLL = 0.05  # s
-_SAID = (2, 3)  # exit statuses of a process that has said why it ends
-_STOPPING = 30.0  # s that the kernel may take over SIGKILL
+_SAID = (2, 3)  # exit statuses of a process that has reported why it ends
+_STOPPING = 30.0  # s from SIGKILL to the end of a process
 
 
 class Supervisor:
-    """A context manager: leaving it stops everything.
+    """A context manager that stops all processes when it is left.
+
+    Args:
+        spawner: starts the processes; a new `Spawner` by default.
 
     Raises:
-        ProcessError: the fork server is gone, and all processes with it; or as the methods say.
+        ProcessError: the fork server is gone, and with it all processes.
     """
 
     def __init__(self, spawner: Spawner | HostSpawners | None = None) -> None:
-        """Use `spawner` (one of its own unless given)."""
         self._spawner = Spawner() if spawner is None else spawner
         self._lives: dict[str, ProcessLife] = {}
         self._by_number: dict[int, ProcessLife] = {}
@@ -157,19 +162,19 @@ class Supervisor:
             self._spawner.close()
 
     def start(self, table: Iterable[Process]) -> None:
-        """Start the rows in order, without waiting for any."""
+        """Start the rows in order, without waiting."""
         for process in table:
             if process.name in self._lives:
                 raise ProcessError(f"{process.name} is in the table twice; names must be unique")
             self._spawn(ProcessLife(process, 0))
 
     def report(self, name: str, timeout: float) -> str:
-        """The first text that a reporting process sends.
+        """First text from a reporting process.
 
         Raises:
-            StartError: it could not start, and has said why on standard error.
-            ProcessError: it was killed, or `timeout` s went by.
-            Stopped: a signal asks this process to end.
+            StartError: it could not start; its message is on standard error.
+            ProcessError: it was killed, or sent no text within `timeout` s.
+            Stopped: a signal tells this process to end.
         """
         life = self._life(name)
         self._advance(timeout, lambda: life.report is not None or life.over or STOP.requested)
@@ -182,27 +187,27 @@ class Supervisor:
         return life.report
 
     def up(self, names: Iterable[str]) -> None:
-        """Note that these processes do what they are for; those that report show it so.
+        """Mark processes that work; those that report are marked automatically.
 
-        One that never did ended because it could not start, if it says so by its exit status: it would do
-        so again, and is not started again by itself.
+        A process that ends with status 2 or 3 before it is marked could not start, and is not restarted
+        automatically.
         """
         for name in names:
             if name in self._lives:
                 self._lives[name].up = True
 
     def amend(self, process: Process) -> None:
-        """Replace the row of this name, from its next process on."""
+        """Replace the row of this name, for its next process."""
         self._life(process.name).process = process
 
     def heard(self, name: str) -> list[str]:
-        """What a reporting process, or one before it, has said since this was last asked."""
+        """Unread texts from the processes of this row."""
         life = self._life(name)
         heard, life.unheard = life.unheard, []
         return heard
 
     def poll(self, timeout: float = 0.0) -> list[Exit]:
-        """Exits since the last call; waits at most `timeout` s for the first news."""
+        """Exits since the last call; waits at most `timeout` s for the first."""
         self._read(timeout)
         exits, self._exits = self._exits, []
         return exits
@@ -212,21 +217,21 @@ class Supervisor:
         self._spawner.signal(self._life(name).number, number)
 
     def kill(self, name: str) -> None:
-        """SIGKILL, for ever: it is not started again by itself."""
+        """Send SIGKILL, and do not restart it automatically."""
         life = self._life(name)
         life.told_to_end, life.again, life.due = True, False, None
         self.signal(name, signal.SIGKILL)
 
     def pause(self, name: str) -> None:
-        """SIGSTOP: it freezes where it is."""
+        """Send SIGSTOP."""
         self.signal(name, signal.SIGSTOP)
 
     def resume(self, name: str) -> None:
-        """SIGCONT."""
+        """Send SIGCONT."""
         self.signal(name, signal.SIGCONT)
 
     def restart(self, name: str) -> None:
-        """Kill it, if it runs, and start it again as soon as it is gone."""
+        """Kill the process if it runs, and start it again once it has ended."""
         life = self._life(name)
         if life.exit_code is not None:
             self._again(life)
@@ -238,23 +243,20 @@ class Supervisor:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of all rows."""
+        """Names of all rows."""
         return tuple(self._lives)
 
     def running(self) -> list[str]:
-        """Names of the processes that have not ended, as of the last `poll`."""
+        """Names of the running processes, as of the last `poll`."""
         return [name for name, life in self._lives.items() if life.exit_code is None]
 
     def pids(self) -> dict[str, int]:
-        """Of the processes that have started and not ended, as of the last `poll`."""
+        """Process ids of the running processes, as of the last `poll`."""
         lives = self._lives.items()
         return {name: life.pid for name, life in lives if life.exit_code is None and life.pid}
 
     def stop(self, spare: Collection[str] = ()) -> None:
-        """SIGTERM to all but those to `spare`; SIGKILL to each that outlives the patience of its row.
-
-        Frozen processes are woken first.
-        """
+        """Send SIGTERM, then SIGCONT, to all but those to `spare`; SIGKILL after the patience of each row."""
 
         def left() -> list[str]:
             return [name for name in self.running() if name not in spare]
@@ -277,7 +279,7 @@ class Supervisor:
             raise ProcessError(f"not even SIGKILL ended {', '.join(left())}")
 
     def usage(self) -> list[Usage]:
-        """What every row cost so far."""
+        """Resources used by each row so far."""
         return [life.usage() for life in self._lives.values()]
 
     def _life(self, name: str) -> ProcessLife:
@@ -309,14 +311,14 @@ class Supervisor:
 
     def _read(self, timeout: float) -> None:
         for news in self._spawner.news(min([timeout, *self._waits()])):
-            if (life := self._by_number.get(news.life)) is not None:  # not one whose end is known
+            if (life := self._by_number.get(news.life)) is not None:  # its end is not known yet
                 self._take(life, news)
         for life in self._lives.values():
             if life.due is not None and time.monotonic() >= life.due:
                 self._again(life)
 
     def _waits(self) -> list[float]:
-        """How long each process that is to be started again still waits, s."""
+        """Remaining delays of scheduled restarts, s."""
         now = time.monotonic()
         return [max(0.0, life.due - now) for life in self._lives.values() if life.due is not None]
 

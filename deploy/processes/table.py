@@ -1,4 +1,4 @@
-"""The processes of a fleet as a table: one row each. `deploy.processes.supervisor` walks it."""
+"""The processes of a fleet as a table, one row each."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ RECORDER = "recorder"
 ROUTER = "router"
 WORLD = "world"
 _ROUTING = "deploy.processes.router:main"
-_CLOSING = 30.0  # s for the recorder, which yields to all others, to close its file
-_LINKING = 8.0  # s for the routers of all hosts to find each other
+_CLOSING = 30.0  # s for the recorder, which has low priority, to close its file
+_LINKING = 8.0  # s for the routers of all hosts to link
 
 
 def router(
@@ -25,11 +25,10 @@ def router(
     *,
     vital: bool = True,
 ) -> Process:
-    """The router, which reports the endpoint that it listens on; that of one of several hosts does so once it
-    is linked with those that it connects to.
+    """The router, which reports its endpoint; with several hosts once it is linked with the others.
 
-    Of those only that of the world's host is `vital`: with another one the robots behind it are lost, and no
-    more.
+    With several hosts only the router of the world's host is `vital`: without another one, only the robots
+    behind it are lost.
     """
     name, arguments = router_name(host), (connection, _LINKING if host else 0.0)
     return Process(name, _ROUTING, arguments, vital, restarts, reports=True)
@@ -45,9 +44,9 @@ def world(
     restarts: int = 0,
     checkpoint: Path | None = None,
 ) -> Process:
-    """The world of a run, which tells its report as JSON; `restarts` as its robots' rows have it.
+    """The world of a run, which reports its result as JSON.
 
-    With a `checkpoint` it can be started again as often, too.
+    `restarts` is that of the robots' rows; with a `checkpoint` the world is restarted as often.
     """
     arguments = (connection, run, scenario, lockstep, gathering, speed, restarts, checkpoint)
     again = 0 if checkpoint is None else restarts
@@ -80,7 +79,7 @@ def recorder(
 ) -> Process:
     """The recorder, which reports the name of each of its files, the first once it cannot miss a message.
 
-    Arguments as of `deploy.telemetry.recording.recorder.main`.
+    Arguments: `deploy.telemetry.recording.recorder.main`.
     """
     arguments = (connection, run, path, result, rotation, away, again)
     entry = "deploy.telemetry.recording.recorder:main"
@@ -88,7 +87,7 @@ def recorder(
 
 
 def router_name(host: str) -> str:
-    """Name of the row of a host's router, `router-left`; `router` where there is one for all."""
+    """Name of the row of a host's router, `router-left`; `router` if there is one host."""
     return f"{ROUTER}-{host}" if host else ROUTER
 
 
@@ -98,7 +97,7 @@ def is_router(name: str) -> bool:
 
 
 def outlasts(name: str) -> bool:
-    """Whether the process of this name stays until it is stopped, also after the last run."""
+    """Whether this process is needed until the end, also after the last run."""
     return name == RECORDER or is_router(name)
 
 
@@ -108,6 +107,6 @@ def robot_name(identity: int) -> str:
 
 
 def robot_of(name: str) -> int | None:
-    """The reverse; None for the row of anything else."""
+    """Inverse of `robot_name`; None for other rows."""
     kind, _, identity = name.rpartition("-")
     return int(identity) if kind == "robot" and identity.isdecimal() else None

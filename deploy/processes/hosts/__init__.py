@@ -1,1 +1,1 @@
-"""A fleet over several hosts: a table of them, and processes that are started there by OpenSSH."""
+"""A fleet on several hosts: their table, and starting processes on them by OpenSSH."""

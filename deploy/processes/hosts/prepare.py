@@ -1,4 +1,4 @@
-"""Before a run on several hosts: whether a host is fit for it."""
+"""Checks of a host before a run."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from deploy.software import SOFTWARE, Finding, code_digest
 from protocol.codec import DAMAGED
 
 _PATIENCE = 60.0  # s for a host to answer
-_SPAN = 2.0  # s between two looks at its clock
-_LOOKS = 5  # at each of the two times; the quickest answer counts
-_RATE = 1e-3  # by how much its clock may run fast or slow
+_SPAN = 2.0  # s between two readings of its clock
+_LOOKS = 5  # requests per reading; the quickest answer is used
+_RATE = 1e-3  # largest relative error of its clock's rate
 _SPACE = 200 * 2**20  # bytes
 _LONGEST = 1 << 16  # bytes of an answer
 
 
 class _SilentError(Exception):
-    """The host does not answer, or not as it should; says how."""
+    """The host gives no valid answer; the text tells how."""
 
 
 def check(host: Host) -> list[Finding]:
-    """Look at reach, version, clock, router's port and space; ends with the first that nothing can follow."""
+    """Check reach, version, clock, router port and space; stops after an unreachable host."""
     listen = host.listen or host.address
     arguments = ["node", "host", "--facts", listen, str(host.port)]
     if host.ssh:
@@ -49,7 +49,7 @@ def check(host: Host) -> list[Finding]:
             finally:
                 process.kill()
     except FileNotFoundError as error:
-        return [Finding("reach", "bad", f"there is no command {error.filename} here")]
+        return [Finding("reach", "bad", f"no command {error.filename} on this machine")]
 
 
 def _looked(host: Host, process: subprocess.Popen[bytes], began: float) -> list[Finding]:
@@ -68,13 +68,13 @@ def _facts(process: subprocess.Popen[bytes]) -> Facts:
         try:
             return msgspec.json.decode(line, type=Facts)
         except DAMAGED:
-            said += line  # what a shell says at login
+            said += line  # printed by the shell at login
             if len(said) > _LONGEST:
-                raise _SilentError("it prints a lot, and nothing that can be understood") from None
+                raise _SilentError("its output contains no valid answer") from None
 
 
 def _line(process: subprocess.Popen[bytes], deadline: float) -> bytes:
-    """The next line that a process prints, until then (s, monotonic)."""
+    """Next line of the process's output until `deadline` (s, monotonic)."""
     assert process.stdout is not None
     line = b""
     while not line.endswith(b"\n"):
@@ -96,7 +96,7 @@ def _last_words(process: subprocess.Popen[bytes]) -> str:
 
 def _software(host: Host, facts: Facts) -> list[Finding]:
     same = facts.code == code_digest(SOFTWARE)
-    version = f"the same as here, Python {facts.python}" if same else f"another than here: {host.command}"
+    version = f"same as here, Python {facts.python}" if same else f"not the same as here: {host.command}"
     compiled = "yes" if facts.compiled else "no: its robots take three to four times as long"
     return [
         _finding("version", version, fine=same),
@@ -105,7 +105,7 @@ def _software(host: Host, facts: Facts) -> list[Finding]:
 
 
 def _clock(process: subprocess.Popen[bytes]) -> Finding:
-    """How much faster its clock runs than this one's; the way there and back bounds the error."""
+    """Difference of the clock rates, with an error bounded by the round-trip times."""
     first, error = _offset(process)
     began = time.monotonic()
     time.sleep(_SPAN)
@@ -118,7 +118,7 @@ def _clock(process: subprocess.Popen[bytes]) -> Finding:
 
 
 def _offset(process: subprocess.Popen[bytes]) -> tuple[float, float]:
-    """What its clock is ahead of this one's, s, and by how much that may be wrong."""
+    """Offset of its clock, and the error of that, s."""
     assert process.stdin is not None
     looks = []
     for _ in range(_LOOKS):
@@ -142,8 +142,8 @@ def _port(host: Host, facts: Facts) -> Finding:
     try:
         socket.create_connection((host.address, host.port), 5.0).close()
     except OSError as error:
-        return Finding("router port", "bad", f"{where} is not reached from here: {error}")
-    return Finding("router port", "good", f"{where} is free, and reached from here")
+        return Finding("router port", "bad", f"{where} cannot be reached from here: {error}")
+    return Finding("router port", "good", f"{where} is free, and can be reached from here")
 
 
 def _space(facts: Facts) -> Finding:

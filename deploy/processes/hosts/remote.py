@@ -1,9 +1,9 @@
-"""The far end of a host: a fork server whose channel is an ssh connection, and facts about the host.
+"""On another host: a fork server whose channel is an ssh connection; and facts about the host.
 
-`disknav run --hosts` starts the first on each host. It names itself in one line, then serves requests that
-come in on standard input, and tells news on standard output; logs go to standard error, as lines. It ends,
-and all its processes with it, when the connection does, or when nothing has come for so long that the
-launcher, or the way to it, must be gone. `disknav setup hosts` asks for the second.
+`disknav run --hosts` starts the fork server on each host. It prints a greeting, then receives requests on
+standard input and sends news on standard output; logs go to standard error. It ends, with all its
+processes, with the connection, or after a long time without a request. `disknav setup hosts` asks for the
+facts.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ from deploy.processes.spawn import MODULES, Store
 from deploy.software import SOFTWARE, code_digest
 from protocol.process import log
 
-GREETING = "disknav-host"  # then a digest of the code, and the folder
-_PATIENCE = 30.0  # s; the launcher says something every second
+GREETING = "disknav-host"  # followed by a digest of the code, and the folder
+_PATIENCE = 30.0  # s; the launcher sends a heartbeat every second
 
 
 class Facts(msgspec.Struct, frozen=True):
-    """What a host says about itself."""
+    """Facts about a host."""
 
     code: str  # digest of this software's sources
     python: str
     compiled: bool
     free: int  # bytes, where a run's files go
-    port: str  # why its router could not listen; empty if it could
+    port: str  # error on listening on the router's port; empty if there is none
 
 
 def main(modules: Sequence[str] = MODULES, patience: float = _PATIENCE, run: str = "") -> int:
@@ -49,7 +49,7 @@ def main(modules: Sequence[str] = MODULES, patience: float = _PATIENCE, run: str
     news: Channel[Any, Any] = Channel(os.dup(1), readable=False)
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
-    os.dup2(2, 1)  # printed text must not get among the news
+    os.dup2(2, 1)  # keeps printed text out of the news
     folder = Path(tempfile.mkdtemp(prefix="disknav-"))  # mode 0700
     try:
         os.write(news.fileno(), f"{GREETING} {code_digest(SOFTWARE)} {folder}\n".encode())
@@ -62,7 +62,7 @@ def main(modules: Sequence[str] = MODULES, patience: float = _PATIENCE, run: str
 
 
 def _store(folder: Path, file: Store) -> None:
-    """Write a file that never had more permissions than its owner's; a second time it is left alone."""
+    """Write a new file with mode 0600; an existing one is not changed."""
     path = folder / Path(file.name).name
     if path.exists():
         return
@@ -72,7 +72,7 @@ def _store(folder: Path, file: Store) -> None:
 
 
 def tell_facts(listen: str, port: str) -> int:
-    """Listen where the router will, say the facts, then the time (s, monotonic) for each line heard."""
+    """Listen on the router's port, print the facts, then the time (s, monotonic) for each line of input."""
     with ExitStack() as stack:
         why = ""
         try:

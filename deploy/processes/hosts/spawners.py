@@ -1,4 +1,4 @@
-"""Starts processes on the hosts of a table, each where it belongs: to a supervisor, one spawner."""
+"""Starts the processes of a table of hosts, each on its host."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ _GREETING = 30.0  # s for all hosts to answer
 
 
 class HostSpawners:
-    """A spawner (see `deploy.processes.spawn`) for a whole table.
+    """Spawners of all hosts, with the interface of a `Spawner`.
 
-    A host that is lost is no error: its processes have ended, and their news say why.
+    The processes of a lost host count as ended, with a reason; that is no error.
 
     Args:
         table: the hosts; those without ssh are this machine.
         places: name of a process -> name of its host; all others are started here.
-        run: stands in the titles of all processes.
-        logs: folder for the files of logs, of this machine's processes and of every host; none unless given.
+        run: name of the run, for process titles.
+        logs: folder of the log files of this machine's processes and of every host, if any.
 
     Raises:
         ProcessError: a host cannot be reached.
@@ -42,36 +42,36 @@ class HostSpawners:
         logs: Path | None = None,
     ) -> None:
         self._places = places
-        self._numbers = count(1)  # of lives, on all hosts
+        self._numbers = count(1)  # of processes, on all hosts
         self._here = Spawner(run=run, logs=logs, lives=self._numbers)
         there = [host for host in table.hosts if host.ssh]
         self._there = {host.name: SshSpawner(host, run, logs, self._numbers) for host in there}
-        self._lives: dict[int, Spawner] = {}  # of those that have not ended
-        self._own: deque[News] = deque()  # of processes on hosts that are lost
+        self._lives: dict[int, Spawner] = {}  # process number -> spawner, of running processes
+        self._own: deque[News] = deque()  # of processes on lost hosts
 
     @property
     def gone(self) -> bool:
-        """Whether this machine's own fork server ended; a lost host is not all there is."""
+        """Whether this machine's own fork server has ended."""
         return self._here.gone
 
     def greet(self) -> None:
-        """Wait until every host answers; they come up all at once."""
+        """Wait until every host answers."""
         deadline = time.monotonic() + _GREETING
         for spawner in self._there.values():
             spawner.greet(deadline - time.monotonic())
 
     def folder(self, host: str) -> str | None:
-        """Where files for a host's processes are stored; None for this machine."""
+        """Folder of a host for files of its processes; None for this machine."""
         return self._there[host].folder if host in self._there else None
 
     def store(self, host: str, path: Path) -> None:
-        """Copy a file to a host's folder, for its owner's eyes only; to no host that is lost."""
+        """Copy a file to a host's folder, with mode 0600; ignored for a lost host."""
         if self._there[host].gone:
             return
         self._there[host].store(path.name, path.read_bytes())
 
     def start(self, process: Process) -> int:
-        """As `Spawner.start`, on the host where the process belongs."""
+        """`Spawner.start`, on the host of the process."""
         spawner = self._there.get(self._places.get(process.name, ""), self._here)
         if not spawner.gone:
             try:
@@ -86,7 +86,7 @@ class HostSpawners:
         return life
 
     def signal(self, life: int, number: int) -> None:
-        """As `Spawner.signal`."""
+        """`Spawner.signal`."""
         if life not in self._lives:
             return
         spawner = self._lives[life]
@@ -96,9 +96,9 @@ class HostSpawners:
             self._lose(spawner, error)
 
     def news(self, timeout: float) -> Iterator[News]:
-        """As `Spawner.news`, of all hosts."""
+        """`Spawner.news`, of all hosts."""
         spawners = {each.fileno(): each for each in self._all() if not each.gone}
-        # No wait here is longer than launchers may be silent.
+        # Never wait longer than the interval of heartbeats.
         ready = wait(list(spawners), 0.0 if self._own else min(timeout, BEAT))
         del ready  # each process with news is read below
         for spawner in spawners.values():
@@ -111,7 +111,7 @@ class HostSpawners:
             yield self._own.popleft()
 
     def close(self) -> None:
-        """End every fork server, and with them every process, on all hosts that can be reached."""
+        """End all fork servers and their processes, on all hosts that can be reached."""
         for spawner in self._all():
             spawner.hang_up()
         for spawner in self._all():
@@ -131,7 +131,7 @@ class HostSpawners:
         return next((f"host {name}" for name, each in self._there.items() if each is spawner), "this host")
 
     def _lose(self, spawner: Spawner, error: ProcessError) -> None:
-        """All processes of a lost host have ended, as far as this launcher can know."""
+        """Report the processes of a lost host as ended."""
         if spawner is self._here:
             raise error
         LOG.error(error)

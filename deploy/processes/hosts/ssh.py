@@ -1,8 +1,8 @@
-"""A host's fork server at the other end of an ssh connection; OpenSSH's own client makes that.
+"""A host's fork server at the other end of an ssh connection of OpenSSH's client.
 
-The connection may stall at any byte, and the host may have been taken over: messages are framed as by
-`multiprocessing.connection` (a length in four bytes, big-endian, then the message), and what is said there is
-labelled with the host's name.
+The connection may stall at any byte, and an attacker may control the host: messages are framed as by
+`multiprocessing.connection` (a length in four bytes, big-endian, then the message), and text from the host is
+labelled with its name.
 """
 
 from __future__ import annotations
@@ -42,17 +42,17 @@ from protocol.process.log import LOG, LogLine, Speaker, lines, words
 
 _HEAD = struct.Struct("!i")
 _CHUNK = 1 << 16  # bytes
-_AT_ONCE = 256  # messages; so that one host that never stops talking does not keep others from being heard
+_AT_ONCE = 256  # messages of one host, before the other hosts' turn
 
 
 class FramedMessages:
-    """What comes out of `descriptor`, message by message, without ever waiting for the rest of one.
+    """Reads complete messages from a descriptor, without waiting for the rest of an incomplete one.
 
     Args:
-        descriptor: is read from; stays its owner's.
-        largest: bytes of a message, at most.
-        patience: s that a message may take from its first byte to its last.
-        clock: tells the time, s.
+        descriptor: open for reading; not closed here.
+        largest: size limit of a message, bytes.
+        patience: longest time from the first byte of a message to its last, s.
+        clock: current time, s.
     """
 
     def __init__(
@@ -64,14 +64,14 @@ class FramedMessages:
     ) -> None:
         self._descriptor, self._largest, self._patience, self._clock = descriptor, largest, patience, clock
         self._buffer = bytearray()
-        self._began = inf  # s, when a message began that is not complete
+        self._began = inf  # s, arrival of the first byte of an incomplete message
 
     def read(self, timeout: float) -> Iterator[bytes]:
-        """What has arrived, after at most `timeout` s of waiting for it.
+        """Messages that have arrived; waits at most `timeout` s for the first.
 
         Raises:
             EOFError: the connection has ended.
-            ValueError: what comes is no message, or does not come to an end.
+            ValueError: a message is invalid or incomplete for too long.
         """
         for _ in range(_AT_ONCE):
             message = self._complete()
@@ -88,7 +88,7 @@ class FramedMessages:
         self._check_patience()
 
     def _complete(self) -> bytes | None:
-        """The first message in the buffer, once it is there as a whole."""
+        """First complete message of the buffer."""
         if len(self._buffer) < _HEAD.size:
             return None
         (length,) = _HEAD.unpack_from(self._buffer)
@@ -111,19 +111,18 @@ class FramedMessages:
             raise ValueError(f"it stalled in the middle of a message for {self._patience:g} s")
 
 
-_LONGEST = 1 << 16  # bytes of a line that are read at once
+_LONGEST = 1 << 16  # bytes of a line read at once
 _LAST_WORDS = 1.0  # s
 _decoder = msgspec.json.Decoder(LogLine)
 
 
 class Relay:
-    """Takes what the processes of one host, its shell and ssh write to standard error.
+    """Relays the standard error of one host's processes, shell and ssh to log and terminal.
 
-    A host that was taken over can say what it likes here; it is labelled as that host's, and cannot steer
-    the terminal.
+    Each line is labelled with the host's name, without terminal control sequences.
 
     Raises:
-        UsageError: nothing can be written to `folder`.
+        UsageError: `folder` cannot be written.
     """
 
     def __init__(self, host: str, run: str, folder: Path | None) -> None:
@@ -135,19 +134,19 @@ class Relay:
         self._thread: threading.Thread | None = None
 
     def follow(self, stream: IO[bytes]) -> None:
-        """Take everything from `stream`, on a thread of its own."""
+        """Relay `stream` in a thread of its own."""
         self._thread = threading.Thread(
             target=self._read, args=(stream,), name=f"log of {self._host}", daemon=True
         )
         self._thread.start()
 
     def end(self) -> None:
-        """Wait for the last words of a host that is gone."""
+        """Wait for the last lines of a host that is gone."""
         if self._thread is not None:
             self._thread.join(_LAST_WORDS)
 
     def take(self, said: bytes) -> None:
-        """Take one line: of a log, or plain text."""
+        """Relay one line: of a log, or plain text."""
         try:
             line = _decoder.decode(said)
             text = printable(line.text).replace("\n", f"\n{self._host}: ")
@@ -164,19 +163,19 @@ class Relay:
 
 
 def printable(said: str) -> str:
-    """The text without what would steer a terminal; a traceback keeps its lines."""
+    """The text without terminal control characters; line breaks stay."""
     return "".join(each if each.isprintable() or each == "\n" else " " for each in said).rstrip()
 
 
-BEAT = 1.0  # s between signs of life of this launcher
-_STALL = 5.0  # s that a host may take over a message, of its own or to it
-_LONGEST_LINE = 1 << 12  # bytes that a shell may say at login before it ends the line
+BEAT = 1.0  # s between heartbeats of this launcher
+_STALL = 5.0  # s for one message, from or to a host
+_LONGEST_LINE = 1 << 12  # bytes of a line printed by a shell at login
 _MISSING = 127  # exit status of a shell that does not find a command
-# The first value that ssh is given counts, so a host's own options outrank these.
+# ssh uses the first value of an option, so a host's own options override these.
 _OPTIONS = (
-    "BatchMode=yes",  # no person is there to be asked for a password
+    "BatchMode=yes",  # no password prompts
     "ConnectTimeout=10",
-    "ServerAliveInterval=2",  # a host that is silent this long, three times, is gone
+    "ServerAliveInterval=2",  # three times this without an answer: the host is gone
     "ServerAliveCountMax=3",
     "ClearAllForwardings=yes",
     "LogLevel=ERROR",
@@ -184,16 +183,18 @@ _OPTIONS = (
 
 
 def ssh_command(host: Host, there: str) -> list[str]:
-    """The command line that has a shell on `host` run `there`, without asking for a password."""
+    """Command line that runs `there` in a shell on `host`, without a password prompt."""
     options = [word for option in _OPTIONS for word in ("-o", option)]
     return ["ssh", "-T", *host.options, *options, "--", host.ssh, there]
 
 
 class SshSpawner(Spawner):
-    """The fork server on `host`. Construction does not wait for it; `greet` does.
+    """The fork server on another host. The constructor does not wait for it; `greet` does.
+
+    Text from the host is relayed to the terminal, and to its file in `logs`.
 
     Raises:
-        ProcessError: there is no ssh here; or from any method, the host is gone.
+        ProcessError: this machine has no ssh; or, from any method, the host is gone.
     """
 
     def __init__(
@@ -203,46 +204,45 @@ class SshSpawner(Spawner):
         logs: Path | None = None,
         lives: Iterator[int] | None = None,
     ) -> None:
-        """Reach `host`; what is said there is relayed to the terminal, and to its file in `logs`."""
         self.host = host
-        self.folder = ""  # on the host, for files; known once it has greeted
+        self.folder = ""  # for files on the host; known after `greet`
         self._beat = 0.0
         super().__init__(run=run, logs=logs, lives=lives)
         self._frames = FramedMessages(self._channel.fileno(), MAX_NEWS, _STALL)
-        with socket.socket(fileno=os.dup(self._channel.fileno())) as ours:  # an option of both descriptors
+        with socket.socket(fileno=os.dup(self._channel.fileno())) as ours:  # for both descriptors
             ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, struct.pack("ll", int(_STALL), 0))
 
     def greet(self, timeout: float) -> None:
-        """Wait until the host says that it serves.
+        """Wait for the host's greeting.
 
         Raises:
-            ProcessError: it does not, or is of other code; says which host and why.
+            ProcessError: it does not arrive, or the host runs another version; the text names the host.
         """
         deadline = time.monotonic() + timeout
         while not self.folder:
             line = self._line(deadline)
             words = line.split(maxsplit=2)
             if words[:1] != [GREETING]:
-                self._relay.take(line.encode())  # what a shell says at login
+                self._relay.take(line.encode())  # printed by the shell at login
             elif len(words) != 3 or words[1] != code_digest(SOFTWARE):
                 raise ProcessError(
-                    f"host {self.host.name}: {self.host.command} there is another version than this one; "
+                    f"host {self.host.name}: its {self.host.command} is not the same version as this one; "
                     f"a fleet needs the same on every host"
                 )
             else:
                 self.folder = words[2]
 
     def close(self) -> None:
-        """As of any fork server; what the host said last is waited for."""
+        """End the fork server; waits for the host's last lines."""
         super().close()
         self._relay.end()
 
     def store(self, name: str, content: bytes) -> None:
-        """Put a file into the host's folder, for its owner's eyes only; once."""
+        """Write a new file into the host's folder, with mode 0600."""
         self._send(Store(name, content))
 
     def news(self, timeout: float) -> Iterator[News]:
-        """As of any fork server; a host that was taken over can say nothing but news."""
+        """`Spawner.news`; anything else from the host is an error."""
         now = time.monotonic()
         if now >= self._beat + BEAT:
             self._beat = now
@@ -273,13 +273,13 @@ class SshSpawner(Spawner):
                 command, stdin=end, stdout=end, stderr=subprocess.PIPE, start_new_session=True
             )
         except FileNotFoundError:
-            raise ProcessError("hosts are reached by OpenSSH, and there is no command ssh here") from None
+            raise ProcessError("no command ssh on this machine: install the OpenSSH client") from None
         assert ssh.stderr is not None
         self._relay.follow(ssh.stderr)
         return ssh
 
     def _line(self, deadline: float) -> str:
-        """A line of text, byte by byte: what follows the greeting is not text."""
+        """Read a line byte by byte, since binary messages follow it."""
         descriptor = self._channel.fileno()
         line = b""
         while not line.endswith(b"\n"):
@@ -302,13 +302,13 @@ class SshSpawner(Spawner):
             return ProcessError(f"host {self.host.name} closed the connection")
         self._relay.end()
         if status == _MISSING:
-            return ProcessError(f"host {self.host.name}: the shell there finds no {self.host.command!r}")
+            return ProcessError(f"host {self.host.name}: its shell finds no command {self.host.command!r}")
         how = f"with status {status}; see its output above" if status >= 0 else f"by signal {-status}"
         return ProcessError(f"host {self.host.name} is gone: ssh ended {how}")
 
 
 def _checked(news: News) -> News:
-    """Raises ValueError if this is nothing that a fork server says; why a process ended, launchers say."""
+    """Raises ValueError for news with a reason, which only this launcher may add."""
     if isinstance(news, Exited) and news.why:
-        raise ValueError("it says why a process ended")
+        raise ValueError("it sends a reason for the end of a process")
     return news

@@ -1,4 +1,4 @@
-"""The hosts table: which host runs what, how it is reached, and which keys fit it."""
+"""The table of hosts: processes of each host, its ssh destination, and its keys."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9-]*")
 
 @dataclass(frozen=True, slots=True)
 class Host:
-    """One host: its router, its robots, and how OpenSSH reaches it."""
+    """One host: its router, its robots, and its ssh destination."""
 
     name: str
-    address: str  # name or address at which the other hosts, and the launcher, reach its router
+    address: str  # name or address of its router, for the other hosts and the launcher
     port: Annotated[int, Meta(ge=1, le=65535)] = 7447  # of its router
-    listen: str = ""  # address that its router listens on; `address` unless given
+    listen: str = ""  # address on which its router listens; default `address`
     robots: tuple[RobotId, ...] = ()
-    ssh: str = ""  # destination as OpenSSH understands it; without it, the host is this machine
+    ssh: str = ""  # destination for OpenSSH; "": this machine
     options: tuple[str, ...] = ()  # for ssh, such as ["-p", "2222"]
-    command: str = "disknav"  # how the shell there calls this software
+    command: str = "disknav"  # command of this software in its shell
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,39 +40,39 @@ class HostsTable:
     """All hosts of a run."""
 
     hosts: Annotated[tuple[Host, ...], Meta(min_length=1)]
-    world: str = ""  # name of the host that runs the world; the first unless given
+    world: str = ""  # name of the host that runs the world; default the first
 
     @property
     def world_host(self) -> Host:
-        """Where the world runs."""
+        """Host that runs the world."""
         return next((host for host in self.hosts if host.name == self.world), self.hosts[0])
 
     def host_of(self, robot: int) -> Host:
-        """Where a robot runs.
+        """Host that runs a robot.
 
         Raises:
-            UsageError: on no host, as one that was added to the fleet.
+            UsageError: none, as for a robot that was added to the fleet.
         """
         for host in self.hosts:
             if robot in host.robots:
                 return host
         raise UsageError(
-            f"no host of the table ({', '.join(host.name for host in self.hosts)}) has robot {robot}: "
+            f"no host of the table ({', '.join(host.name for host in self.hosts)}) runs robot {robot}: "
             f"`disknav node robot {robot} --run NAME --router ENDPOINT` on one of them starts it there"
         )
 
 
 def read_hosts(path: Path, robots: Sequence[int], newcomers: Sequence[int] = ()) -> HostsTable:
-    """Read the hosts table for a scenario with these robots; others that orders add may be in it, too.
+    """Read the table of hosts for a scenario with these robots, and with newcomers that its orders add.
 
     Raises:
-        HostsError: with every problem, in the order of the file.
+        HostsError: lists every problem, in the order of the file.
     """
     return parse_hosts(read_toml(path, HostsError), robots, str(path), newcomers)
 
 
 def read_any_hosts(path: Path) -> HostsTable:
-    """Read a table whatever the scenario: every robot that it names is taken to be one.
+    """Read a table without a scenario: all robots that it names are valid.
 
     Raises:
         HostsError: as `read_hosts`.
@@ -91,7 +91,7 @@ def read_any_hosts(path: Path) -> HostsTable:
 def parse_hosts(
     document: Document, robots: Sequence[int], source: str = "hosts", newcomers: Sequence[int] = ()
 ) -> HostsTable:
-    """The same from plain tables, as tomllib makes them."""
+    """`read_hosts`, from a parsed TOML document."""
     table, findings = read_table(document, HostsTable)
     malformed = {steps for steps, _ in findings}
     findings += [
@@ -108,7 +108,7 @@ def parse_hosts(
 def _checked(
     table: HostsTable, malformed: Collection[Steps], robots: Sequence[int], newcomers: Sequence[int]
 ) -> Iterator[Finding]:
-    """Names and endpoints that are unique, options that are what they seem, every robot on one host."""
+    """Checks: unique names and endpoints, valid options, every robot on one host."""
     names: dict[str, int] = {}
     endpoints: dict[tuple[str, int], int] = {}
     homes: dict[int, int] = {}
@@ -152,16 +152,16 @@ def _host(
 
 
 def roster_of(run: str, table: HostsTable) -> KeyRoster:
-    """The roster of a run whose every host has a router, and a key, of its own."""
+    """The roster of a run with a router, and a router key, for each host."""
     robots = sorted(robot for host in table.hosts for robot in host.robots)
     return KeyRoster(run, tuple(robots), _homes(table), table.world_host.name)
 
 
 def check_fit(roster: KeyRoster, table: HostsTable) -> None:
-    """Check that the keys are for these hosts, with these robots behind each.
+    """Check that the keys belong to these hosts, each with these robots.
 
     Raises:
-        CertificateError: they are not; says which host differs.
+        CertificateError: they do not; names the host that differs.
     """
     wanted, world = _homes(table), table.world_host.name
     if differing := [
@@ -178,13 +178,13 @@ def check_fit(roster: KeyRoster, table: HostsTable) -> None:
     else:
         return
     raise CertificateError(
-        f"the keys of the run {roster.run} are not for {what} as the table of hosts has it; "
-        f"`disknav setup keys DIR --scenario S --hosts TABLE` makes a key for each host of a table"
+        f"the keys of the run {roster.run} do not fit {what} of the table of hosts; "
+        f"make new keys: `disknav setup keys DIR --scenario S --hosts TABLE`"
     )
 
 
 def exposed(table: HostsTable) -> list[str]:
-    """Hosts whose router others than this machine's users can reach."""
+    """Names of the hosts whose router can be reached from other machines."""
     return [
         host.name
         for host in table.hosts

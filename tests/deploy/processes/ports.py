@@ -8,7 +8,7 @@ import socket
 from collections.abc import Iterator
 from itertools import count
 
-_FIRST, _EACH = 20_000, 1_500  # below those that the system gives to whoever connects; some for each worker
+_FIRST, _EACH = 20_000, 1_500  # below the ephemeral ports of the system; some for each worker
 
 
 def _candidates() -> Iterator[int]:

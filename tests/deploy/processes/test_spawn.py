@@ -100,7 +100,7 @@ def test_a_signal_shows_as_a_negative_exit_status(spawner: Spawner) -> None:
     life = spawner.start(Process("one", "tests.deploy.processes.children:wait"))
     spawner.signal(life, signal.SIGKILL)
     assert exit_code(spawner) == -signal.SIGKILL
-    spawner.signal(life, signal.SIGKILL)  # nobody is hit
+    spawner.signal(life, signal.SIGKILL)  # no process gets it
 
 
 def test_a_dead_fork_server_takes_all_with_it_and_is_named() -> None:

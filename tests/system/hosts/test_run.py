@@ -216,7 +216,7 @@ def test_the_host_of_the_world_ends_the_run(server: Server, tmp_path: Path) -> N
         (
             {"command": "/nowhere/disknav"},
             EXIT_FAULT,
-            "host left: the shell there finds no '/nowhere/disknav'",
+            "host left: its shell finds no command '/nowhere/disknav'",
         ),
         ({"ssh": "nobody-at-all@127.0.0.1"}, EXIT_FAULT, "host left is gone: ssh ended with status 255"),
         ({"command": "echo disknav-host 0 /tmp;"}, EXIT_FAULT, "another version"),

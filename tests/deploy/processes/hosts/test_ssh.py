@@ -129,7 +129,10 @@ def test_why_a_process_ended_is_for_the_launcher_to_say() -> None:
         os.write(writing, struct.pack("!i", len(encode_news(news))) + encode_news(news))
     heard = Heard(reading).news(1.0)
     assert next(heard) == true
-    with pytest.raises(ProcessError, match="host left does not follow the protocol: it says why a process"):
+    with pytest.raises(
+        ProcessError,
+        match="host left does not follow the protocol: it sends a reason for the end of a process",
+    ):
         next(heard)
     os.close(reading)
     os.close(writing)
