@@ -1,1 +1,1 @@
-"""One run from what was asked for to its result, with real processes or in this one."""
+"""One run from its options to its result, with real processes or within this one."""

@@ -1,4 +1,4 @@
-"""Assembling a fleet: which processes there are, in which order they start, and which connect to which."""
+"""Assembly of a fleet: its processes, the order of their start, and their connections."""
 
 from __future__ import annotations
 
@@ -31,32 +31,30 @@ from world.shell.checkpoint import Checkpoint
 
 
 def places(hosts: HostsTable) -> dict[str, str]:
-    """Which host each process of a fleet runs on; what is not named runs where the launcher does."""
+    """Name of a process -> name of its host; all others run on the launcher's host."""
     robots = {table.robot_name(robot): host.name for host in hosts.hosts for robot in host.robots}
     routers = {table.router_name(host.name): host.name for host in hosts.hosts}
     return {**routers, "world": hosts.world_host.name, **robots}
 
 
 class Routed:
-    """All are clients of the router at `endpoint`, each with what proves its role."""
+    """Connections to the router at `endpoint`, each with the credentials of its role."""
 
     def __init__(self, endpoint: Endpoint, membership: KeyRing) -> None:
         self.membership, self.endpoint = membership, endpoint
 
     def world(self) -> Connection:
-        """The world's connection."""
         return self._client(WORLD, self.endpoint)
 
     def robot(self, robot: int) -> Connection:
-        """A robot's connection."""
         return self._client(robot_role(robot), self.endpoint)
 
     def observer(self) -> Connection:
-        """Connection of what only watches."""
+        """Connection of a monitor."""
         return self._client(MONITOR, self.endpoint)
 
     def viewer(self) -> Connection:
-        """Connection of what watches, and gives orders if the operator's key is there."""
+        """Connection of a live page: an operator if the operator's key is available."""
         return self._client(self.membership.viewer, self.endpoint)
 
     def _client(self, role: str, endpoint: Endpoint) -> Connection:
@@ -64,7 +62,7 @@ class Routed:
 
 
 class MultiHost(Routed):
-    """All are clients of the router of their host; those on other hosts come with copies of their keys."""
+    """Connections to the router of each process's host; keys are copied to other hosts."""
 
     def __init__(self, hosts: HostsTable, membership: KeyRing, spawners: HostSpawners) -> None:
         self.hosts, self.spawners = hosts, spawners
@@ -72,7 +70,7 @@ class MultiHost(Routed):
         super().__init__(self._router_of(hosts.world_host), membership)
 
     def router(self, host: Host) -> Connection:
-        """The router of a host: linked with those of all hosts before it in the table."""
+        """The router of a host, linked with those of all hosts before it in the table."""
         before = self.hosts.hosts[: self.hosts.hosts.index(host)]
         listen = Endpoint.at(self.membership.protocol, host.listen or host.address, host.port)
         connection = self.membership.router(
@@ -81,11 +79,10 @@ class MultiHost(Routed):
         return self._moved(connection, host)
 
     def world(self) -> Connection:
-        """The world's connection."""
         return self._moved(super().world(), self.hosts.world_host)
 
     def robot(self, robot: int) -> Connection:
-        """A robot's connection; raises UsageError for one that is on no host of the table."""
+        """Raises UsageError for a robot that is on no host of the table."""
         host = self.hosts.host_of(robot)
         return self._moved(self._client(robot_role(robot), self._router_of(host)), host)
 
@@ -93,7 +90,7 @@ class MultiHost(Routed):
         return Endpoint.at(self.membership.protocol, host.address, host.port)
 
     def _moved(self, connection: Connection, host: Host) -> Connection:
-        """The same for a process on `host`, which gets the files that this one role needs, and no more."""
+        """The same connection for a process on `host`, to which the files of this role alone are copied."""
         credentials, folder = connection.credentials, self.spawners.folder(host.name)
         if credentials is None or folder is None:
             return connection
@@ -107,30 +104,28 @@ class MultiHost(Routed):
 
 @dataclass(frozen=True)
 class Mesh:
-    """All are peers with a link of their own to each other, over Unix sockets in `folder`.
+    """Connections of peers, each linked to all others over Unix sockets in `folder`.
 
-    Sockets are files named after the listening process, so no two fleets and no other program can take one.
-    Each listens, and connects to those before it: the world, then robots in their order.
+    Sockets are files named after the listening process, so other fleets and programs cannot occupy them. Each
+    process listens, and connects to those before it: the world, then robots in their order.
     """
 
     folder: Path
     robots: tuple[int, ...]
 
     def world(self) -> Connection:
-        """The world's connection."""
         return Connection("peer", listen=(self._endpoint("world"),))
 
     def robot(self, robot: int) -> Connection:
-        """A robot's connection."""
         before = ["world", *map(str, self.robots[: self.robots.index(robot)])]
         return Connection("peer", connect=self._endpoints(before), listen=(self._endpoint(str(robot)),))
 
     def joined(self, robot: int) -> Mesh:
-        """The mesh with another robot, after all others."""
+        """The mesh with another robot at its end."""
         return self if robot in self.robots else replace(self, robots=(*self.robots, robot))
 
     def observer(self) -> Connection:
-        """Connection of a monitor: to all processes, and none connects to it."""
+        """Connection of a monitor to all processes; it does not listen."""
         return Connection("peer", connect=self._endpoints(["world", *map(str, self.robots)]))
 
     viewer = observer
@@ -145,28 +140,28 @@ class Mesh:
 Topology = Routed | Mesh
 
 
-_START = 30.0  # s for a process to say that it is ready
+_START = 30.0  # s for a process to report that it is ready
 _SOON = timedelta(days=1)
 _WHEN = "%Y-%m-%d %H:%M UTC"
 
 
 class Assembly:
-    """Starts what a fleet consists of, from the router to the robots.
+    """Starts the processes of a fleet, from the router to the world; and robots on request.
 
     Args:
-        scenario: k already a number.
+        scenario: with k as a number.
         options: transport, clock, names.
         record: file to record to.
-        stack: whatever has to be undone at the end is put there, also if something does not start.
+        stack: receives all clean-up callbacks, also if a start fails.
 
     Attributes:
         supervisor: of all processes.
         topology: endpoints and links.
-        result: file from which the recorder takes the complete result, if the run is recorded.
+        result: file from which the recorder reads the complete result, if the run is recorded.
 
     Raises:
         ProcessError, BusError: a process did not start, or an endpoint is taken.
-        RunTakenError: at the router that is there already a world of this run is, too.
+        RunTakenError: another world of this run uses the given router.
     """
 
     def __init__(
@@ -178,7 +173,7 @@ class Assembly:
     ) -> None:
         self._scenario, self._options = scenario, options
         self._hosts = self._host_spawners()
-        # Before the supervisor, to outlast every process.
+        # Entered before the supervisor, to outlast every process.
         self._folder = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-")))
         spawner = self._hosts or Spawner(run=options.run, logs=options.log)
         self.supervisor = stack.enter_context(Supervisor(spawner))
@@ -190,13 +185,13 @@ class Assembly:
 
     @property
     def expired(self) -> str:
-        """What to add to the reason why a fleet was lost, if its certificates have ended."""
+        """Text to append to the reason of a lost fleet if its certificates have expired."""
         if self._ends is None or datetime.now(UTC) < self._ends:
             return ""
-        return f"; the certificates in {self._options.secure} ended at {self._ends:{_WHEN}}: make new ones"
+        return f"; the certificates in {self._options.secure} expired at {self._ends:{_WHEN}}: make new ones"
 
     def robots(self) -> list[Process]:
-        """The rows of all robots, which are not started yet."""
+        """Rows of all robots, not yet started."""
         ids = self._scenario.ids
         together = len(ids) if self._options.lockstep and self._hosts is None else 0
         return [self._robot(robot, core_of(turn, together)) for turn, robot in enumerate(ids)]
@@ -206,7 +201,9 @@ class Assembly:
         return table.robot(connection, options.run, robot, options.restarts, core)
 
     def start_newcomer(self, robot: int) -> None:
-        """The process of a robot that was added, on this host; a person must if this cannot."""
+        """Start the process of an added robot on this host; if that fails, log that it must be started by
+        hand.
+        """
         name = table.robot_name(robot)
         if name in self.supervisor.names:
             self.supervisor.restart(name)
@@ -216,7 +213,7 @@ class Assembly:
         try:
             self.supervisor.start([self._robot(robot)])
         except DisknavError as error:
-            LOG.error(f"the process of robot {robot} is to be started by hand: {error}")
+            LOG.error(f"start the process of robot {robot} by hand: {error}")
 
     def _host_spawners(self) -> HostSpawners | None:
         hosts = self._options.hosts
@@ -231,11 +228,11 @@ class Assembly:
         if options.transport == "mesh":
             return Mesh(self._folder, self._scenario.ids)
         membership = KeyRing(options.secure)
-        membership.run(options.run)  # or the router would turn all away
+        membership.run(options.run)  # refuses keys of another run
         self._ends = membership.end()
         if self._ends is not None and self._ends - datetime.now(UTC) < _SOON:
             LOG.warning(
-                f"the certificates in {options.secure} end at {self._ends:{_WHEN}}, and links with them"
+                f"the certificates in {options.secure}, and all links, expire at {self._ends:{_WHEN}}"
             )
         if options.router is not None:
             topology = Routed(membership.endpoint(options.router), membership)
@@ -250,16 +247,16 @@ class Assembly:
         )
         self.supervisor.start([router])
         endpoint = Endpoint(self.supervisor.report(table.ROUTER, _START))
-        connection, *others = router.arguments  # its successor has to be found where it was
+        connection, *others = router.arguments  # a restarted router keeps the endpoint
         again = (replace(connection, listen=(endpoint,)), *others)
         self.supervisor.amend(replace(router, arguments=again))
         if options.restarts:
-            with suppress(OSError):  # of a name that is none of this host, or taken: then it is as it was
+            with suppress(OSError):  # not an address of this host, or taken: the port stays unreserved
                 stack.enter_context(reserved(endpoint))
         return Routed(endpoint, membership)
 
     def _link(self, multi_host: MultiHost) -> MultiHost:
-        """A router on every host, each linked with all before it: no message can be lost on a detour."""
+        """Start a router on every host, each linked with all before it, so that no message needs a detour."""
         multi_host.spawners.greet()
         for host in multi_host.hosts.hosts:
             connection, vital = multi_host.router(host), host is multi_host.hosts.world_host
@@ -269,8 +266,10 @@ class Assembly:
         return multi_host
 
     def _checkpoint(self) -> Path | None:
-        """Where the world is to keep its checkpoint, if it is to be started again: made here, so that a world
-        that finds none does not begin anew what another one began."""
+        """Create an empty checkpoint if the world may be restarted.
+
+        It is created here so that a restarted world that finds no checkpoint cannot start the run again.
+        """
         if not self._options.restarts:
             return None
         checkpoint = self._folder / "checkpoint"
@@ -283,7 +282,7 @@ class Assembly:
         return Path(folder) / checkpoint.name
 
     def _start_world(self, checkpoint: Path | None) -> None:
-        """The world, and before anything can happen the recorder."""
+        """Start the world, and the recorder before the first tick."""
         run, topology = self._options.run, self.topology
         options = self._options
         world = table.world(

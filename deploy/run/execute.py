@@ -1,4 +1,4 @@
-"""One scenario from launch to result, on any transport, with what was asked for on top."""
+"""One scenario from launch to result, on any transport, with recording, plot and live page."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from protocol.scenario.model import Scenario
 
 
 class RunProgress(Progress):
-    """Shows simulated time and clearance while a run goes on; a context manager."""
+    """Shows simulated time and clearance during a run; a context manager."""
 
     def __init__(self, scenario: Scenario, quiet: bool) -> None:
         console = Console(stderr=True)
@@ -43,26 +43,25 @@ class RunProgress(Progress):
             console=console,
             refresh_per_second=5,
             transient=True,
-            disable=quiet or not console.is_terminal,  # in a file it would be an empty line
+            disable=quiet or not console.is_terminal,  # a file would get an empty line
         )
         self._task = self.add_task(scenario.name, total=scenario.time.limit, figures="starting")
 
     def watch(self, clock: Clock) -> None:
-        """Take over news from the world."""
+        """Show the newest Clock."""
         figures = f"t = {clock.time:5.2f} s   clearance {1000 * clock.clearance:6.2f} mm"
         self.update(self._task, completed=clock.time, figures=figures)
 
 
 def linger(link: str) -> None:
-    """Stay after the run until Ctrl-C, so that the end of a page can be looked at."""
-    print(f"{link} stays until Ctrl-C", file=sys.stderr, flush=True)
+    """Keep the live page after the run until Ctrl-C."""
+    print(f"{link} stays available until Ctrl-C", file=sys.stderr, flush=True)
     STOP.wait()
 
 
 @contextmanager
 def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[str]:
-    """Serve a page that shows `fleet`; gives its address, and prints it to standard error. Everyone with
-    the address may steer.
+    """Serve a page that shows `fleet`, and print its address to standard error. The address permits steering.
 
     Raises:
         UsageError: the libraries of the extra `web` are not installed.
@@ -90,7 +89,7 @@ def _watch(fleet: Fleet | LocalFleet, run: str) -> Watcher:
 
 @dataclass(frozen=True)
 class Extras:
-    """What `disknav run` does besides running."""
+    """Optional outputs of `disknav run`."""
 
     record: Path | None = None
     plot: Path | None = None
@@ -106,21 +105,22 @@ def execute(
     quiet: bool,
     tell: Callable[[Result], None] = lambda _: None,
 ) -> Result:
-    """Run `scenario` to its verdict; whenever a signal comes, and however often, there is a result.
+    """Run `scenario` to its verdict. There is a result even after signals, at any time and repeatedly.
 
     Args:
         quiet: whether to show no progress.
-        tell: takes the result as soon as the fleet is down, whatever else may fail after that.
+        tell: called with the result as soon as the fleet is down, before plotting.
 
     Raises:
-        UsageError: the options do not fit together, an optional library is missing, or a file that was asked
-            for cannot be written.
+        UsageError: the options do not fit together, an optional library is missing, or an output file
+            cannot be
+            written.
         ProcessError, BusError: the fleet could not be started.
     """
     _check(extras)
     unwritten: UsageError | None = None
     if scenario.is_external:
-        options = replace(options, mode="realtime")  # robots that are not simulated do not wait
+        options = replace(options, mode="realtime")  # real robots do not wait
     with STOP.listening(), ExitStack() as stack:
         recording = _recording_path(extras, stack)
         with RunProgress(scenario, quiet) as progress, ExitStack() as running:
@@ -142,7 +142,7 @@ def execute(
             result = complete(report, options, processes, recordings if extras.record else [])
             LOG.info(f"verdict: {result['verdict']} {result['reason']}".rstrip())
             try:
-                write_json(result, extras.json)  # before anything that may still wait
+                write_json(result, extras.json)  # before the recorder is waited for
             except UsageError as error:
                 unwritten = error
             fleet.record(result)
@@ -151,7 +151,7 @@ def execute(
         if unwritten is not None:
             raise unwritten
         if extras.plot is not None and not STOP.requested:
-            first = 0 if options.rotation != ONE_FILE else -1  # others follow, or it began anew
+            first = 0 if options.rotation != ONE_FILE else -1  # -1: a restarted recorder has a new file
             with suppress(Stopped):
                 draw(Path(recordings[first]), extras.plot, lambda _: STOP.check())
         if page is not None and sys.stdin.isatty():
@@ -160,7 +160,7 @@ def execute(
 
 
 def _check(extras: Extras) -> None:
-    """Find out before the run what would fail after it."""
+    """Find problems with output files before the run."""
     check_json(extras.json)
     if extras.record is not None:
         check_target(extras.record, "record")
@@ -169,7 +169,7 @@ def _check(extras: Extras) -> None:
 
 
 def _recording_path(extras: Extras, stack: ExitStack) -> Path | None:
-    """Where to record: as asked, or somewhere for the picture's sake."""
+    """File to record to: as requested, or a temporary one for the plot."""
     if extras.record is not None or extras.plot is None:
         return extras.record
     return Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "run.mcap"
@@ -179,7 +179,7 @@ def _fleet(
     scenario: Scenario, options: RunOptions, recording: Path | None, bar: RunProgress
 ) -> Fleet | LocalFleet:
     if options.transport == "local" and scenario.is_external:
-        raise UsageError("external bases are reached by the network: leave out --transport local")
+        raise UsageError("external bases need a network: leave out --transport local")
     if options.transport == "local":
         return LocalFleet(
             scenario,

@@ -1,4 +1,4 @@
-"""A fleet of real processes: router, world, robots; started, watched, and stopped whatever happens."""
+"""A fleet of real processes: started, watched and stopped."""
 
 from __future__ import annotations
 
@@ -30,28 +30,28 @@ from protocol.scenario.model import Event as ProcessEvent
 from protocol.scenario.model import Scenario
 
 Watcher = Callable[[Clock], None]
-_LAST_WORDS = 5.0  # s for the world to report when it is cut short
+_LAST_WORDS = 5.0  # s for the report of an interrupted world
 _LEAVING = 2.0  # s for processes to end by themselves after the run
 _POLL = 0.02  # s
-_IMPATIENT = 2  # signals
-ENOUGH = "it was enough"  # reason of a run that the launcher ends as planned
+_IMPATIENT = 2  # signals after which the report is not waited for
+ENOUGH = "ended as planned"  # reason of a run that `enough` ends
 
 
 class FleetLostError(Exception):
-    """A process that the run needs has ended."""
+    """A process without which the run cannot continue has ended."""
 
 
 class Fleet:
     """The processes of a run; a context manager.
 
     Args:
-        scenario: k already a number.
+        scenario: with k as a number.
         options: transport, clock, names.
-        watch: is told every Clock that is heard.
+        watch: called with every Clock received.
         record: file to record to.
 
     Attributes:
-        rejected: messages that were no world's, by reason.
+        rejected: number of invalid messages, by reason.
 
     Raises:
         ProcessError, BusError: a process did not start, or an endpoint is taken.
@@ -79,7 +79,7 @@ class Fleet:
         with ExitStack() as stack:
             self._assembly = Assembly(self._scenario, self._options, self._record, stack)
             self._supervisor = self._assembly.supervisor
-            self._listen(stack)  # before there are robots: a short run must not be over before it is watched
+            self._listen(stack)  # before the robots start, so that no Clock of a short run is missed
             self._supervisor.start(self._robots())
             self._stack = stack.pop_all()
         return self
@@ -92,7 +92,7 @@ class Fleet:
 
     @property
     def topology(self) -> Topology:
-        """The endpoints and links of all processes."""
+        """Endpoints and links of all processes."""
         return self._assembly.topology
 
     def _listen(self, stack: ExitStack) -> None:
@@ -101,10 +101,11 @@ class Fleet:
         self._bus.subscribe(world_key(self._options.run, "clock"))
 
     def execute(self, enough: Callable[[], bool] = lambda: False) -> Report:
-        """Watch until there is a report, or it is `enough`.
+        """Watch the run until its report arrives, or `enough` returns true.
 
-        Signals and lost processes end the run too, and its report says so, with what the world said that it
-        saw so far; a second signal has nothing wait for it.
+        Signals and lost processes also end the run; its report then gives the reason and the world's
+        measures so
+        far. After a second signal the world is not waited for.
         """
         verdict, reason = self._ending(enough)
         if verdict:
@@ -118,7 +119,7 @@ class Fleet:
         return report
 
     def _ending(self, enough: Callable[[], bool]) -> tuple[str, str]:
-        """Watch until there is a report; verdict and reason with which the run is cut short, else ""."""
+        """Watch the run; verdict and reason if it is cut short, empty otherwise."""
         try:
             while not (self._report or STOP.requested or enough()):
                 self._take(self._bus.receive(_POLL))
@@ -130,15 +131,17 @@ class Fleet:
         return "interrupted", INTERRUPTED if STOP.requested else ENOUGH
 
     def signal(self, name: str, number: int) -> None:
-        """Send a signal to one process, for example `robot-2`, behind the fleet's back."""
+        """Send a signal to one process, for example `robot-2`, without the supervisor's bookkeeping."""
         self._supervisor.signal(name, number)
 
     def pids(self) -> dict[str, int]:
-        """The processes that run, by name."""
+        """Process ids of the running processes, by name."""
         return self._supervisor.pids()
 
     def processes(self) -> list[dict[str, Any]]:
-        """Wait for the processes to exit, stop the rest except the recorder; the cost of each."""
+        """Wait for the processes to exit, stop the rest except the recorder, and return the resources of
+        each.
+        """
         deadline = time.monotonic() + self._leaving
         while not all(map(table.outlasts, self._supervisor.running())) and time.monotonic() < deadline:
             self._supervisor.poll(_POLL)
@@ -147,14 +150,14 @@ class Fleet:
         return [_row(usage, hosts.get(usage.name)) for usage in self._supervisor.usage()]
 
     def recordings(self) -> list[str]:
-        """The files of the recording: several if it rotates, or its recorder was started again."""
+        """Files of the recording: several if it rotates, or its recorder was restarted."""
         return [] if self._assembly.result is None else self._supervisor.heard(table.RECORDER)
 
     def record(self, result: Mapping[str, Any]) -> None:
-        """Finish the recording, if there is one, with the complete result of the run.
+        """Finish the recording, if there is one, with the complete result.
 
         Raises:
-            RecordingError: it could not be written to its end.
+            RecordingError: the recorder failed.
         """
         if self._assembly.result is None:
             return
@@ -162,7 +165,7 @@ class Fleet:
         self._supervisor.stop()
         (code,) = (usage.exit_code for usage in self._supervisor.usage() if usage.name == table.RECORDER)
         if code != 0:
-            raise RecordingError(f"{self._record} was not finished: its recorder ended with status {code}")
+            raise RecordingError(f"{self._record} is incomplete: its recorder ended with status {code}")
 
     def _take(self, event: Event | None) -> None:
         if not isinstance(event, Sample):
@@ -176,13 +179,15 @@ class Fleet:
             self._follow(message)
 
     def _poll(self) -> list[Exit]:
-        """What has ended. The world tells its report here: what it publishes may be lost, or come later
-        than its end. A later life of the world may tell it again."""
+        """Ended processes. The world reports over its pipe here: a published result may be lost, or arrive
+        after its
+        end. A restarted world may report again.
+        """
         exits = self._supervisor.poll()
         for text in self._supervisor.heard(table.WORLD):
             try:
                 report = read_report(text)
-            except MessageError as error:  # of a host that was taken over
+            except MessageError as error:  # from a host that an attacker controls
                 self.rejected[error.reason] += 1
                 continue
             if self._report is None:
@@ -198,7 +203,7 @@ class Fleet:
         if self._watch is not None:
             self._watch(clock)
 
-    # -- what the launcher asks for
+    # -- RobotProcesses
 
     def knows(self, robot: int) -> bool:
         return table.robot_name(robot) in self._supervisor.names
@@ -214,14 +219,14 @@ class Fleet:
         return True
 
     def _check(self, exits: Sequence[Exit]) -> None:
-        """A fleet goes on without a robot, but not without its world or router, nor if it never began."""
+        """Raise FleetLostError without world or router, or if a process fails before the first tick."""
         for exit_ in exits:
             LOG.info(str(exit_))
             robot = table.robot_of(exit_.process.name)
-            if exit_.code == 0 and robot is not None:  # it was removed
+            if exit_.code == 0 and robot is not None:  # the robot was removed
                 self._launcher.removed(robot)
             if exit_.again and not exit_.expected:
-                LOG.warning(f"{exit_}; it is started again")
+                LOG.warning(f"{exit_}; restarting it")
             if exit_.again:
                 continue
             if exit_.process.name == table.RECORDER and not exit_.expected:
@@ -235,10 +240,10 @@ class Fleet:
         return self._clock is not None and self._clock.tick > 0
 
     def _await_last_words(self) -> None:
-        """Have the world report, unless a second signal asks not to wait for it."""
+        """Wait for the world's report, unless a second signal arrives."""
         self._poll()
         if self._options.restarts:
-            self._leaving = 0.0  # robots wait for a world that will not be back
+            self._leaving = 0.0  # robots would wait for a restarted world
         if table.WORLD in self._supervisor.running():
             self._supervisor.signal(table.WORLD, signal.SIGTERM)
             deadline = time.monotonic() + _LAST_WORDS
@@ -252,5 +257,5 @@ class Fleet:
 
 
 def _row(usage: Usage, host: str | None) -> dict[str, Any]:
-    """A process's row of the result; of a fleet on several hosts, it says on which."""
+    """A process's row of the result; with its host, if there are several."""
     return usage._asdict() if host is None else {**usage._asdict(), "host": host}

@@ -1,4 +1,4 @@
-"""What a launcher does with processes of robots as a run goes on: decided here, done by `RobotProcesses`."""
+"""The launcher during a run: process faults and added robots, carried out by `RobotProcesses`."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from protocol.scenario.model import Event, ProcessFault, Scenario
 
 
 class RobotProcesses(Protocol):
-    """The processes of robots, or the nodes in their place."""
+    """The processes of robots, or their nodes in a local fleet."""
 
     def knows(self, robot: int) -> bool:
         """Whether a robot has, or had, a process."""
@@ -20,10 +20,10 @@ class RobotProcesses(Protocol):
         """Whether its process has not ended, as far as is known."""
 
     def act(self, robot: int, event: Event) -> None:
-        """Kill it, pause it, let it go on if it is paused, or end it and start the next one."""
+        """Kill, pause, resume or restart its process."""
 
     def welcome(self, robot: int) -> bool:
-        """Start a process for a robot that was added; False if one that is frozen has to end before."""
+        """Start a process for an added robot; False if a paused process of that id has to end first."""
 
 
 class Launcher:
@@ -31,21 +31,21 @@ class Launcher:
 
     Args:
         scenario: of the run.
-        processes: what carries it out.
-        turn: of several robots at once, which comes first; the least.
+        processes: carries out the actions.
+        turn: sort key that orders actions on several robots at once.
     """
 
     def __init__(
         self, scenario: Scenario, processes: RobotProcesses, turn: Callable[[int], Any] = int
     ) -> None:
         self._processes, self._turn = processes, turn
-        faults = sorted(scenario.process, key=lambda fault: fault.at)  # stable: as written, if at once
+        faults = sorted(scenario.process, key=lambda fault: fault.at)  # stable for equal times
         self._due = deque((scenario.ticks(fault.at), fault) for fault in faults)
         self._paused: set[int] = set()
         self._started: set[int] = set()  # newcomers whose processes were started
 
     def follow(self, clock: Clock) -> None:
-        """Do what is due."""
+        """Do what is due at this Clock."""
         for fault in sorted(self.due(clock), key=lambda fault: self._turn(fault.robot)):
             self.carry_out(fault)
         for robot in sorted(clock.newcomers, key=self._turn):
@@ -53,21 +53,21 @@ class Launcher:
         self._started &= set(clock.newcomers)
 
     def carry_out(self, fault: ProcessFault) -> None:
-        """Carry out one fault on a process; nothing to one that has not come yet."""
+        """Carry out one fault; ignored if the robot has no process yet."""
         robot, processes = fault.robot, self._processes
         if not processes.knows(robot):
             return
         if fault.event in ("kill", "pause"):
-            self._started.discard(robot)  # a robot that is added under its id has a process of its own
+            self._started.discard(robot)  # a robot added later under this id needs a new process
         (self._paused.add if fault.event == "pause" else self._paused.discard)(robot)
         processes.act(robot, fault.event)
 
     def removed(self, robot: int) -> None:
-        """The process of a robot that was removed has ended."""
+        """Note that the process of a removed robot has ended."""
         self._started.discard(robot)
 
     def _welcome(self, robot: int) -> None:
-        """Start a process for a robot that was added, once that of an earlier one with its id has left."""
+        """Start a process for an added robot once an earlier one of its id has ended."""
         leaves = not self._processes.runs(robot) or robot in self._paused
         if robot not in self._started and leaves and self._processes.welcome(robot):
             self._started.add(robot)
@@ -76,13 +76,14 @@ class Launcher:
     def due(self, clock: Clock) -> list[ProcessFault]:
         """Faults to carry out now, in the order of their times; each is returned once.
 
-        None before the run has begun: all robots begin it, whatever happens to them in the first tick.
-        Nothing happens to a process whose robot is not there, in the world as here: the process of the next
-        one may have come before this is due. A clock that is lost is made up for by any later one, the last
-        included.
+        None before the first tick is open, so all robots take part in it. A fault of a robot that is
+        absent is
+        skipped, by the world and here alike: it must not hit the process of a later robot of that id. Lost
+        Clocks
+        are made up for by later ones.
         """
         faults = []
-        until = clock.tick - 1 if clock.verdict else clock.tick  # the last tick that was open
+        until = clock.tick - 1 if clock.verdict else clock.tick  # last open tick
         while clock.founded and self._due and self._due[0][0] <= until:
             tick, fault = self._due.popleft()
             if (tick, fault.robot) not in clock.passed_over:

@@ -1,7 +1,6 @@
-"""A whole run in this process: the same nodes as on zenoh, on the in-process bus.
+"""A run within this process: the same nodes as over zenoh, on the in-process bus.
 
-Robots whose requests to join are answered by the same bytes share what these say. Equal bytes say the same,
-and nothing can change a scenario, which is frozen throughout: no robot can tell whether others share it.
+Robots that receive equal replies to their join requests share one decoded scenario, which is immutable.
 """
 
 from __future__ import annotations
@@ -35,24 +34,28 @@ from protocol.scenario.model import Scenario
 from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
 
-_YOUNG: Final = 1_000_000  # objects, instead of 700: messages of a tick are many, and are gone by themselves
-_GROWTH: Final = 1.25  # of all objects until they are looked through: what Python's own collector waits for
+_YOUNG: Final = 1_000_000  # objects, instead of 700: messages are many, and freed by reference counts
+_GROWTH: Final = 1.25  # growth of all objects before a full collection, as in Python's own collector
 
 
 @contextmanager
 def seldom_collecting() -> Iterator[None]:
-    """Inside, what is there already is not looked at, and what comes seldom: of 1000 robots that is a quarter
-    of a tick. Threads may be inside together: what was before is back when the last has left."""
-    _ASIDE.enter()
+    """Collect garbage rarely inside, and no objects from before; with 1000 robots that saves a quarter of a
+    tick.
+    Threads may be inside together; the last to leave restores the collector's settings.
+    """
+    _COLLECTOR.enter()
     try:
         yield
     finally:
-        _ASIDE.leave()
+        _COLLECTOR.leave()
 
 
-class _Aside:
-    """What is there before a run. Looking through all of it takes as long as a short run, where much has been
-    imported: only what is young is, until there is a quarter more than all that was left last time."""
+class _Collector:
+    """Garbage collection during runs. Existing objects are frozen, since examining all of them takes as long
+    as a
+    short run; all are collected once their number has grown by a quarter.
+    """
 
     def __init__(self) -> None:
         self._lock = Lock()
@@ -85,24 +88,24 @@ class _Aside:
             self._left = gc.get_freeze_count()
 
 
-_ASIDE: Final = _Aside()
+_COLLECTOR: Final = _Collector()
 
 
 Watcher = Callable[[Clock], None]
 
 
 class LocalFleet:
-    """World and robots of a run in one thread: `deploy.run.fleet.Fleet` in small.
+    """World and robots of a run in one thread, with the interface of `deploy.run.fleet.Fleet`.
 
     Args:
-        scenario: k already a number.
+        scenario: with k as a number.
         run: name of the run.
         lockstep: whether the world waits for every robot.
-        speed: simulated seconds per second that lock-step is held to, 0 for no limit.
-        watch: is told every Clock.
+        speed: simulated seconds per second in lock-step, 0 for no limit.
+        watch: called with every Clock.
         record: file to record to.
-        checkpoint: file (see `Checkpoint.create`) with which another world may follow on one that dies.
-        network: where its nodes meet; one of its own unless given.
+        checkpoint: file (`Checkpoint.create`) from which a restarted world continues.
+        network: bus of the nodes; a new one by default.
 
     Attributes:
         report: of the world, once the run has ended.
@@ -122,7 +125,7 @@ class LocalFleet:
     ) -> None:
         self.network = LocalNetwork() if network is None else network
         self.run = run
-        # To read a scenario of 1000 robots takes 2 ms, and half a megabyte: 2 s and 0.5 GB if each did.
+        # Reading a scenario of 1000 robots takes 2 ms and 0.5 MB: too much for each robot.
         self._read = lru_cache(maxsize=1)(decode_reply)
         self._scenario, self._lockstep, self._speed = scenario, lockstep, speed
         self._path, self._watch = checkpoint, watch
@@ -140,7 +143,7 @@ class LocalFleet:
         clock.node = _Follower(self._follow)
 
     def start_world(self) -> None:
-        """Start the world's node, where the checkpoint says that the one before it was."""
+        """Start the world's node, from the checkpoint if there is one."""
         self._checkpoint: Checkpoint | None = None
         if self._path is not None:
             self._checkpoint = Checkpoint(self._path, self.run, self._scenario)
@@ -157,33 +160,32 @@ class LocalFleet:
             say=LOG.info,
             note=LOG.info,
             checkpoint=self._checkpoint,
-            clock=time.monotonic,  # the one in force: tests that skip waits replace it
+            clock=time.monotonic,  # looked up now: tests that skip waits replace it
             tell=self.report.update,
         )
 
     def kill_world(self) -> None:
-        """End the world's node at once; its token goes, and nothing is left of it but its checkpoint."""
+        """End the world's node at once, with its token; only its checkpoint remains."""
         self.world_bus.close()
         if self._checkpoint is not None:
             self._checkpoint.close()
 
     def turn(self, robot: int) -> Any:
-        """When a robot joins, of several that may: those with less first."""
+        """Sort key of the order in which robots join."""
         return robot
 
     def start(self, robot: int) -> Node:
-        """Start a robot's node."""
         bus = self.robots[robot] = self.network.connect()
         say = partial(_warn, robot)
         node: Node = RobotNode(bus, self.run, robot, say=say, read=self._read)
         bus.node = node
         return node
 
-    # -- what the launcher asks for
+    # -- RobotProcesses
 
     def _follow(self, clock: Clock) -> None:
         self.launcher.follow(clock)
-        for robot, bus in self.robots.items():  # a process ends once it knows that its robot was removed
+        for robot, bus in self.robots.items():  # the process of a removed robot ends
             if isinstance(bus.node, RobotNode) and bus.node.verdict == "removed":
                 self.kill(robot)
                 self.launcher.removed(robot)
@@ -191,46 +193,41 @@ class LocalFleet:
             self._watch(clock)
 
     def knows(self, robot: int) -> bool:
-        """As `Processes`."""
         return robot in self.robots
 
     def runs(self, robot: int) -> bool:
-        """As `Processes`."""
         bus = self.robots.get(robot)
         return bus is not None and bus.node is not None
 
     def act(self, robot: int, event: ProcessEvent) -> None:
-        """As `Processes`."""
         getattr(self, event)(robot)
 
     def kill(self, robot: int) -> None:
-        """End a robot's node at once; its token goes."""
+        """End a robot's node at once, with its token."""
         self._paused.pop(robot, None)
         self.robots[robot].close()
 
     def pause(self, robot: int) -> None:
-        """Have a robot's node take nothing in."""
+        """Stop delivering messages to a robot's node."""
         bus = self.robots[robot]
         if isinstance(bus.node, RobotNode):
             self._paused[robot] = bus.node
             bus.node = None
 
     def resume(self, robot: int) -> None:
-        """Let a robot's node go on, if it is paused."""
+        """Deliver messages to a paused node again."""
         if robot in self._paused:
             bus = self.robots[robot]
             bus.node = self._paused.pop(robot)
             self.network.notify(bus)
 
     def restart(self, robot: int) -> None:
-        """End a robot's node, and start another."""
         self.kill(robot)
         self.start(robot)
 
     def welcome(self, robot: int) -> bool:
-        """As `Processes`."""
         if robot in self._paused:
-            self.kill(robot)  # its token goes; when that is known, the next one can come
+            self.kill(robot)  # the next node can join once the world has seen the end of this token
             return False
         self.start(robot).wake(time.monotonic())
         return True
@@ -242,11 +239,11 @@ class LocalFleet:
         self._finish(None)
 
     def recordings(self) -> list[str]:
-        """The files of the recording."""
+        """Files of the recording."""
         return [] if self._writer is None else [str(self._writer.path)]
 
     def record(self, result: Mapping[str, Any]) -> None:
-        """Finish the recording, if there is one, with the complete result of the run."""
+        """Finish the recording, if there is one, with the complete result."""
         self._finish(json.dumps(result))
 
     def _finish(self, result: str | None) -> None:
@@ -255,7 +252,7 @@ class LocalFleet:
             writer.finish(result or self._recorder.result)
 
     def processes(self) -> list[dict[str, Any]]:
-        """There are none of its own."""
+        """No rows: a local fleet has no processes of its own."""
         return []
 
     def _hear(self, writer: RecordingWriter) -> Recorder:
@@ -265,8 +262,8 @@ class LocalFleet:
         return recorder
 
     def execute(self) -> dict[str, Any]:
-        """Run to the end; the report. A signal ends the run as interrupted, with its report."""
-        self._run(lambda: self._is_over or self.world.world.tick > 0)  # all are there
+        """Run to the end, and return the report. A signal ends the run as interrupted, with its report."""
+        self._run(lambda: self._is_over or self.world.world.tick > 0)  # until all have joined
         with seldom_collecting():
             self._run(lambda: self._is_over)
         if not self.world.finished:
@@ -276,10 +273,10 @@ class LocalFleet:
         return self.report
 
     def _run(self, finished: Callable[[], bool]) -> None:
-        """Run the network; a robot that is turned away once the run has begun ends alone, as a process would.
+        """Run the network. A robot that is refused after the start ends alone, as its process would.
 
         Raises:
-            JoinError: a robot is turned away before.
+            JoinError: a robot is refused before the start.
         """
         while not finished():
             try:
@@ -295,7 +292,7 @@ class LocalFleet:
         return self.world.finished or STOP.requested
 
     def step(self) -> bool:
-        """Run until the open tick is over, and say whether another follows: False once there is a verdict."""
+        """Run until the open tick is over; False once there is a verdict."""
         world = self.world.world
         tick = world.tick
         self._run(lambda: world.tick > tick or bool(world.verdict) or STOP.requested)
@@ -303,7 +300,7 @@ class LocalFleet:
 
 
 class _Follower:
-    """A node that hears the world's Clock."""
+    """A node that receives the world's Clock."""
 
     finished, deadline = False, float("inf")
 
@@ -315,9 +312,9 @@ class _Follower:
             self._follow(message)
 
     def wake(self, now: float) -> None:
-        """Nothing is due by the wall clock."""
+        """No timers."""
 
 
 def _warn(robot: int, text: str) -> None:
-    """What a robot's process would say on standard error."""
+    """Log the warning of a robot's process."""
     LOG.warning(f"robot-{robot}: {text}")

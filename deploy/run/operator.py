@@ -1,4 +1,4 @@
-"""An operator of a running fleet: asks for operations, waits for what comes of them, and probes processes."""
+"""Operations on a running fleet, with waiting for their outcome; and probes of processes."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ from protocol.process.signals import STOP
 from protocol.scenario.model import Operation
 from protocol.streams import STREAMS
 
-ANSWER = 5.0  # s within which a router is reached, and a world answers
-_LOOK = 0.05  # s between looks at the state
+ANSWER = 5.0  # s for a router to accept, and for a world to answer
+_LOOK = 0.05  # s between queries of the state
 
 T = TypeVar("T")
 
 
 class Operator:
-    """Speaks to the world of one run over a bus of its own.
+    """Client of the world of one run.
 
     Args:
-        bus: the process's own connection.
+        bus: connection used by this operator alone.
         run: name of the run.
-        warn: is told if several worlds answer.
+        warn: called if several worlds answer.
     """
 
     def __init__(self, bus: Bus, run: str, warn: Callable[[str], None] = LOG.warning) -> None:
@@ -44,14 +44,15 @@ class Operator:
         self._wishes: dict[int, Publish] = {}  # publishers, by robot
 
     def operate(self, operation: Operation | None = None) -> Reply:
-        """Ask for an operation, or (None) for the state alone.
+        """Request an operation, or (None) the state alone.
 
-        Of several worlds, the reply of one that refuses if any does; with the newest tick, whether all are
-        halted, and the robots that move in any.
+        If several worlds answer, their replies are combined: a refusal if one refuses, the newest tick,
+        halted if
+        all are, and all robots that move.
 
         Raises:
             BusError: no world of this run answers.
-            MessageError: what answers is of another version.
+            MessageError: the answer is of another version.
         """
         request = b"" if operation is None else msgspec.msgpack.encode(operation)
         try:
@@ -60,7 +61,7 @@ class Operator:
             raise BusError(f"no world of run {self._run!r} answers: {error}") from error
         if len(answers) > 1 and not self._warned:
             self._warned = True
-            self._warn(f"{len(answers)} worlds of run {self._run!r} were asked, and answer: end all but one")
+            self._warn(f"{len(answers)} worlds of run {self._run!r} answer: end all but one")
         replies = [decode_reply(answer, Reply) for answer in answers]
         return msgspec.structs.replace(
             min(replies, key=lambda reply: reply.accepted),
@@ -70,7 +71,7 @@ class Operator:
         )
 
     def wish(self, robot: int, velocity: Vector) -> None:
-        """Say how a robot whose law is "external" is to move from now on, m/s."""
+        """Send the desired velocity, m/s, of a robot with law "external"; valid until the next one."""
         if robot not in self._wishes:
             self._wishes[robot] = self._bus.publisher(STREAMS["wish"], robot_key(self._run, robot, "wish"))
         self._wishes[robot](encode(Wish(robot, velocity)))
@@ -79,7 +80,7 @@ class Operator:
         """Wait until the first tick of this run is over, at most `within` s.
 
         Raises:
-            BusError: no world of this run answers by then.
+            BusError: no world of this run answers in time.
         """
         deadline = time.monotonic() + within
         while True:
@@ -95,10 +96,10 @@ class Operator:
             self._bus.receive(_LOOK)
 
     def appeared(self, robot: int, within: float) -> Member:
-        """Wait until the disk of a robot that was added is in its place.
+        """Wait until the disk of an added robot is present.
 
         Raises:
-            BusError: it is not, `within` s later: another robot is in its place.
+            BusError: another robot still occupies its place after `within` s.
         """
 
         def found(reply: Reply) -> Member | None:
@@ -108,35 +109,35 @@ class Operator:
         return self._awaited(found, within, f"robot {robot} has not appeared within {within:g} s")
 
     def stands(self, number: int, within: float) -> PlacedObstacle:
-        """Wait until an obstacle that was accepted stands in its place.
+        """Wait until an accepted obstacle is present.
 
         Raises:
-            BusError: it does not, `within` s later: a robot is in its place; or it was taken away.
+            BusError: a robot still occupies its place after `within` s, or it was removed.
         """
 
         def found(reply: Reply) -> PlacedObstacle | None:
             obstacle = next((each for each in reply.obstacles if each.number == number), None)
             if obstacle is None:
-                raise BusError(f"obstacle {number} was taken away")
+                raise BusError(f"obstacle {number} was removed")
             return obstacle if obstacle.status == "standing" else None
 
         return self._awaited(found, within, f"obstacle {number} has not appeared within {within:g} s")
 
     def _awaited(self, found: Callable[[Reply], T | None], within: float, text: str) -> T:
-        """Ask for the state until `found` finds something in it, at most `within` s."""
+        """Query the state until `found` returns a value, at most `within` s."""
         deadline = time.monotonic() + within
         while (result := found(self.operate())) is None:
             if time.monotonic() >= deadline:
-                raise BusError(f"{text}: a robot is in its place")
+                raise BusError(f"{text}: a robot occupies its place")
             STOP.check()
             self._bus.receive(_LOOK)
         return result
 
     def stop(self, within: float) -> Reply:
-        """Have all robots stand: asks again until every world that answers says that they do.
+        """Stop all robots: repeats the request until every world confirms that they stand.
 
-        Returns the last answer; `moving` names the robots that do not stand `within` s later. Raises as
-        `operate` does.
+        Returns the last reply; its `moving` lists the robots that do not stand after `within` s. Raises as
+        `operate`.
         """
         deadline = time.monotonic() + within
         while True:
@@ -146,14 +147,14 @@ class Operator:
             self._bus.receive(_LOOK)
 
     def outcome(self, robot: int, number: int, within: float) -> GoalStatus:
-        """Wait until a goal is arrived at, cancelled, given up, or followed by another; how it ended.
+        """Wait until a goal is reached, cancelled, given up, or followed by another; returns its status.
 
         Raises:
-            BusError: nothing of this in `within` s, or there is no such robot.
+            BusError: not within `within` s, or there is no such robot.
         """
         self._bus.subscribe(robot_key(self._run, robot, "goalstatus"))
         deadline = time.monotonic() + within
-        status = self.operate().goal(robot)  # it may have come before the subscription
+        status = self.operate().goal(robot)  # covers changes before the subscription
         while status is None or (status.number == number and status.status == "under way"):
             STOP.check()
             event = self._bus.receive(max(0.0, deadline - time.monotonic()))
@@ -161,19 +162,19 @@ class Operator:
                 try:
                     heard = decode(event.key, event.payload)
                 except MessageError:
-                    continue  # a stranger's; the world's own word comes
+                    continue  # from another sender; wait for the world's
                 status = heard if isinstance(heard, GoalStatus) else status
             elif time.monotonic() >= deadline:
-                raise BusError(f"robot {robot} has not come to an end of order {number} in {within:g} s")
+                raise BusError(f"order {number} of robot {robot} has not ended within {within:g} s")
         return status
 
 
 @contextmanager
 def operating(connection: Connection, run: str, within: float = ANSWER) -> Iterator[Operator]:
-    """An operator with its own session, which reaches its router `within` so many seconds.
+    """An operator with its own session.
 
     Raises:
-        BusError: no router listens at the endpoint of `connection`.
+        BusError: no router is reached at the endpoint of `connection` within `within` s.
     """
     bus = ZenohBus(replace(connection, timeout=within))
     try:
@@ -183,10 +184,10 @@ def operating(connection: Connection, run: str, within: float = ANSWER) -> Itera
 
 
 def probed_key(run: str, role: str) -> str:
-    """The key under which a role is heard as long as it is well: a robot's health, the world's clock.
+    """Key of a stream that a live process publishes regularly: a robot's health, the world's clock.
 
     Raises:
-        UsageError: nothing is heard from that role by itself.
+        UsageError: the role has no such stream.
     """
     if role == WORLD:
         return world_key(run, "clock")
@@ -197,10 +198,10 @@ def probed_key(run: str, role: str) -> str:
 
 
 def probe(connection: Connection, run: str, role: str, within: float) -> None:
-    """Return once something is heard of `role`.
+    """Return once a message of `role` arrives.
 
     Raises:
-        BusError: nothing was, for `within` s, or the router cannot be reached.
+        BusError: none arrives within `within` s, or the router cannot be reached.
     """
     key = probed_key(run, role)
     with closing(ZenohBus(connection)) as bus:

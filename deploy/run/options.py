@@ -1,4 +1,4 @@
-"""How a scenario is run: everything that is not part of the scenario itself."""
+"""Options of a run that are not part of its scenario."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from protocol.errors import UsageError
 
 Transport = Literal["routed", "mesh", "local"]
 Mode = Literal["lockstep", "realtime"]
-RESTARTS = 3  # of a process that is started again on failure, unless the policy says how many
+RESTARTS = 3  # of the policy `on-failure` without a number
 _POLICY = re.compile(r"never|on-failure(?::([1-9][0-9]{0,3}))?")
 
 
 def fresh_run_name() -> str:
-    """A run name that no other fleet on this network has."""
+    """A random run name."""
     return f"run-{os.urandom(4).hex()}"
 
 
 def restarts(policy: str) -> int:
-    """How many times a process is started again by the policy `never` or `on-failure[:N]`.
+    """Number of restarts by the policy `never` or `on-failure[:N]`.
 
     Raises:
         UsageError: it is neither.
@@ -43,16 +43,16 @@ class RunOptions:
 
     transport: Transport = "routed"
     mode: Mode = "lockstep"
-    router: str | None = None  # endpoint of a router that is already there
+    router: str | None = None  # endpoint of a running router
     run: str = field(default_factory=fresh_run_name)
-    secure: Path | None = None  # directory of keys; every link is TLS with certificates then
-    hosts: HostsTable | None = None  # where processes run; all here unless given
-    open: bool = False  # --hosts that others can reach may be without keys
+    secure: Path | None = None  # directory of keys; every link is then TLS with certificates
+    hosts: HostsTable | None = None  # hosts of the processes; default this one
+    open: bool = False  # allow hosts without keys that other machines can reach
     speed: float = 0.0  # simulated seconds per second in lock-step; 0: as fast as the machine allows
-    restarts: int = 0  # how many times a process that fails is started again: robot, world or router
-    log: Path | None = None  # folder for a file of log lines a process
-    rotation: Rotation = ONE_FILE  # when a recording goes on in another file
-    listen: str | None = None  # endpoint of the router that is started; a free port of this host unless given
+    restarts: int = 0  # restarts after failures of each robot, world or router
+    log: Path | None = None  # folder of log files, one per process
+    rotation: Rotation = ONE_FILE  # when a recording continues in another file
+    listen: str | None = None  # endpoint of the started router; default a free port of this host
 
     def __post_init__(self) -> None:
         if self.secure is not None and self.transport != "routed":
@@ -62,9 +62,9 @@ class RunOptions:
         if self.router is not None and self.transport != "routed":
             raise UsageError(f"--router needs --transport routed: there is none in {self.transport}")
         if self.rotation != ONE_FILE and self.transport == "local":
-            raise UsageError("--rotate needs a process that records; --transport local has one for all")
+            raise UsageError("--rotate needs a recorder process: leave out --transport local")
         if self.restarts and self.transport == "local":
-            raise UsageError("--restart needs processes to start again; --transport local has one for all")
+            raise UsageError("--restart needs processes of their own: leave out --transport local")
         if self.hosts is not None and (self.transport != "routed" or self.router is not None):
             raise UsageError("--hosts starts a router on every host: leave out --transport and --router")
         if (

@@ -1,4 +1,4 @@
-"""The result of a run: the world's report, or one in its place, joined with what only the launcher knows."""
+"""The result of a run: the world's report, or a substitute, with the launcher's facts."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ from world.world import WorldCore
 Report = dict[str, Any]
 Result = dict[str, Any]
 
-INTERRUPTED = "stopped by the user"  # reason of a run that Ctrl-C ended
-# What the launcher and its tables rely on in a report.
+INTERRUPTED = "stopped by the user"  # reason after Ctrl-C
+# Fields of a report that the launcher needs.
 _PROMISED = {
     *("verdict", "reason", "scenario", "robots", "law", "filter", "k", "arrived", "collisions", "faults"),
     *("path_lengths", "lateral_deviation", "nrl", "tight", "min_clearance", "phi", "log_potential"),
@@ -36,10 +36,10 @@ _STYLES = {"arrived": "bold green", "collision": "bold red", "interrupted": "yel
 
 
 def read_report(text: str) -> Report:
-    """The report of a world, as its process tells it.
+    """Parse the report of a world's process.
 
     Raises:
-        MessageError: it is not JSON, or not what a world reports.
+        MessageError: it is not JSON, or fields are missing.
     """
     try:
         report = json.loads(text)
@@ -51,12 +51,12 @@ def read_report(text: str) -> Report:
 
 
 def unjudged(scenario: Scenario, last: Clock | None, wall_time: float) -> Report:
-    """A readable report of a run whose world is gone, as of the last Clock heard; what is unknown is None.
+    """Substitute for the report of a lost world, as of the last Clock received; unknown values are None.
 
     Args:
         scenario: of the run.
-        last: newest Clock that the launcher heard, if any.
-        wall_time: s since the fleet was started.
+        last: newest Clock that the launcher received, if any.
+        wall_time: s since the start of the fleet.
     """
     report = result_of(WorldCore(scenario))
     report.update(dict.fromkeys(_UNKNOWN))
@@ -74,7 +74,7 @@ def complete(
     processes: list[dict[str, Any]],
     recordings: Sequence[str] = (),
 ) -> Result:
-    """The promised result object: report, options, processes, rates, and the files of the recording."""
+    """The result: report, options, processes, rates, and the files of the recording."""
     result = dict(report)
     wall = float(result.get("wall_time", 0.0))
     ticks = int(result.get("ticks", 0))
@@ -90,7 +90,7 @@ def complete(
 
 
 def exit_status(result: Mapping[str, Any]) -> int:
-    """0 arrived, 3 it never began, 1 any other verdict; a signal that ended the command outranks them."""
+    """0 arrived, 3 ended before the first tick, 1 any other verdict; a signal's exit status has priority."""
     verdict = result["verdict"]
     if verdict == "aborted" and not result["ticks"]:
         return EXIT_FAULT
@@ -98,17 +98,18 @@ def exit_status(result: Mapping[str, Any]) -> int:
 
 
 def kept_status(result: Mapping[str, Any]) -> int:
-    """Of a fleet without end: 1 something touched, 3 it ended by itself; a signal outranks both."""
+    """Exit status of a fleet without end: 1 after a collision, 3 if it ended by itself; a signal's has
+    priority.
+    """
     return EXIT_OTHERWISE if result["collisions"] else EXIT_FAULT
 
 
 def show(result: Mapping[str, Any]) -> None:
-    """Print the table of a result."""
     Console(soft_wrap=True).print(table(result))
 
 
 def table(result: Mapping[str, Any]) -> RenderableType:
-    """What a person wants to know of a run; aside: how far a robot was from its straight way."""
+    """Summary of a run for the terminal; the column aside is the lateral deviation."""
     verdict = result["verdict"]
     headline = Text.assemble(
         (f"{result['scenario']}: ", "bold"),

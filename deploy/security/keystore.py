@@ -1,4 +1,4 @@
-"""The directory of keys of a run: written once, as a whole, for its owner alone, and checked before use."""
+"""The directory of keys of a run: written as a whole, readable by its owner only, checked before use."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ try:
 except ModuleNotFoundError as error:
     raise missing_library("a certificate", "cryptography", "secure") from error
 
-_SKEW = datetime.timedelta(minutes=10)  # a host's clock may be this much late
+_SKEW = datetime.timedelta(minutes=10)  # tolerated lag of a host's clock
 
 
 class KeyPair(NamedTuple):
@@ -37,10 +37,12 @@ class KeyPair(NamedTuple):
 
 
 class Authority:
-    """Signs the certificates of one run. Its private key is never written: no member can be added later."""
+    """Signs the certificates of one run, valid for `days` from now, as is its own.
+
+    Its private key is never written, so no member can be added later.
+    """
 
     def __init__(self, run: str, days: float) -> None:
-        """An authority, and all that it signs, is valid for `days` from now."""
         self._run = run
         self._begin = datetime.datetime.now(datetime.UTC).replace(microsecond=0)
         self.end = self._begin + datetime.timedelta(days=days)
@@ -56,14 +58,15 @@ class Authority:
 
     @property
     def certificate(self) -> bytes:
-        """The authority's own certificate, PEM."""
+        """Certificate of the authority, PEM."""
         return self._certificate.public_bytes(serialization.Encoding.PEM)
 
     def issue(self, role: str, *, hosts: Sequence[str] = ()) -> KeyPair:
         """A certificate with common name `role`.
 
-        Only one with `hosts` (names or addresses) can be shown by a listener: a robot's key cannot
-        be used to pose as the router.
+        Only a certificate with `hosts` (names or addresses) is valid for a listener, so no robot can pose
+        as a
+        router.
         """
         key = ec.generate_private_key(ec.SECP256R1())
         purposes = [ExtendedKeyUsageOID.CLIENT_AUTH]
@@ -143,19 +146,22 @@ LOOPBACK = ("localhost", "127.0.0.1", "::1")
 def create(
     directory: Path, roster: KeyRoster, *, hosts: Sequence[str] = (), days: float = 30.0, force: bool = False
 ) -> datetime.datetime:
-    """Make an authority and a certificate for every role; returns until when they are valid.
+    """Make an authority and a certificate for every role; returns the end of their validity.
 
-    `hosts` are the names and addresses, besides those of the loopback, at which the router is reached where
-    there is one for all; else the roster says it of each.
-    The directory appears whole or not at all. `force` replaces one that is there: everything signed
-    before is then worthless to the new authority.
+    The directory appears whole or not at all.
+
+    Args:
+        hosts: names and addresses of the router besides the loopback; with several routers the roster has
+            them.
+        force: replace an existing directory; its certificates are not valid with the new authority.
 
     Raises:
-        UsageError: the directory exists and `force` is not set, is not a directory of keys, `days` is not
-            positive, or there is no library for certificates.
+        UsageError: the directory exists and `force` is not set, or is not a directory of keys; or `days`
+            is not
+            positive.
     """
     if not 0.0 < days <= _LONGEST:
-        raise UsageError(f"{days:g} days: certificates are valid for some time, at most {_LONGEST:g} days")
+        raise UsageError(f"{days:g} days of validity: must be above 0 and at most {_LONGEST:g}")
     _check_replaceable(directory, force)
     directory.parent.mkdir(parents=True, exist_ok=True)
     fresh = Path(mkdtemp(prefix=f".{directory.name}-", dir=directory.parent))  # mode 0700
@@ -174,9 +180,9 @@ def _check_replaceable(directory: Path, force: bool) -> None:
     if not directory.exists():
         return
     if not directory.is_dir() or (any(directory.iterdir()) and not (directory / ROSTER).exists()):
-        raise UsageError(f"{directory} exists and is no directory of keys: name another")
+        raise UsageError(f"{directory} exists, but is not a directory of keys: name another")
     if (directory / ROSTER).exists() and not force:
-        raise UsageError(f"{directory} has keys already; --force replaces them, and they are worthless then")
+        raise UsageError(f"{directory} has keys already: --force replaces them and makes them invalid")
 
 
 def _fill(directory: Path, roster: KeyRoster, hosts: Sequence[str], days: float) -> datetime.datetime:
@@ -195,7 +201,7 @@ def _fill(directory: Path, roster: KeyRoster, hosts: Sequence[str], days: float)
 
 
 def _write(path: Path, content: bytes, mode: int) -> None:
-    """Write a new file that never had more permissions than `mode`, whatever the umask."""
+    """Write a new file with `mode` from the beginning, whatever the umask."""
     descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
     with os.fdopen(descriptor, "wb") as file:
         os.fchmod(descriptor, mode)
@@ -206,7 +212,7 @@ def inspect(credentials: Credentials, role: str) -> None:
     """Check that the certificate is for `role`, by this authority, valid now, and belongs to the key.
 
     Raises:
-        CertificateError: it is not; says which.
+        CertificateError: names the check that fails.
     """
     authority = _read(credentials.authority)
     certificate = _read(credentials.certificate)
@@ -218,7 +224,7 @@ def inspect(credentials: Credentials, role: str) -> None:
     except (InvalidSignature, ValueError, TypeError) as error:
         raise CertificateError(
             f"{credentials.certificate} was not signed by the authority {credentials.authority}: "
-            f"it is of another run, or older than the last `disknav setup keys`"
+            f"it belongs to another run, or is older than the last `disknav setup keys`"
         ) from error
     _check_validity(certificate, credentials.certificate)
     _check_key(certificate, credentials)
@@ -235,7 +241,7 @@ def _check_validity(certificate: x509.Certificate, path: str) -> None:
 
 
 def end_of(authority: str) -> datetime.datetime:
-    """When the certificates of a run end: all of them when that of its authority does.
+    """End of the validity of an authority, and so of all its certificates.
 
     Raises:
         CertificateError: it cannot be read.

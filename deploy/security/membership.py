@@ -1,4 +1,4 @@
-"""How the processes of a secured run connect: which endpoints, which certificate, which rules."""
+"""Connections of a run's processes, with or without keys: endpoints, certificates and access rules."""
 
 from __future__ import annotations
 
@@ -16,29 +16,29 @@ from protocol.keys import checked_run
 
 @dataclass(frozen=True)
 class KeyRing:
-    """The part that `directory`, made by `disknav setup keys`, gives to each role of a run.
+    """The keys and rules in `directory`, made by `disknav setup keys`.
 
-    None stands for a network without keys: plain endpoints and no rules.
+    None means a network without keys: plain endpoints and no rules.
     """
 
     directory: Path | None = None
 
     @property
     def default_router(self) -> Endpoint:
-        """Where a router is looked for unless told otherwise."""
+        """Default endpoint of a router."""
         return Endpoint.at(self.protocol, "127.0.0.1", DEFAULT_PORT)
 
     @property
     def protocol(self) -> str:
-        """What endpoints of this network begin with."""
+        """Protocol of this network's endpoints."""
         return "tcp" if self.directory is None else "tls"
 
     def roster(self) -> KeyRoster | None:
-        """The roster, if access is restricted."""
+        """The roster; None without keys."""
         return None if self.directory is None else read(self.directory)
 
     def run(self, asked: str | None) -> str | None:
-        """The name of the run: as asked for, else the roster's, else None.
+        """Name of the run: as given, else the roster's, else None.
 
         Raises:
             CertificateError: the keys are for a run with another name.
@@ -53,15 +53,17 @@ class KeyRing:
         return roster.run
 
     def named_run(self, asked: str | None) -> str:
-        """The same where there has to be one; raises UsageError if it was not named."""
+        """Name of the run; raises UsageError if there is none."""
         run = self.run(asked)
         if run is None:
-            raise UsageError("name the run, the same for the whole fleet, or give --secure, whose run it is")
+            raise UsageError("name the run, as for the rest of the fleet, or give --secure DIR")
         return checked_run(run)
 
     @property
     def viewer(self) -> str:
-        """The role of a live page: with the operator's key its viewer may send robots elsewhere."""
+        """Role of a live page: the operator if its key is in the directory, and then the page may give
+        orders.
+        """
         if self.directory is None or (self.directory / key_file(OPERATOR)).exists():
             return OPERATOR
         return MONITOR
@@ -70,17 +72,17 @@ class KeyRing:
         """Connection of `role` to the first router of `routers` that answers.
 
         Raises:
-            CertificateError: the files of this role are missing, exposed, or do not fit together.
-            UsageError: an endpoint is none, or not of this kind of network.
+            CertificateError: the files of this role are missing, readable by others, or do not fit together.
+            UsageError: an endpoint is invalid, or of the other kind of network.
         """
         return Connection(
             connect=tuple(map(self.endpoint, routers)), timeout=timeout, credentials=self._credentials(role)
         )
 
     def router(self, listen: Sequence[str] = (), connect: Sequence[str] = (), host: str = "") -> Connection:
-        """Connection of a router, with the rules that it enforces; raises as `client` does.
+        """Connection of a router, with the rules that it enforces; raises as `client`.
 
-        `host` is its name in the roster; unless given, the only one whose key is here.
+        `host` is its name in the roster; by default the host whose router key is in the directory.
         """
         roster = self.roster()
         connection = Connection(
@@ -93,7 +95,7 @@ class KeyRing:
         return replace(connection, credentials=proof, access=access_control(roster, host))
 
     def _host(self, roster: KeyRoster) -> str:
-        """The host whose router's key is in the directory; none where there is one router for all."""
+        """Host whose router key is in the directory; empty with one router for all."""
         if self.directory is None or not roster.homes:
             return ""
         here = [host for host in roster.homes if (self.directory / key_file(router_role(host))).exists()]
@@ -114,7 +116,7 @@ class KeyRing:
         return found
 
     def end(self) -> datetime | None:
-        """When all certificates end, and all links with them; None for a network without keys."""
+        """End of the validity of all certificates and links; None without keys."""
         if self.directory is None:
             return None
         from deploy.security.keystore import end_of
@@ -122,10 +124,10 @@ class KeyRing:
         return end_of(str(self.directory / AUTHORITY))
 
     def endpoint(self, text: str) -> Endpoint:
-        """An endpoint of this network, which need not say its protocol.
+        """An endpoint of this network, whose protocol may be left out.
 
         Raises:
-            UsageError: it is none, or of the other kind of network.
+            UsageError: it is invalid, or of the other kind of network.
         """
         endpoint = Endpoint(text, self.protocol)
         if endpoint.protocol == "tls" and self.directory is None:

@@ -1,11 +1,11 @@
-"""The roles of a run, and what a router lets each role say and hear.
+"""The roles of a run, and the access rules of its routers.
 
-Everything is denied that no rule allows. What a process sends is checked when it enters a router,
-and only what it subscribed to with leave can come back, so the way out needs one rule for all.
-A declared subscription, query or token must lie within an allowed key expression.
+All is denied that no rule allows. Messages are checked where they enter a router. Only permitted
+subscriptions receive any, so one rule suffices for the way out. A declared subscription, query or token must
+lie within an allowed key expression.
 
-Another host's router may say what those behind it may, and no more: an intruder of a host speaks for
-its robots only, whatever its router relays. So nothing is relayed on a detour over a third host.
+The router of another host may pass on messages of its own robots only, so an attacker on a host speaks for
+its robots only. Therefore no messages are relayed over a third host.
 """
 
 from __future__ import annotations
@@ -37,15 +37,15 @@ WORLD, ROUTER, MONITOR, OPERATOR = "world", "router", "monitor", "operator"
 
 @dataclass(frozen=True, slots=True)
 class Home:
-    """A host with a router of its own: where that is reached, and the robots behind it."""
+    """A host with a router of its own."""
 
-    addresses: tuple[str, ...]  # names or addresses, without a port
-    robots: tuple[int, ...] = ()
+    addresses: tuple[str, ...]  # names or addresses of its router, without a port
+    robots: tuple[int, ...] = ()  # clients of its router
 
 
 @dataclass(frozen=True, slots=True)
 class KeyRoster:
-    """The roles of `run`, and their hosts. A role is the common name of exactly one certificate.
+    """The roles of `run`, and their hosts. Each role is the common name of one certificate.
 
     Without `homes` there is one router for all.
     """
@@ -53,7 +53,7 @@ class KeyRoster:
     run: str
     robots: tuple[int, ...]
     homes: Mapping[str, Home] = field(default_factory=dict)  # by name of the host
-    world: str = ""  # the host whose router serves the world and the monitors
+    world: str = ""  # host whose router serves the world and the monitors
 
     @property
     def routers(self) -> tuple[str, ...]:
@@ -66,7 +66,7 @@ class KeyRoster:
         return (*self.routers, WORLD, MONITOR, OPERATOR, *map(robot_role, self.robots))
 
     def behind(self, host: str) -> tuple[str, ...]:
-        """Roles whose processes are clients of the router of `host`.
+        """Roles of the clients of the router of `host`.
 
         Raises:
             CertificateError: the run has no such host.
@@ -86,28 +86,28 @@ def robot_role(robot: int) -> str:
 
 
 def router_role(host: str = "") -> str:
-    """Role of the router of a host, `router-left`; `router` where there is one for all."""
+    """Role of the router of a host, `router-left`; `router` if there is one for all."""
     return f"{ROUTER}-{host}" if host else ROUTER
 
 
 def encoded(roster: KeyRoster) -> bytes:
-    """The roster as its file has it."""
+    """Content of the roster's file."""
     return msgspec.json.format(msgspec.json.encode(asdict(roster))) + b"\n"
 
 
 def read(directory: Path) -> KeyRoster:
-    """The roster in a directory of keys.
+    """The roster of a directory of keys.
 
     Raises:
-        CertificateError: there is none, or it cannot be read as one.
+        CertificateError: it is missing or invalid.
     """
     path = directory / ROSTER
     try:
         roster = msgspec.json.decode(path.read_bytes(), type=KeyRoster)
     except FileNotFoundError:
         raise CertificateError(
-            f"{path} does not exist: {directory} is no directory of keys; "
-            f"`disknav setup keys {directory} --scenario S` makes one"
+            f"{path} does not exist: {directory} is not a directory of keys; "
+            f"make one: `disknav setup keys {directory} --scenario S`"
         ) from None
     except (OSError, *DAMAGED) as error:
         raise CertificateError(f"{path} cannot be read as a roster: {error}") from error
@@ -125,11 +125,11 @@ _ANNOUNCE = ("liveliness_token",)
 _WATCH = ("declare_liveliness_subscriber", "liveliness_query")
 _ALL = (*_PUBLISH, "delete", *_SUBSCRIBE, *_ASK, *_SERVE, *_ANNOUNCE, *_WATCH)
 
-_ADMIN = "@/*/router/**"  # what a router tells of itself, where it does
+_ADMIN = "@/*/router/**"  # zenoh's admin space of a router, if enabled
 
 
 def access_control(roster: KeyRoster, host: str = "") -> dict[str, Any]:
-    """zenoh's `access_control` for the router of `host`, or the only one of this run.
+    """zenoh's `access_control` for the router of `host`, or for the only one.
 
     Subjects are common names of certificates.
 
@@ -138,7 +138,7 @@ def access_control(roster: KeyRoster, host: str = "") -> dict[str, Any]:
     """
     run = roster.run
     rules = {rule["id"]: rule for role in roster.roles for rule in _rules(run, role)}
-    out = _rule("anybody", "hear", _ALL, [everything(run), _ADMIN], flow="egress")
+    out = _rule("all", "receive", _ALL, [everything(run), _ADMIN], flow="egress")
     return {
         "enabled": True,
         "default_permission": "deny",
@@ -155,7 +155,7 @@ def access_control(roster: KeyRoster, host: str = "") -> dict[str, Any]:
 
 
 def _speakers(roster: KeyRoster, host: str) -> dict[str, tuple[str, ...]]:
-    """Peers of this router -> the roles for which each speaks."""
+    """Peers of this router -> the roles whose messages each may send."""
     clients = (
         roster.behind(host) if roster.homes else (WORLD, MONITOR, OPERATOR, *map(robot_role, roster.robots))
     )
@@ -188,18 +188,20 @@ def _robot(run: str, robot: int) -> Iterator[Rule]:
 
 
 def _world(run: str) -> Iterator[Rule]:
-    """The world writes what is its own, for every robot, hears commands, answers questions."""
+    """The world writes its own streams and those to robots, receives commands, and answers queries."""
     yield _rule(WORLD, "publish", _PUBLISH, [_key(run, name) for name in _published_by("world")])
     yield _rule(WORLD, "subscribe", _SUBSCRIBE, [_key(run, name) for name in _heard_by("world")])
     yield _rule(WORLD, "serve", _SERVE, [_key(run, question.name) for question in QUESTIONS])
-    yield _rule(WORLD, "ask", _ASK, [world_key(run, "scenario")])  # whether there is another world
+    yield _rule(WORLD, "ask", _ASK, [world_key(run, "scenario")])  # detects another world
     yield _rule(WORLD, "announce", _ANNOUNCE, [world_tokens(run)])
     yield _rule(WORLD, "watch", _WATCH, [robot_tokens(run), world_tokens(run)])
 
 
 def _watcher(run: str, role: str, questions: Sequence[str]) -> Iterator[Rule]:
-    """A monitor hears everything and writes nothing; it may ask for the scenario and use the controls. An
-    operator may also send robots elsewhere, and add and remove robots and obstacles."""
+    """A monitor receives all and writes nothing; it may query the scenario and use the controls. An operator
+    may
+    also set goals, and add and remove robots and obstacles.
+    """
     yield _rule(role, "subscribe", _SUBSCRIBE, [everything(run)])
     yield _rule(role, "ask", _ASK, [*(_key(run, name) for name in questions), _ADMIN])
     yield _rule(role, "watch", _WATCH, [everything(run)])
@@ -218,7 +220,7 @@ def _questions(asker: str) -> list[str]:
 
 
 def _key(run: str, name: str, robot: int | None = None) -> str:
-    """Key of a stream or question: the world's, or of one robot, or of all."""
+    """Key of a stream or query: of the world, of one robot, or of all."""
     if name not in ROBOT_STREAMS:
         return world_key(run, name)
     return every_robot(run, name) if robot is None else robot_key(run, robot, name)

@@ -31,7 +31,7 @@ def test_mistakes_are_named_before_anything_starts(disknav: Forks, tmp_path: Pat
         ("run", "figure-1", "--secure", keys): "no certificate for robot-4",
         ("run", "figure-2", "--secure", keys, "--run", "other"): "are for the run yard, not other",
         ("run", "figure-2", "--secure", keys, "--transport", "mesh"): "needs --transport routed",
-        ("run", "figure-2", "--secure", tmp_path): "no directory of keys",
+        ("run", "figure-2", "--secure", tmp_path): "not a directory of keys",
         ("node", "robot", "9", "--secure", keys): "no certificate for robot-9",
         ("node", "robot", "1", "--secure", keys, "--router", "tcp/127.0.0.1:7447"): "use tls/",
         ("setup", "keys", keys, "-s", "figure-2"): "--force",

@@ -147,4 +147,4 @@ def test_certificates_that_expire_during_the_run_end_it_standing(
     assert f"the certificates in {tmp_path / 'keys'} ended at" in report["reason"]
     assert "make new ones" in report["reason"]
     assert report["collisions"] == 0
-    assert any("links with them" in message for message in caplog.messages)
+    assert any("and all links, expire" in message for message in caplog.messages)

@@ -76,7 +76,7 @@ def test_keys_are_replaced_only_by_force_and_then_all_of_them(keys: Path) -> Non
 
 def test_a_directory_of_something_else_is_left_alone_even_by_force(tmp_path: Path) -> None:
     (tmp_path / "thesis.tex").write_text("years of work")
-    with pytest.raises(UsageError, match="no directory of keys"):
+    with pytest.raises(UsageError, match="not a directory of keys"):
         create(tmp_path, ROSTER, force=True)
     assert (tmp_path / "thesis.tex").read_text() == "years of work"
 

@@ -162,7 +162,7 @@ def test_a_stop_is_repeated_until_all_of_all_worlds_stand() -> None:
     told = Operator(bus, "r", said.append).stop(60.0)  # type: ignore[arg-type]
     assert told == stands
     assert len(bus.rounds) == 1
-    assert said == ["2 worlds of run 'r' were asked, and answer: end all but one"]
+    assert said == ["2 worlds of run 'r' answer: end all but one"]
 
 
 def test_a_stop_that_has_no_effect_names_the_robots_that_move() -> None:
