@@ -33,7 +33,7 @@ FILTERS: tuple[Filter, ...] = ("separating-lines", "none")
 
 @dataclass(frozen=True)
 class LinkConditions:
-    """One point of the grid, s and m; the defaults are what noise and period are varied around."""
+    """One point of the grid, s and m. Noise and period are varied around the defaults."""
 
     delay: float = 0.1
     loss: float = 0.1
@@ -42,7 +42,7 @@ class LinkConditions:
 
 
 def grid() -> Iterator[LinkConditions]:
-    """Delay by loss, then noise, then period."""
+    """All points: delay by loss, then noise, then period."""
     for delay in DELAYS:
         for loss in LOSSES:
             yield LinkConditions(delay, loss)
@@ -53,11 +53,11 @@ def grid() -> Iterator[LinkConditions]:
 
 
 def robustness(runs: int = 10, seed: int = 0, conditions: Sequence[LinkConditions] | None = None) -> Study:
-    """What delay, loss, noise and the period do, with separating lines and without: `runs` random starts at
-    every point, the same everywhere.
+    """Effect of delay, loss, noise and period, with separating lines and without a filter.
 
-    Delay and loss are crossed; noise and period are varied one by one around a network of 100 ms delay and
-    10 % loss.
+    Every point has the same `runs` random starts. Delay and loss are crossed; noise and period are varied
+    one by
+    one with 100 ms delay and 10 % loss.
     """
     cells = [
         Cell({"filter": filter_, **asdict(point)}, partial(faulty, point, filter_), range(seed, seed + runs))
@@ -91,33 +91,32 @@ def _by_filter(rows: Sequence[Row]) -> list[str]:
 
 
 def _sound(rows: Sequence[Row]) -> bool:
-    """Whether separating lines kept what they promise."""
     return untouched([row for row in rows if row["filter"] == "separating-lines"])
 
 
-# -- delay: what late states cost in time, for a swap and for tight goals
+# -- delay: time lost to late states, for a swap and for tight goals
 
-JITTER = 0.01  # m, of the starts of a swap: an exact saddle costs a time of its own
+JITTER = 0.01  # m, of the starts of a swap, since leaving an exact saddle takes extra time
 Pace = Literal["common", "own"]
 PACES: tuple[Pace, ...] = ("common", "own")
 PLACES: dict[str, Build] = {"swap 10": partial(swap, 10, JITTER), "tight 3.30": partial(figure_3, "d")}
 
 
 class Delays(Study):
-    """Rows that also say how many times as long the runs took as without delay."""
+    """Adds the ratio of the time to that of the runs without delay."""
 
     def rows(self, results: Mapping[tuple[int, int], Result]) -> list[Row]:
-        """See `Study.rows`; no ratio where the runs without delay are not known."""
         rows = super().rows(results)
         prompt = {(row["scenario"], row["pace"]): row["times"] for row in rows if row["delay"] == 0.0}
         return [row | against(row["times"], prompt.get((row["scenario"], row["pace"]), {})) for row in rows]
 
 
 def delay(runs: int = 20, seed: int = 0, delays: Sequence[float] = (0.0, 0.1, 0.3)) -> Study:
-    """`runs` starts of either scenario at either pace; the same starts at every one of `delays`, s.
+    """`runs` starts of both scenarios at both paces; the same starts at each of `delays`, s.
 
-    Every run is compared with the run of the same start and pace without delay; delay is one way and the
-    same for all states, and nothing else is wrong.
+    Every run is compared with that of the same start and pace without delay. The delay is one way and the
+    same
+    for all States; there are no other faults.
     """
     cells = [
         Cell(
@@ -134,7 +133,7 @@ def delay(runs: int = 20, seed: int = 0, delays: Sequence[float] = (0.0, 0.1, 0.
 
 
 def delayed(build: Build, pace: Pace, late: float, seed: int) -> Scenario:
-    """The scenario of `seed` at this pace, every state `late` s old when it is heard."""
+    """The scenario of `seed` at this pace, with States that arrive `late` s old."""
     scenario = build(seed)
     return resolved(
         replace(
@@ -147,13 +146,13 @@ def delayed(build: Build, pace: Pace, late: float, seed: int) -> Scenario:
 
 
 def _with_times(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
-    """With times by seed, s, of the runs that arrived."""
+    """The usual figures, with times by seed, s, of the runs that arrived."""
     times = {str(result["seed"]): result["sim_time"] for result in arrived(results)}
     return {**labels, **figures(results), "times": times}
 
 
 def against(late: Mapping[str, float], prompt: Mapping[str, float]) -> dict[str, float | None]:
-    """Mean time over mean time, of the seeds that both have, and the standard error of that ratio."""
+    """Ratio of the mean times of the seeds in both, and its standard error."""
     seeds = [seed for seed in late if seed in prompt]
     base = mean([prompt[seed] for seed in seeds])
     whole = mean([late[seed] for seed in seeds])
@@ -165,7 +164,6 @@ def against(late: Mapping[str, float], prompt: Mapping[str, float]) -> dict[str,
 
 
 def _by_pace(rows: Sequence[Row]) -> list[str]:
-    """Both paces side by side, for each scenario and delay."""
     times = {(row["scenario"], row["delay"], row["pace"]): row["time_mean"] for row in rows}
     lines = []
     for name, late in dict.fromkeys((scenario, late) for scenario, late, _ in times):
@@ -177,7 +175,7 @@ def _by_pace(rows: Sequence[Row]) -> list[str]:
     return lines
 
 
-# -- arrival: whether crowds arrive whose robots know their own places badly, and each other late
+# -- arrival: arrival of crowds with noisy measurements and late States
 
 DENSITIES = (0.25, 0.33)  # area of all disks over that of the workspace
 NOISE = 0.003  # m, standard deviation, truncated at two of them
@@ -186,17 +184,16 @@ ROBOTS = (8, 16)
 LATEST = 0.5  # s, one-way delay
 LOSS = 0.5
 TOLERANCE = 0.008  # m
-SHRUNK = 0.1  # radius of a set after 100 measurements, mean, over the noise bound
+SHRUNK = 0.1  # mean radius of an error set after 100 measurements, over the noise bound
 
 
 def arrival(runs: int = 100, seed: int = 0) -> Study:
     """`runs` instances at each density; the same with and without noise.
 
-    8 to 16 robots, radii of 0.02 to 0.07 m, random starts and goals; measurements with truncated normal
-    noise, and the same instances without; states up to 0.5 s late, up to half of them lost, both drawn anew
-    for each instance. An instance counts if its goals leave room for all error sets: the radius to which
-    such sets shrink fits around every disk at its goal, beside the others' and inside the workspace. No use
-    is made of the tolerance by which a robot may be off its goal.
+    8 to 16 robots with radii of 0.02 to 0.07 m, random starts and goals, truncated normal noise, States up to
+    0.5 s late and up to half of them lost, both random for each instance. An instance is counted if its goals
+    leave room for all error sets: sets shrunk by measurements fit around every disk at its goal, beside the
+    others and inside the workspace. The tolerance of arrival is not used for that.
     """
     cells = [
         Cell({"noise": noise, "density": density}, partial(crowd, density, noise), range(seed, seed + runs))
@@ -208,7 +205,7 @@ def arrival(runs: int = 100, seed: int = 0) -> Study:
 
 
 def crowd(density: float, noise: float, seed: int) -> Scenario:
-    """The instance of a seed, with measurements of this noise, m."""
+    """The instance of a seed, with noise of this standard deviation, m."""
     draw = generator(seed, Purpose.STUDY)
     count = int(draw.integers(ROBOTS[0], ROBOTS[1] + 1))
     radii = [round(float(radius), 4) for radius in draw.uniform(*RADII, count)]
@@ -234,7 +231,7 @@ def crowd(density: float, noise: float, seed: int) -> Scenario:
 
 
 def room(scenario: Scenario) -> float:
-    """By how much the goals leave more room than the error sets need, the least over pairs and wall, m."""
+    """Smallest room of the goals beyond the error sets, over pairs and wall, m."""
     radii = {spec.id: spec.radius + SHRUNK * scenario.sensing_of(spec.id).bound for spec in scenario.robots}
     beside = (
         math.dist(one.goal, other.goal) - radii[one.id] - radii[other.id]

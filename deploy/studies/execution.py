@@ -1,6 +1,6 @@
-"""Executes a study: the runs that are not done yet, on all cores; every result is kept at once.
+"""Executes the missing runs of a study on all cores, and keeps every result at once.
 
-A worker process makes one run at a time, in the process itself or as a fleet of its own.
+A worker process executes one run at a time, within itself or as a fleet of processes.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ from protocol.errors import ProcessError
 from protocol.process.log import set_process_title
 from protocol.process.signals import STOP, Stopped
 
-FAILED = "failed"  # verdict of a run that ended with an exception: a bug, never a result
-# Of a result, which says more than a study needs:
+FAILED = "failed"  # verdict of a run that ended with an exception, which is a bug
+# Fields of a result that studies need:
 # fmt: off
 KEPT = (
     "seed", "verdict", "reason", "arrived", "collisions", "contacts", "min_clearance",
@@ -49,14 +49,14 @@ KEPT = (
 
 
 def begin(lifeline: Channel[Any, Any]) -> None:
-    """Have this process end with the other end of `lifeline`; Ctrl-C is for the parent to handle."""
+    """Initialise a worker, which ends with the other end of `lifeline`; the parent handles Ctrl-C."""
     set_process_title(f"study worker {multiprocessing.current_process().name.rpartition('-')[2]}")
     end_with_pipe(os.dup(lifeline.fileno()))
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def run_one(build: Build, seed: int, transport: Transport) -> Result:
-    """One run: of its result what a study needs.
+    """Execute one run, and return the fields of its result that studies need.
 
     Raises:
         ProcessError, BusError: a process of the fleet did not start.
@@ -70,7 +70,7 @@ def _in_process(build: Build, seed: int) -> Result:
     try:
         fleet = MeteredFleet(build(seed))
         report = fleet.execute()
-    except Exception:  # noqa: BLE001  one run that fails must be reported beside the thousands that do not
+    except Exception:  # noqa: BLE001  a failed run must not end the study
         return {"seed": seed, "verdict": FAILED, "reason": traceback.format_exc(limit=-3)}
     result = complete(report, RunOptions("local"), [])
     result["cpu_s"] = time.thread_time() - began
@@ -87,7 +87,7 @@ def _on_processes(build: Build, seed: int, transport: Transport) -> Result:
 
 
 class MeteredNode:
-    """A robot whose CPU time for every message is counted: decode, update, decide, encode, publish."""
+    """A robot's node with a counter of the CPU time spent on messages."""
 
     def __init__(self, node: RobotNode) -> None:
         self._node = node
@@ -111,7 +111,7 @@ class MeteredNode:
 
 
 class MeteredFleet(LocalFleet):
-    """An in-process fleet of such robots."""
+    """An in-process fleet of metered nodes."""
 
     def start(self, robot: int) -> MeteredNode:
         bus = self.robots[robot] = self.network.connect()
@@ -119,32 +119,32 @@ class MeteredFleet(LocalFleet):
         return node
 
     def robots_cpu(self) -> float:
-        """CPU of the robots that are there now, s; without the world and the bus."""
+        """CPU time of all present robots, s, without world and bus."""
         nodes = [bus.node for bus in self.robots.values()]
         return 1e-9 * sum(node.cpu_ns for node in nodes if isinstance(node, MeteredNode))
 
 
-_POLL = 0.2  # s between looks at whether a signal came
+_POLL = 0.2  # s between checks for signals
 
 
 @dataclass(frozen=True)
 class StudyOutcome:
-    """Rows of the cells that have results; `complete` unless the study was stopped."""
+    """Rows of all cells with results; `complete` unless the study was stopped."""
 
     rows: list[Row]
     complete: bool
     executed: int  # runs of this call
-    reused: int  # runs known from before
+    reused: int  # runs of earlier calls
 
 
 class RunLog:
-    """Results by key in a file of one JSON line a run, which only grows; a context manager.
+    """Results by key, in a file with one JSON line per run; a context manager.
 
     A line that a crash cut short is ignored, and its run is executed again.
 
     Args:
-        path: None keeps nothing.
-        fresh: forget what the file holds.
+        path: the file; None for none.
+        fresh: discard its content.
     """
 
     def __init__(self, path: Path | None, *, fresh: bool = False) -> None:
@@ -164,7 +164,6 @@ class RunLog:
             self._file.close()
 
     def add(self, key: str, result: Result) -> None:
-        """Keep one result."""
         self.known[key] = result
         if self._file is not None:
             self._file.write(json.dumps({"key": key, "result": result}) + "\n")
@@ -182,13 +181,13 @@ def _entry(line: str) -> tuple[str, Result] | None:
 def execute(
     study: Study, transport: Transport, log: RunLog, *, jobs: int, quiet: bool = True, shard: Shard = Shard()
 ) -> StudyOutcome:
-    """Execute the runs of a shard that `log` does not know; a signal keeps all that are done.
+    """Execute the runs of a shard that `log` lacks; after a signal, all finished runs are kept.
 
     Args:
-        jobs: runs at the same time.
+        jobs: number of parallel runs.
 
     Raises:
-        ProcessError: a worker or a fleet was lost; the same call goes on from there.
+        ProcessError: a worker or a fleet was lost; repeat the call to continue.
     """
     runs = shard.part(study.runs(transport, code_digest()))
     results = {(run.cell, run.seed): log.known[run.key] for run in runs if run.key in log.known}
@@ -204,7 +203,7 @@ def execute(
 
 
 def _executed(study: Study, runs: Sequence[StudyRun], jobs: int) -> Iterator[tuple[StudyRun, Result]]:
-    """Runs and their results, as they end, until a signal asks this process to end."""
+    """Runs with their results as they end, until a signal arrives."""
     waiting: dict[Future[Result], StudyRun] = {}
     with _workers(min(jobs, max(1, len(runs)))) as pool:
         try:
@@ -215,18 +214,17 @@ def _executed(study: Study, runs: Sequence[StudyRun], jobs: int) -> Iterator[tup
                     yield waiting.pop(future), future.result()
         except BrokenProcessPool:
             raise ProcessError(
-                "a worker ended in the middle of a run; see its output above. "
-                "The same command goes on from what is done"
+                "a worker ended in the middle of a run; see its output above. Repeat the command to continue"
             ) from None
 
 
 @contextmanager
 def _workers(jobs: int) -> Iterator[ProcessPoolExecutor]:
-    """Worker processes, which end at once with this context or this process, and their fleets with them."""
+    """Worker processes, which end at once, with their fleets, when this context or process ends."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["deploy.studies.execution"])
-    resource_tracker.ensure_running()  # its start unblocks SIGINT and SIGTERM: not within the next block
-    with STOP.held():  # what a signal means, this process says
+    resource_tracker.ensure_running()  # first, since its start unblocks SIGINT and SIGTERM
+    with STOP.held():  # signals are for this process only
         forkserver.ensure_running()
     lifeline, held = context.Pipe(duplex=False)
     with ProcessPoolExecutor(jobs, context, begin, (lifeline,)) as pool:

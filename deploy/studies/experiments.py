@@ -1,12 +1,10 @@
-"""The experiments of Karagoz, Bozma, Koditschek, figures 4 and 5, on the flow that the paper has; and what
-the number of robots does.
+"""The experiments of Karagoz, Bozma, Koditschek, figures 4 and 5, under the paper's law; and fleet sizes.
 
-The law is the paper's own at the common pace, no filter, perfect sensing and links. What remains between
-a sampled fleet and the paper's continuous flow is the period, during which a robot's peers stand
-still in its eyes. At `PERIOD` and 0.1 m/s that is 1 mm a tick, and nrl differs from that of the
-exact flow by 0.1 % on average and by 2 % at most (figures 3a-3e, three starts each; at 0.02 s it is
-0.6 % and 5 %, at 0.05 s 1.2 % and 11 %). The tolerance is small, because what a robot does not
-drive at its end is missing in its path length: 0.5 mm are 0.2 %.
+The law is the paper's, at the common pace, without filter, with perfect sensing and links. A sampled fleet
+differs from the continuous flow by its period, during which robots assume static peers. With `PERIOD` and
+0.1 m/s, 1 mm a tick, nrl differs from the exact flow by 0.1 % on average and by 2 % at most (figures 3a-3e,
+three starts each; at 0.02 s by 0.6 % and 5 %, at 0.05 s by 1.2 % and 11 %). The tolerance of arrival is
+small, since the rest of the way is missing in the path length: 0.2 % for 0.5 mm.
 """
 
 from __future__ import annotations
@@ -27,10 +25,10 @@ TOLERANCE = 0.0005  # m
 LIMIT = 60.0  # s of simulated time
 RUNS = 35
 GAIN = 60.0  # figure 4
-GAINS = (5.0, 8.0, 10.0, 15.0, 20.0, 30.0, 40.0, 60.0, 100.0, 300.0)  # figure 5, and below what it shows
+GAINS = (5.0, 8.0, 10.0, 15.0, 20.0, 30.0, 40.0, 60.0, 100.0, 300.0)  # figure 5, and smaller ones
 GOAL_SET = "d"  # figure 5
 
-# What the paper prints, and this law's exact continuous flow measured with other starts.
+# Values of the paper, and of the exact flow from other starts.
 PRINTED_TIGHTNESS = {2.44: 1.08, 3.45: 1.25}
 EXACT_TIGHTNESS = {2.44: 1.12, 2.63: 1.11, 2.87: 1.16, 3.30: 1.15, 3.45: 1.22}
 PRINTED_TUNING = {20.0: 1.68}
@@ -82,12 +80,12 @@ def _row(
     labels: Mapping[str, Any],
     results: Sequence[Result],
 ) -> Row:
-    """What the paper and the exact flow have at this place of the axis, too."""
+    """Adds the values of the paper and the exact flow."""
     x = labels[axis]
     return {**labels, **figures(results), "paper": printed.get(x), "exact": exact.get(x)}
 
 
-# -- what the number of robots does to path, time, speed and memory, on each transport
+# -- scale: path, time, speed and memory against the number of robots, on each transport
 
 ROBOTS = (3, 6, 12, 16, 24, 32, 48, 64)
 TRANSPORTS: tuple[Transport, ...] = ("routed", "local")
@@ -120,13 +118,13 @@ def scale(
 
 
 def instance(count: int, seed: int) -> Scenario:
-    """`count` robots, random starts and goals, time enough."""
+    """`count` robots with random starts and goals, and a long time limit."""
     drawn = resolved(random_instance(count, seed))
     return replace(drawn, time=replace(drawn.time, limit=2.0 * LIMIT))
 
 
 def _costs(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
-    """memory: resident, summed over processes, so that what they share counts for each of them."""
+    """Adds speed, CPU and memory; resident memory is summed, so shared pages count for each process."""
     robots = labels["robots"]
     own = [process["max_rss_mb"] for result in results for process in _robots(result)]
     return {
@@ -149,12 +147,12 @@ def _memory(result: Result) -> float:
 
 
 def _cpu(result: Result) -> float:
-    """CPU of all processes, s; start and end included."""
+    """CPU time of all processes, s, start and end included."""
     return float(result.get("cpu_s") or sum(process["cpu_s"] for process in result["processes"]))
 
 
 def _growth(rows: Sequence[Row]) -> list[str]:
-    """Growth exponents: least squares over the logarithms, of all rows of one transport."""
+    """Growth exponents for each transport, by least squares over logarithms."""
     lines = []
     for transport in dict.fromkeys(row["transport"] for row in rows):
         fits = []

@@ -1,4 +1,4 @@
-"""One call of `disknav study`, from what was asked for to table, file and exit status."""
+"""The command `disknav study`: from its options to table, file and exit status."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _BUILD: dict[StudyName, Callable[..., Study]] = {
     "peers": peers,
     "scale": scale,
 }
-_ON_PROCESSES = ("tightness", "tuning")  # all others on the in-process bus, with the same rows
+_ON_PROCESSES = ("tightness", "tuning")  # others use the in-process bus by default
 
 
 def find(
@@ -44,10 +44,10 @@ def find(
     laws: Sequence[str] = (),
     only: Sequence[str] = (),
 ) -> Study:
-    """The study, with `runs` runs a cell (its own number unless given) from `seed` on.
+    """The study, with `runs` runs per cell (default: the study's own) from `seed` on.
 
     Args:
-        laws, only: see `peers`; other studies have none.
+        laws, only: arguments of `peers`.
     """
     arguments: dict[str, Any] = {"seed": seed} if runs is None else {"seed": seed, "runs": runs}
     if name == "scale" and transport is not None:
@@ -57,7 +57,7 @@ def find(
     return _BUILD[name](**arguments)
 
 
-# of each column: its title, and the format of its numbers
+# column -> title, number format
 _COLUMNS = {
     **{name: (name, "") for name in ("scenario", "law", "setting", "pace", "filter", "transport")},
     **{name: (name, "d") for name in ("runs", "arrived", "collisions", "robots", "room")},
@@ -89,7 +89,7 @@ _COLUMNS = {
 
 
 def table(study: Study, rows: Sequence[Row]) -> RenderableType:
-    """The rows, and what the study says below them."""
+    """Table of the rows, with the study's summary below."""
     listing = Table(title=f"study {study.name}", title_justify="left", box=None, header_style="bold")
     columns = [(name, *_COLUMNS[name]) for name in study.columns.split()]
     for _, title, form in columns:
@@ -103,12 +103,12 @@ def _cell(value: object, form: str) -> str:
     return "-" if value is None else format(value, form)
 
 
-_PAPER = 160  # columns where there is no terminal
+_PAPER = 160  # width without a terminal
 
 
 @dataclass(frozen=True)
 class StudyRequest:
-    """What the command line asked for."""
+    """Options of the command line."""
 
     name: StudyName
     runs: int | None
@@ -125,16 +125,16 @@ class StudyRequest:
 
     @property
     def file(self) -> Path | None:
-        """The file to write, if it is one."""
+        """File to write, if any."""
         return None if is_standard_output(self.target) else self.target
 
 
 def perform(request: StudyRequest) -> int:
-    """Run the study and say what came of it; the exit status.
+    """Run the study and print or write its results; returns the exit status.
 
     Raises:
-        UsageError, ScenarioError: what was asked for does not exist or cannot be written.
-        ProcessError: a worker or a fleet was lost; the same request goes on from there.
+        UsageError, ScenarioError: the study, a setting or the file is invalid.
+        ProcessError: a worker or a fleet was lost; repeat the call to continue.
     """
     transport: Transport = request.transport or ("routed" if request.name in _ON_PROCESSES else "local")
     jobs = 1 if request.name == "scale" else request.jobs  # its figures are speeds
@@ -167,7 +167,7 @@ def perform(request: StudyRequest) -> int:
 
 
 def _check(request: StudyRequest, study: Study) -> None:
-    """Find out before the runs what would fail after them."""
+    """Find invalid settings and files before the runs."""
     if request.file is not None and not request.file.parent.is_dir():
         raise UsageError(f"{request.file}: the folder {request.file.parent} does not exist")
     check_json(request.target)
@@ -181,9 +181,7 @@ def _log_path(file: Path | None) -> Path | None:
 
 def _status(study: Study, outcome: StudyOutcome, file: Path | None) -> int:
     if not outcome.complete:
-        further = (
-            "the same command goes on from here" if file else "with --json FILE it could be gone on with"
-        )
+        further = "repeat the command to continue" if file else "add --json FILE to be able to continue"
         print(f"disknav: stopped; {further}", file=sys.stderr)
         return EXIT_OTHERWISE
     return EXIT_ARRIVED if study.sound(outcome.rows) else EXIT_OTHERWISE

@@ -1,4 +1,4 @@
-"""What a study is: cells of seeded runs, what becomes a row of its table, and figures over a cell's runs."""
+"""Studies: cells of seeded runs, rows of a table, and statistics over the runs of a cell."""
 
 from __future__ import annotations
 
@@ -25,26 +25,27 @@ Build = Callable[[int], Scenario]
 
 @dataclass(frozen=True)
 class Cell:
-    """Runs that make one row: the scenario that `build` gives for each of `seeds`.
+    """The runs of one row: the scenario that `build` gives for each of `seeds`.
 
-    labels: what tells this cell from the others, and what its row begins with.
-    build: picklable, and with k already a number in what it gives.
+    Attributes:
+        labels: identify the cell, and begin its row.
+        build: picklable; its scenarios have k as a number.
     """
 
     labels: Mapping[str, Any]
     build: Build
     seeds: Sequence[int]
-    transport: Transport | None = None  # the study's, unless this cell asks for its own
+    transport: Transport | None = None  # default: the study's
 
     @property
     def name(self) -> str:
-        """The labels in one line."""
+        """The labels on one line."""
         return ", ".join(f"{key} {value}" for key, value in self.labels.items())
 
 
 @dataclass(frozen=True)
 class StudyRun:
-    """One run of a study, and the key under which its result is kept."""
+    """One run of a study, with the key of its result."""
 
     cell: int
     seed: int
@@ -54,12 +55,13 @@ class StudyRun:
 
 @dataclass(frozen=True)
 class Study:
-    """A list of cells with the way to make rows of their results.
+    """Cells, and how to make rows of their results.
 
-    columns: of the printed table, separated by blanks.
-    row: from a cell's labels and its results, in the order of seeds, to its row.
-    summary: lines below the table.
-    sound: whether the rows are as they have to be; a collision where none may be is not.
+    Attributes:
+        columns: of the printed table, separated by blanks.
+        row: row from a cell's labels and its results, in the order of seeds.
+        summary: lines below the table.
+        sound: whether the rows keep all promises, such as no collisions.
     """
 
     name: str
@@ -73,7 +75,7 @@ class Study:
     sound: Callable[[Sequence[Row]], bool] = lambda _: True
 
     def adjusted(self, settings: Sequence[str]) -> Study:
-        """The same study with `path.to.key=VALUE` settings over every scenario."""
+        """The study with `path.to.key=VALUE` settings applied to every scenario."""
         if not settings:
             return self
         cells = [
@@ -83,7 +85,7 @@ class Study:
         return replace(self, cells=cells)
 
     def runs(self, transport: Transport, code: str) -> list[StudyRun]:
-        """All runs; `code` is the digest of the software, so that no result of another one is reused."""
+        """All runs; `code`, a digest of the software, keeps results of other versions apart."""
         found = []
         for n, cell in enumerate(self.cells):
             bus = cell.transport or transport
@@ -93,7 +95,7 @@ class Study:
         return found
 
     def rows(self, results: Mapping[tuple[int, int], Result]) -> list[Row]:
-        """One row for every cell that has results; `results` by cell and seed."""
+        """One row for every cell with results; `results` by cell and seed."""
         rows = []
         for n, cell in enumerate(self.cells):
             known = [results[n, seed] for seed in cell.seeds if (n, seed) in results]
@@ -103,10 +105,10 @@ class Study:
 
 
 def adjusted_scenario(build: Build, settings: Sequence[str], seed: int) -> Scenario:
-    """One scenario, read again with the settings over it.
+    """The scenario of `seed` with the settings applied.
 
     Raises:
-        ScenarioError: a setting names no key, or gives no valid scenario.
+        ScenarioError: a setting names no key, or gives an invalid scenario.
     """
     scenario = build(seed)
     return resolved(parse_document(apply_settings(document_of(scenario), settings), scenario.name))
@@ -114,10 +116,9 @@ def adjusted_scenario(build: Build, settings: Sequence[str], seed: int) -> Scena
 
 @dataclass(frozen=True)
 class Shard:
-    """Every `of`-th run of a study from the `number`-th on (from 1): a part that any machine can execute.
+    """Every `of`-th run of a study from the `number`-th on (from 1): a part for one machine.
 
-    The parts of a study have no run in common, and together all. Their logs, one after the other in a file,
-    are the log of the whole.
+    The shards of a study are disjoint and complete. Their concatenated logs are the log of the whole.
     """
 
     number: int = 1
@@ -125,11 +126,7 @@ class Shard:
 
     @classmethod
     def parse(cls, text: str) -> Self:
-        """From I/N.
-
-        Raises:
-            UsageError: it is not that.
-        """
+        """From "I/N"; raises UsageError."""
         found = re.fullmatch(r"([1-9]\d{0,5})/([1-9]\d{0,5})", text)
         if found is None or int(found[1]) > int(found[2]):
             raise UsageError(f"--shard {text}: give I/N with I from 1 to N, such as 3/16")
@@ -139,28 +136,30 @@ class Shard:
         return f"{self.number}/{self.of}"
 
     def part(self, runs: Sequence[StudyRun]) -> Sequence[StudyRun]:
-        """Its runs."""
+        """Runs of this shard."""
         return runs[self.number - 1 :: self.of]
 
 
 def arrived(results: Iterable[Result]) -> list[Result]:
-    """Those in which every robot reached its goal and nothing touched."""
+    """Results in which every robot arrived without contact."""
     return [result for result in results if result["verdict"] == "arrived"]
 
 
 def mean(values: Sequence[float]) -> float | None:
-    """Mean; None of nothing."""
+    """Mean; None if empty."""
     return fmean(values) if values else None
 
 
 def error(values: Sequence[float]) -> float | None:
-    """Standard error of the mean; None of less than two."""
+    """Standard error of the mean; None of fewer than two values."""
     return stdev(values) / math.sqrt(len(values)) if len(values) > 1 else None
 
 
 def figures(results: Sequence[Result]) -> dict[str, Any]:
-    """What every row says: how many runs, how many touched and how many arrived; nrl and time (s) of these,
-    with deviations and standard errors; and the smallest clearance (m) of all runs."""
+    """Statistics of every row: numbers of runs, of those with collisions and of those that arrived; nrl and
+    time
+    (s) of the latter, with deviations and standard errors; smallest clearance (m) of all runs.
+    """
     came = arrived(results)
     nrl, time = [result["nrl"] for result in came], [result["sim_time"] for result in came]
     return {
@@ -178,7 +177,7 @@ def figures(results: Sequence[Result]) -> dict[str, Any]:
 
 
 def untouched(rows: Sequence[Mapping[str, Any]]) -> bool:
-    """Whether nothing touched in any run of these rows."""
+    """Whether there were no collisions in these rows."""
     return not any(row["collisions"] for row in rows)
 
 

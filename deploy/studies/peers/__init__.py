@@ -1,1 +1,1 @@
-"""The same scenarios under other laws."""
+"""Comparison of laws on the same scenarios."""

@@ -1,4 +1,4 @@
-"""A study whose rows are the best setting of each law in each scenario, with all others kept beside."""
+"""Rows of `study peers`: the best setting of each law in each scenario, with all other settings attached."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from typing import Any
 from deploy.studies.study import Result, Row, Study, arrived, error, figures, mean, untouched
 from protocol.scenario.model import Scenario
 
-REFERENCE = "reciprocal + lines"  # what all others are paired with
+REFERENCE = "reciprocal + lines"  # paired with all others
 _SCANNED = {
     "horizon": "horizon {:g} s",
     "gain": "alpha {:g}/s",
     "noise": "noise {:g}",
     "margin": "margin {:g} m",
 }
-_Tried = dict[str, list["Attempt"]]  # of one group of scenarios and one law, by scenario
+_Tried = dict[str, list["Attempt"]]  # by scenario, for one group of scenarios and one law
 
 
 @dataclass(frozen=True)
@@ -30,13 +30,12 @@ class Attempt:
 
 
 class Contest(Study):
-    """One row for every scenario and law: its best setting; `scan` of the row has all of them.
+    """One row for every scenario and law, with its best setting; the row's `scan` has all settings.
 
-    Where several settings were tried, a second row shows the single one that is best over the whole group.
+    If several settings were tried, a second row shows the single setting that is best over the whole group.
     """
 
     def rows(self, results: Mapping[tuple[int, int], Result]) -> list[Row]:
-        """See `Study.rows`."""
         found = []
         for tried in self._tried(results).values():
             single = _single(tried)
@@ -57,7 +56,7 @@ class Contest(Study):
         return sorted(rows, key=lambda each: order[each["scenario"]])
 
     def _tried(self, results: Mapping[tuple[int, int], Result]) -> dict[tuple[str, str], _Tried]:
-        """All attempts that have results, by group and law."""
+        """All attempts with results, by group and law."""
         tried: defaultdict[tuple[str, str], _Tried] = defaultdict(lambda: defaultdict(list))
         least: dict[tuple[str, int], float] = {}
         for n, cell in enumerate(self.cells):
@@ -74,12 +73,12 @@ class Contest(Study):
 
 
 def least_time(scenario: Scenario) -> float:
-    """The farthest straight way from start to goal at the speed limit, s."""
+    """Time of the longest straight path from start to goal at the speed limit, s."""
     return max(math.dist(each.start, each.goal) for each in scenario.robots) / scenario.control.speed
 
 
 def best(rows: Sequence[Row]) -> Row:
-    """The row with most arrivals, then fewest collisions, then least time; of equals the first."""
+    """Row with most arrivals, then fewest collisions, then least time; the first of equals."""
     return min(rows, key=_demerit)
 
 
@@ -89,7 +88,7 @@ def _demerit(each: Mapping[str, Any]) -> tuple[float, ...]:
 
 
 def _single(tried: _Tried) -> str | None:
-    """The setting that is best over all scenarios together; None where only one was tried."""
+    """Setting that is best over all scenarios together; None if only one was tried."""
     by_setting: defaultdict[str, list[Row]] = defaultdict(list)
     for attempts in tried.values():
         for each in attempts:
@@ -107,7 +106,7 @@ def _single(tried: _Tried) -> str | None:
 
 
 def _paired(one: Attempt, reference: Attempt | None) -> Row:
-    """nrl and time over those of the reference from the same starts, where both arrived without touching."""
+    """Ratios of nrl and time to those of the reference, over the starts from which both arrived."""
     mine, theirs = _came(one), {} if reference is None else _came(reference)
     seeds = [seed for seed in mine if seed in theirs]
     found: Row = {"paired": len(seeds)}
@@ -122,11 +121,11 @@ def _came(attempt: Attempt) -> dict[int, Result]:
 
 
 def row(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
-    """Beside the figures of every study:
+    """The usual statistics, and:
 
-    limit: time over the least that it can take. reached: runs in which all arrived, touching or not.
-    step_us: CPU of a robot a tick, decoding of what it heard included, on the in-process bus; None
-    elsewhere.
+    limit: time over `least_time`.
+    reached: number of runs in which all arrived, with or without contact.
+    step_us: CPU time per robot and tick, decoding included; None except on the in-process bus.
     """
     limit = [each["sim_time"] / each["least_time"] for each in arrived(results) if each.get("least_time")]
     steps = [
@@ -146,7 +145,7 @@ def row(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
 
 
 def summary(rows: Sequence[Row]) -> list[str]:
-    """Each law over all scenarios, with its best setting in each; then with one setting for each group."""
+    """Each law over all scenarios, with the best setting in each; then with one setting per group."""
     lines = []
     for law in dict.fromkeys(each["law"] for each in rows):
         own = [each for each in rows if each["law"] == law]
@@ -168,7 +167,7 @@ def _outcome(rows: Sequence[Row]) -> str:
 
 
 def _beside(rows: Sequence[Row]) -> str:
-    """In how many scenarios the reference is ahead."""
+    """Number of scenarios in which the reference is better."""
     known = [each for each in rows if each["law"] != REFERENCE and each["time_ratio"] is not None]
     if not known:
         return ""
@@ -181,5 +180,5 @@ def _sum(rows: Sequence[Row], name: str) -> int:
 
 
 def sound(rows: Sequence[Row]) -> bool:
-    """Whether separating lines kept what they promise."""
+    """Whether runs with separating lines had no collisions."""
     return untouched([each for each in rows if each["law"].endswith("+ lines")])

@@ -1,11 +1,10 @@
-"""Laws to compare with, as laws from outside: `control.law = "deploy.studies.peers.laws:Orca(horizon=2.0)"`.
+"""Laws for comparison, loaded as `control.law = "deploy.studies.peers.laws:Orca(horizon=2.0)"`.
 
 - `Orca`: optimal reciprocal collision avoidance (van den Berg, Guy, Lin, Manocha 2011), by pyrvo.
 - `Barrier`: a barrier-function quadratic program (Wang, Ames, Egerstedt 2017), by daqp.
 
-Neither has a navigation function: they want to go straight to the goal, or along the shortest way to it among
-static obstacles, off by a random part. Peers stand where their newest State says, moved on by their velocity
-over its age.
+Their nominal velocity points straight to the goal, or along the shortest path among static obstacles, plus a
+random part. Peers are extrapolated from their newest States by their velocity.
 """
 
 from __future__ import annotations
@@ -31,18 +30,20 @@ from protocol.scenario.model import Scenario
 
 Array = NDArray[np.float64]
 
-_HELD = 1.0  # s that a random part stays as it is: drawn anew every tick it would average out
-_WALL = 2.0  # periods ahead of which ORCA's boundary counts: more only slows the way to goals beside it
+_HELD = 1.0  # s between draws of the random part, which would average out if drawn every tick
+_WALL = 2.0  # ORCA's horizon for the boundary, periods; more slows the approach to goals beside it
 
 
 class Nominal:
-    """Straight to the goal at the speed limit, in one period at the end, off by a random part.
+    """Straight to the goal at the speed limit, slower in the last period, plus a random part.
 
-    Without that part symmetric encounters never end: both laws are known to need it.
+    Without the random part both laws are known not to resolve symmetric encounters.
+
+    Args:
+        noise: largest random velocity, as a fraction of the speed limit; 0 at the goal.
     """
 
     def __init__(self, scenario: Scenario, robot: int, noise: float) -> None:
-        """`noise`: largest random velocity, as a fraction of the speed limit; none at the goal."""
         self._robot, self._seed = robot, scenario.seed
         self._speed, self._period = scenario.control.speed, scenario.time.step
         self._held = max(1, scenario.ticks(_HELD))
@@ -52,7 +53,7 @@ class Nominal:
         )
 
     def velocity(self, view: View) -> Vector:
-        """m/s, at most the speed limit and the random part."""
+        """Velocity, m/s; the random part may exceed the speed limit."""
         goal = self._attraction.aim(view.position, view.goal, view.obstacles)
         dx, dy = goal[0] - view.position[0], goal[1] - view.position[1]
         distance = math.hypot(dx, dy)
@@ -65,15 +66,16 @@ class Nominal:
 
 
 class Orca:
-    """One robot's reciprocal velocity: a `Law`.
+    """Optimal reciprocal collision avoidance of one robot: a `Law`.
 
-    Every robot has a simulator of its own, fed with the States that it received; only its own new velocity is
-    used.
+    Every robot has its own simulator, fed with the States that it received, of which only its own new
+    velocity
+    is used.
 
     Args:
-        horizon: ahead of which encounters count, s.
-        noise: the largest random part of the nominal velocity, as a fraction of the speed limit.
-        margin: around each disk, m: reciprocal velocities plan to touch exactly, in single precision.
+        horizon: time ahead, s, in which encounters are considered.
+        noise: largest random part of the nominal velocity, as a fraction of the speed limit.
+        margin: added to each radius, m, since ORCA plans to touch exactly, in single precision.
 
     Raises:
         UsageError: pyrvo is not installed.
@@ -96,7 +98,7 @@ class Orca:
         self._reset(())
 
     def velocity(self, view: View) -> Vector:
-        """m/s; the simulator is made anew when obstacles change, as it cannot change its own."""
+        """Velocity, m/s. Changed obstacles need a new simulator."""
         if self._obstacles != list(view.obstacles):
             self._reset(view.obstacles)
         moving = (view.displacement[0] / self._period, view.displacement[1] / self._period)
@@ -129,7 +131,7 @@ class Orca:
         self._own = self._simulator.add_agent((0.0, 0.0))
 
     def _observe(self, peer: int, neighbours: Neighbours, tick: int) -> None:
-        """Put a peer where it should be by now."""
+        """Place a peer at its extrapolated position."""
         place = neighbours.position(peer)
         if place is None:
             return
@@ -153,19 +155,20 @@ class Orca:
 
 
 class Barrier:
-    """One robot's share of the program: a `Law`.
+    """Barrier-function program of one robot: a `Law`.
 
     The velocity nearest to the nominal one under h' >= -gain h for every h of
-        h_ij = |d_ij|^2 - rho_ij^2   of a peer, which is taken to answer for half of it,
+        h_ij = |d_ij|^2 - rho_ij^2   of a peer, which is assumed to keep half of the constraint,
         h_0i = rho_0i^2 - |b_i|^2    of a round boundary,
         |x - q|^2 - rho_i^2          of a straight wall or an obstacle, q its nearest point.
-    A disk is treated as a peer is. While every h >= 0 the velocity 0 is feasible, so the nearest velocity is
-    never faster than the nominal one.
+    An obstacle that is a disk is a peer. While every h >= 0 the velocity 0 is feasible, so the nearest
+    velocity
+    is never faster than the nominal one.
 
     Args:
         gain: 1/s.
-        noise: the largest random part of the nominal velocity, as a fraction of the speed limit.
-        margin: around each disk, m.
+        noise: largest random part of the nominal velocity, as a fraction of the speed limit.
+        margin: added to each radius, m.
 
     Raises:
         UsageError: daqp is not installed.
@@ -193,7 +196,7 @@ class Barrier:
         self._nominal = Nominal(scenario, robot, noise)
 
     def velocity(self, view: View) -> Vector:
-        """m/s; 0 where the program has no solution."""
+        """Velocity, m/s; 0 if the program has no solution."""
         wanted = np.array(self._nominal.velocity(view))
         normals, upper = self._barriers(np.array(view.position), view)
         if (normals @ wanted > upper).any():
@@ -203,7 +206,7 @@ class Barrier:
                 return 0.0, 0.0
         vx, vy = float(wanted[0]), float(wanted[1])
         excess = max(1.0, math.hypot(vx, vy) / self._speed)
-        # The boundary curves towards a robot that moves along it: the nearest velocity that stays inside.
+        # A robot that moves along the round boundary would leave it: take the nearest velocity inside.
         return safe_velocity(
             (vx / excess, vy / excess),
             view.position,

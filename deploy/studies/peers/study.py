@@ -1,8 +1,8 @@
-"""`study peers`: the same scenarios, starts, faults and speed limit under other laws.
+"""`study peers`: the same scenarios, starts, faults and speed limit under several laws.
 
-ORCA and the barrier-function program are scanned over their parameters in every scenario, and the best
-setting is what a law's row shows, which favours them; another row shows the best single one. All others run
-with one setting: the laws of this software and of the user with separating lines, the paper's also bare.
+ORCA and the barrier-function program are scanned over their parameters in every scenario. Their row shows
+the best setting, which favours them; a second row shows the best single one. The others have one setting:
+laws of this software and of the user with separating lines, the paper's law also without.
 """
 
 from __future__ import annotations
@@ -29,19 +29,20 @@ from protocol.scenario.network import Link
 Group = Literal["fresh", "late", "RVO2", "boxes"]
 
 LIMIT = 60.0  # s of simulated time
-DEADLOCK = 10.0  # s in which no robot moves
+DEADLOCK = 10.0  # s without motion that end a run
 DELAYS = (0.0, 0.05, 0.1, 0.2, 0.3)  # s, one way
 CROWD_DELAYS = (0.1, 0.3)
 DENSITIES = (0.05, PAPER_DENSITY, 0.2)
-JITTER = 0.01  # m: no law is asked to leave an exact saddle
-CIRCLE_JITTER = 0.5  # m, the same in proportion on RVO2's circle
+JITTER = 0.01  # m, so that no start is an exact saddle
+CIRCLE_JITTER = 0.5  # m, the same proportion of RVO2's circle
 
 
 @dataclass(frozen=True)
 class Venue:
-    """A scenario of a seed, and the one-way delay of states in it, s.
+    """A scenario by seed, with a one-way delay of States, s.
 
-    foreign: of which benchmarks of others it is, with its own lengths, speed, period and limits.
+    Attributes:
+        foreign: benchmark that it belongs to, with that one's lengths, speed, period and limits.
     """
 
     name: str
@@ -51,17 +52,17 @@ class Venue:
 
     @property
     def label(self) -> str:
-        """The name, with the delay if there is one."""
+        """Name, with the delay if there is one."""
         return f"{self.name}, {1e3 * self.delay:g} ms late" if self.delay else self.name
 
     @property
     def group(self) -> Group:
-        """Places in which the same settings are tried."""
+        """Group of venues in which the same settings are tried."""
         return self.foreign or ("late" if self.delay else "fresh")
 
 
 def places() -> list[Venue]:
-    """Tight goal sets, swaps and crowds, also with delays; the largest and those of others last."""
+    """All venues: tight goal sets, swaps and crowds, also with delays, and benchmarks of others."""
     tight, ten = partial(figure_3, "d"), partial(swap, 10, JITTER)
     late = [Venue(*each, delay) for delay in DELAYS[1:] for each in (("tight 3.30", tight), ("swap 10", ten))]
     return [
@@ -92,7 +93,7 @@ def _random(count: int, density: float, seed: int) -> Scenario:
 
 
 def contest(place: Venue, control: Mapping[str, Any], seed: int) -> Scenario:
-    """The scenario of `seed` with these fields of its control table; k and speed stay."""
+    """The scenario of `seed` with these control fields; k and speed are kept."""
     scenario = place.build(seed)
     time = scenario.time if place.foreign else replace(scenario.time, limit=LIMIT, deadlock=DEADLOCK)
     changed = replace(scenario.control, **control)
@@ -110,10 +111,10 @@ LAWS: dict[str, dict[str, Any]] = {
     "orca": {"law": f"{OTHERS}:Orca", "filter": "none"},
     "barrier": {"law": f"{OTHERS}:Barrier", "filter": "none"},
 }
-# As many settings for either method. A barrier's gain times the period is at most 1. Where states are late a
-# margin has to cover what they miss: in m, up to what a robot drives in 150 and in 300 ms. Horizon 1 s and
-# gain 20 per s are left out there for the sake of more margins. RVO2's robots take 2.5 times as long as those
-# of a swap to move by their radius; those among boxes a third of that, or less.
+# Both methods have the same number of settings. A barrier's gain times the period is at most 1. With late
+# States a margin covers the missing motion: up to the distance driven in 150 and in 300 ms; horizon 1 s and
+# gain 20/s are left out for more margins. Horizons and gains scale with the time in which a robot moves by
+# its radius: 2.5 times that of a swap for RVO2, a third or less among boxes.
 Scan = dict[str, tuple[float, ...]]
 SCANS: dict[Group, dict[str, Scan]] = {
     "fresh": {
@@ -157,10 +158,10 @@ def peers(
 
     Args:
         laws: the user's, as in `control.law`; they run with separating lines.
-        only: the places whose labels contain one of these; all unless given.
+        only: texts, one of which a place's label contains; default all places.
 
     Raises:
-        UsageError: a library of a law is not installed, there is no such law or no such place.
+        UsageError: a law, a place or a library of a law does not exist.
         LawError: a user's law fails.
     """
     if scenarios is None:
@@ -188,20 +189,16 @@ def peers(
 
 
 def _chosen(where: Sequence[Venue], only: Sequence[str]) -> list[Venue]:
-    """Those that are asked for.
-
-    Raises:
-        UsageError: there are none.
-    """
+    """Venues selected by `--only`; raises UsageError if there are none."""
     chosen = [place for place in where if not only or any(part in place.label for part in only)]
     if not chosen:
         known = "; ".join(place.label for place in where)
-        raise UsageError(f"--only {' --only '.join(only)}: no scenario is called so; there are {known}")
+        raise UsageError(f"--only {' --only '.join(only)}: no scenario has this name; there are {known}")
     return chosen
 
 
 def _source(law: str) -> str:
-    """Digest of the file that a user's law is in: what another one did is not its result."""
+    """Digest of the source file of a user's law, so that results of other versions are not reused."""
     if ":" not in law:
         raise UsageError(f"--law {law}: name it as module:Class, file.py:Class or entry-point:NAME")
     path = inspect.getsourcefile(found(law)[0])
@@ -209,13 +206,13 @@ def _source(law: str) -> str:
 
 
 def settings(law: str, group: Group) -> Iterator[dict[str, float]]:
-    """Everything that is tried with a law, as arguments of its class."""
+    """All settings of a law, as arguments of its class."""
     scan = SCANS[group].get(law, {})
     for values in product(*scan.values()):
         yield dict(zip(scan, values, strict=True))
 
 
 def with_arguments(control: Mapping[str, Any], setting: Mapping[str, float]) -> dict[str, Any]:
-    """Fields of the control table, with arguments for the law's class if there are any."""
+    """Control fields, with arguments for the law's class if there are any."""
     arguments = ", ".join(f"{name}={value}" for name, value in setting.items())
     return dict(control) | ({"law": f"{control['law']}({arguments})"} if arguments else {})
