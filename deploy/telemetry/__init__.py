@@ -1,1 +1,1 @@
-"""What is seen of a run: live on a page or in a terminal, as a scene, recorded, drawn from a recording."""
+"""Views of a run: live page, terminal, 3D scene, recording and plot."""

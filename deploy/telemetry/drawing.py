@@ -1,7 +1,7 @@
-"""What a fleet looks like in Foxglove's 3D panel: where everything is becomes a `foxglove.SceneUpdate`.
+"""Drawing a fleet for Foxglove's 3D panel, as `foxglove.SceneUpdate`.
 
 Field names and meanings are Foxglove's (https://docs.foxglove.dev/docs/visualization/message-schemas).
-Lengths are metres, colours run from 0 to 1. All fields are always written: some readers expect them.
+Lengths are metres, colours run from 0 to 1. All fields are always written, since some readers expect them.
 """
 
 from __future__ import annotations
@@ -18,37 +18,40 @@ from protocol.geometry import ConvexPolygon, Shape
 from protocol.scenario.model import RobotSpec, Scenario
 
 Json = dict[str, Any]
-WORLD = "world"  # the frame in which positions are told
-_DIGITS = 5  # of a metre
-_NEAR = 3  # radii of gap; between robots farther apart no line is drawn
+WORLD = "world"  # frame of all positions
+_DIGITS = 5  # decimals of a metre
+_NEAR = 3  # largest gap between robots whose line is drawn, radii
 _HUES = ("0072b2", "d98e00", "009e73", "c0629a", "46a6dd", "8a6f3e")
 _GREY, _RED, _DARK = "7a828c", "c5161d", "1c1f23"
-_STRIP, _LOOP, _LIST = 0, 1, 2  # how the points of a line are joined
-_ALL = 1  # of a deletion: everything of the topic that is earlier goes
+_STRIP, _LOOP, _LIST = 0, 1, 2  # Foxglove's types of lines
+_ALL = 1  # Foxglove's type of a deletion of all earlier entities
 _FOR_EVER = {"sec": 0, "nsec": 0}
 
 
 def frame(robot: int) -> str:
-    """The frame that moves with a robot."""
+    """Name of the frame that moves with a robot."""
     return f"robot_{robot}"
 
 
 def update(entities: list[Json], gone: Json | None = None) -> Json:
-    """Entities that come, or replace those of the same ids; all that is of before the time `gone` goes."""
+    """An update with new or replaced `entities`; all from before the time `gone` are deleted."""
     deletions = [] if gone is None else [{"timestamp": gone, "type": _ALL, "id": ""}]
     return {"entities": entities, "deletions": deletions}
 
 
 class Drawing:
-    """How the robots of one run are drawn. All methods take the time of what they draw first."""
+    """Draws the robots of one run. The first argument of its methods is the time of the drawing.
+
+    Args:
+        radii: of all robots to draw, m; the mapping may grow later.
+    """
 
     def __init__(self, scenario: Scenario, radii: Mapping[int, float]) -> None:
-        """`radii`: m, of all that are drawn; others may be added later."""
         self._scenario, self._radii = scenario, radii
         self._ranks = {robot: rank for rank, robot in enumerate(scenario.ids)}
 
     def room(self, stamp: Json, shapes: Collection[Shape]) -> Json:
-        """The boundary, and what stands."""
+        """Boundary and obstacles."""
         outlines = [self._scenario.workspace.shape.outline(), *(shape.outline() for shape in shapes)]
         edges = [_line(_LOOP, [_point(x, y) for x, y in each], _color(_GREY)) for each in outlines]
         solid = [_fan(each, _color(_GREY, 0.3)) for each in outlines[1:]]
@@ -70,7 +73,7 @@ class Drawing:
         return _entity(stamp, frame(robot), f"robot {robot}", cylinders=[disk], texts=[label])
 
     def goals(self, stamp: Json, goals: Mapping[int, messages.Vector]) -> Json:
-        """Where robots go, m."""
+        """Goals of robots, m."""
         disks = [
             _disk(goal, radius := self._radii[robot], radius / 50, self._hue(robot, 0.3))
             for robot, goal in goals.items()
@@ -80,7 +83,7 @@ class Drawing:
     def trails(
         self, stamp: Json, moments: Sequence[Mapping[int, messages.Vector]], robots: Iterable[int]
     ) -> Json:
-        """Where robots came along."""
+        """Past paths of robots."""
         lines = [
             _line(_STRIP, [_point(*place) for place in places], self._hue(robot, 0.6))
             for robot in robots
@@ -94,7 +97,7 @@ class Drawing:
         lines: Mapping[int, tuple[messages.Line, ...]],
         places: Mapping[int, messages.Vector],
     ) -> Json:
-        """What each robot keeps to, near the peer for whose sake it does."""
+        """The lines that each robot obeys, drawn near the peer of each."""
         pieces = [
             _line(_LIST, points, self._hue(robot))
             for robot, obeyed in lines.items()
@@ -105,8 +108,7 @@ class Drawing:
     def _piece(
         self, robot: int, line: messages.Line, places: Mapping[int, messages.Vector]
     ) -> tuple[Json, ...]:
-        """Of the line that a robot keeps to for a peer's sake, what is between the two; empty if they are far
-        apart."""
+        """Segment of a robot's line between it and the peer; empty if they are far apart."""
         peer, nx, ny, limit = line
         if peer not in places:
             return ()
@@ -125,7 +127,7 @@ class Drawing:
 
 
 def _entity(stamp: Json, frame_id: str, name: str, **primitives: list[Json]) -> Json:
-    """What is drawn under one name until it is replaced, in a frame with which it moves."""
+    """One named entity, in the frame with which it moves."""
     kinds = ("cylinders", "lines", "triangles", "texts", "metadata", "arrows", "cubes", "spheres", "models")
     return {
         "timestamp": stamp,
@@ -161,18 +163,18 @@ def _points(points: list[Json], color: Json) -> Json:
 
 
 def _line(joined: int, points: list[Json], color: Json) -> Json:
-    """The thickness is pixels."""
+    """`foxglove.LinePrimitive`; the thickness is in pixels."""
     return {"type": joined, "thickness": 1.5, "scale_invariant": True} | _points(points, color)
 
 
 def _fan(outline: list[messages.Vector], color: Json) -> Json:
-    """A convex polygon of triangles that share its first corner."""
+    """A convex polygon as triangles that share its first corner."""
     first, *others = (_point(x, y) for x, y in outline)
     return _points([corner for pair in pairwise(others) for corner in (first, *pair)], color)
 
 
 def schema(title: str, example: Json) -> bytes:
-    """JSON schema of what is like `example`, which holds one of everything."""
+    """JSON schema of values like `example`, which has one item in each list."""
     return json.dumps(_schema(example) | {"title": title}).encode()
 
 
@@ -186,7 +188,7 @@ def _schema(value: Any) -> Json:
 
 
 def example() -> Json:
-    """An update that holds one of everything that is ever drawn."""
+    """An update with one of each kind of primitive that is drawn."""
     square = ConvexPolygon(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)))
     drawing = Drawing(Scenario((RobotSpec(1, 1.0, (0.0, 0.0), (0.0, 0.0)),)), {1: 1.0})
     room, robot = drawing.room(_FOR_EVER, [square]), drawing.robot(_FOR_EVER, 1, down=False)

@@ -1,4 +1,4 @@
-"""Seeing a run while it goes on, from outside or from within: a live page and a terminal table.
+"""Monitoring a run: live page, terminal table, Foxglove and metrics.
 
-A `source` (`watcher`) keeps a `view` up to date; `web` and `terminal` show it.
+A source (`watcher`) keeps a view (`live`) up to date; `web`, `terminal`, `foxglove` and `metrics` show it.
 """

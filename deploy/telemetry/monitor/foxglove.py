@@ -1,4 +1,4 @@
-"""A live connection for Foxglove: the scene of a run over its WebSocket protocol, on this host alone."""
+"""A live connection for Foxglove: the scene of a run over its WebSocket protocol, on the loopback only."""
 
 from __future__ import annotations
 
@@ -14,29 +14,29 @@ from protocol.errors import UsageError
 from protocol.messages import Message
 from protocol.scenario.model import Scenario
 
-HOST, PORT = "127.0.0.1", 8765  # where Foxglove looks unless told otherwise
+HOST, PORT = "127.0.0.1", 8765  # Foxglove's default
 
 
 class FoxgloveServer:
-    """Draws what a `Watcher` passes on to it, and everything for later viewers.
+    """Sends the scene of a `Watcher`'s messages to viewers.
+
+    Args:
+        run: name of the run, shown to viewers.
+        port: default Foxglove's; 0: a free one.
 
     Attributes:
-        address: what to open in Foxglove, such as `ws://127.0.0.1:8765`.
+        address: URL to open in Foxglove, such as `ws://127.0.0.1:8765`.
+
+    Raises:
+        UsageError: the port is taken.
     """
 
     def __init__(self, run: str, port: int | None = None) -> None:
-        """Args:
-        run: its name, which viewers see.
-        port: Foxglove's own unless given; 0 is a free one.
-
-        Raises:
-            UsageError: the port is taken.
-        """
         self._scene: FleetScene | None = None
         self._lock = threading.Lock()
         self._wanted: SimpleQueue[str | None] = SimpleQueue()
         port = PORT if port is None else port
-        self._context = Context()  # its channels close when it is gone
+        self._context = Context()  # closes its channels when it is deleted
         self._channels = {name: _channel(self._context, name) for name in TOPICS}
         try:
             self._server = start_server(
@@ -54,26 +54,26 @@ class FoxgloveServer:
         self._thread.start()
 
     def begin(self, scenario: Scenario) -> None:
-        """A scenario begins, or is under way."""
+        """Start the scene of a scenario."""
         with self._lock:
             self._scene = FleetScene(scenario)
             self._log(self._scene.whole())
 
     def meet(self, scenario: Scenario) -> None:
-        """Robots have come that no order of the scenario adds."""
+        """Take the specs of added robots."""
         with self._lock:
             if self._scene is not None:
                 self._scene.meet(scenario)
 
     def hear(self, message: Message) -> None:
-        """Something was published."""
+        """Take a published message."""
         if type(message) in DRAWN:
             with self._lock:
                 if self._scene is not None:
                     self._log(self._scene.hear(message))
 
     def close(self) -> None:
-        """Say good-bye to all viewers and stop; may be called twice."""
+        """Disconnect all viewers and stop; may be called twice."""
         self._wanted.put(None)
         self._thread.join()
         with self._lock:
@@ -81,7 +81,7 @@ class FoxgloveServer:
         self._server.stop()
 
     def _welcome(self) -> None:
-        """Draw topics for new subscribers: the next drawing may never be due."""
+        """Send the newest message to new subscribers, since a topic may not change again."""
         while (topic := self._wanted.get()) is not None:
             with self._lock:
                 if self._scene is not None:
@@ -94,7 +94,7 @@ class FoxgloveServer:
 
 
 class _Newcomers(ServerListener):
-    """Notes what viewers subscribe to; called by the server, which must not be kept waiting."""
+    """Queues new subscriptions; called by the server, which must not wait."""
 
     def __init__(self, wanted: SimpleQueue[str | None]) -> None:
         self._wanted = wanted

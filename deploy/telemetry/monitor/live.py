@@ -1,7 +1,8 @@
-"""A running fleet as a watcher sees it: messages and presence in, a row a robot out.
+"""A running fleet as a watcher sees it: messages and tokens in, one row per robot out.
 
-Only streams that the network may drop are needed (clock, truth, health, goalstatus) and liveliness tokens: a
-watcher that subscribed to states or commands could hold up their publishers."""
+It needs only liveliness tokens and streams that the network may drop (clock, truth, health, goalstatus), so
+that no watcher can block publishers of States or Commands.
+"""
 
 from __future__ import annotations
 
@@ -15,30 +16,31 @@ from protocol.messages import Clock, GoalStatus, Health, Line, Message, PlacedOb
 from protocol.operations import Steering
 from protocol.scenario.model import RobotSpec, Scenario
 
-SILENCE = 1.5  # s behind its peers after which a robot counts as silent
+SILENCE = 1.5  # s without a message, while its peers go on, after which a robot is silent
 ALARMS = ("dead", "fenced", "silent")
-ABANDONED = ("cancelled", "given up")  # the robot stays where it was then
-_DIGITS = 6  # micrometres are enough for a picture
+ABANDONED = ("cancelled", "given up")  # the robot stays at its place
+_DIGITS = 6  # decimals of a metre
 
 
 class RobotView:
-    """One robot as it is seen from outside; times are seconds on the watcher's own clock."""
+    """One robot as the watcher sees it; times are seconds of the watcher's clock.
+
+    Args:
+        spec: the robot in the scenario.
+        trail: number of past places to keep.
+        first: incarnation of its first life in this scenario; None: the first one received.
+    """
 
     def __init__(self, spec: RobotSpec, trail: int, first: int | None = 1) -> None:
-        """Args:
-        spec: the robot in the scenario.
-        trail: how many places it was at are kept, at most.
-        first: incarnation of its first life in this scenario; None: the first one seen.
-        """
         self.spec = spec
-        self.radius = spec.radius  # m, of its disk, with what it carries
-        self.alive: bool | None = None  # None: no token seen yet
+        self.radius = spec.radius  # m, of its disk, with a carried part
+        self.alive: bool | None = None  # whether its token exists; None: none seen yet
         self.fenced = False
         self.active = False
         self.incarnation = 0
-        self.tick = 0  # tick of its newest State, as far as Health and Truth show
+        self.tick = 0  # of its newest State, as known from Health and Truth
         self.health: Health | None = None
-        self.lines: tuple[Line, ...] = ()  # that it obeyed at its latest health, to peers near it
+        self.lines: tuple[Line, ...] = ()  # obeyed towards near peers, by its latest Health
         self.errand = GoalStatus(spec.id, 0, 0, "under way", spec.goal)
         self.position: Vector = spec.start
         self.velocity: Vector = (0.0, 0.0)
@@ -49,30 +51,30 @@ class RobotView:
         self._rate: float | None = None
 
     def said(self, tick: int, now: float) -> None:
-        """A message shows this robot's State of `tick`."""
+        """Note that a message shows this robot's State of `tick`."""
         if tick > self.tick or self._said is None:
             self.tick, self._said = tick, now
 
     def report(self, health: Health, now: float) -> None:
-        """Take over what the robot says about itself; what an earlier life said late is ignored."""
+        """Take the robot's Health; one from an earlier life is ignored."""
         if health.incarnation < self.incarnation:
             return
         if health.incarnation > self.incarnation:
             self.incarnation, self._rate = health.incarnation, None
             self._first = health.incarnation if self._first is None else self._first
         elif self.health is not None and now > self._reported:
-            # Every State goes with a Command, and these two are what a robot publishes once a tick.
+            # A robot publishes two messages a tick: State and Command.
             self._rate = max(0, health.published - self.health.published) / 2.0 / (now - self._reported)
         self.health, self._reported = health, now
         self.said(health.tick, now)
 
     def ordered(self, status: GoalStatus) -> None:
-        """Take over what came of an order, unless something newer is known."""
+        """Take the status of an order, unless a newer one is known."""
         if (status.number, status.tick) >= (self.errand.number, self.errand.tick):
             self.errand = status
 
     def moved(self, position: Vector, seconds: float) -> None:
-        """Where it really is, `seconds` of simulated time after where it was last."""
+        """Take the true position, `seconds` of simulated time after the previous one."""
         x, y = self.position
         if seconds > 0.0:
             self.velocity = ((position[0] - x) / seconds, (position[1] - y) / seconds)
@@ -81,22 +83,22 @@ class RobotView:
 
     @property
     def restarts(self) -> int:
-        """How often it began anew."""
+        """Number of lives after the first."""
         return max(0, self.incarnation - (self._first or 0)) if self.incarnation else 0
 
     @property
     def distance(self) -> float:
-        """To the present goal, m."""
+        """Distance to the present goal, m."""
         return math.dist(self.position, self.errand.goal)
 
     def age(self, now: float) -> float | None:
-        """Seconds since its newest state; None before the first."""
+        """Age of its newest State, s; None before the first."""
         return None if self._said is None else max(0.0, now - self._said)
 
     def status(self, now: float, newest: int, tolerance: float, *, ended: bool = False) -> str:
-        """One word; those in `ALARMS` ask for attention.
+        """Status in one word; those in `ALARMS` are alarms.
 
-        `newest`: tick of the newest state of all robots. `ended`: there is a verdict.
+        `newest`: tick of the newest State of all robots. `ended`: there is a verdict.
         """
         if self.fenced and not self.active:
             return "fenced"
@@ -111,7 +113,7 @@ class RobotView:
         return "stopped" if ended else "under way"
 
     def row(self, now: float, newest: int) -> dict[str, Any]:
-        """What the table says, without the status."""
+        """Row of the table, without the status."""
         health, age = self.health, self.age(now)
         silent = age is None or age > SILENCE
         return {
@@ -136,52 +138,51 @@ class RobotView:
 
 HISTORY = 1024  # kept points of clearance and potential
 _TRAILS = 12_800  # kept points of all trails together
-_RECENT = 256  # truths between two snapshots, at most
+_RECENT = 256  # Truths between two snapshots
 _NEAR = 8  # radii; lines to robots farther away are not shown
 
 Point = tuple[float, float, float]  # simulated time, s; clearance, m; log_potential
 
 
 def _worst(earlier: Point, later: Point) -> Point:
-    """Two points as one: the clearance that matters is the smaller one."""
+    """Two points merged, with the smaller clearance."""
     return later[0], min(earlier[1], later[1]), later[2]
 
 
 class FleetView:
-    """Everything known of one run. `now` is the watcher's own clock, s; only differences matter."""
+    """Everything known of one run. `now` is the watcher's clock, s, of which only differences matter."""
 
     def __init__(self, run: str) -> None:
         self.run = run
         self.scenario: Scenario | None = None
         self.lockstep = True
-        self.epoch = 0  # counts the scenarios seen under this run name, and changes of membership
+        self.epoch = 0  # counts scenarios under this run name, and changes of membership
         self.steering = Steering()
         self.robots: dict[int, RobotView] = {}
         self.world_alive: bool | None = None
         self._tokens: dict[int, bool] = {}
         self._cast: Cast | None = None
-        self._trail = 0  # places of each robot that are kept
+        self._trail = 0  # number of past places kept for each robot
         self._clear()
 
     def _clear(self) -> None:
         self.tick, self.verdict, self.reason = 0, "", ""
         self.missed, self.rejected = 0, dict[str, int]()
-        self.halted = False  # by an emergency stop
+        self.halted = False  # an emergency stop is in force
         self.smallest: float | None = None
-        self.obstacles: tuple[PlacedObstacle, ...] = ()  # that came or went
+        self.obstacles: tuple[PlacedObstacle, ...] = ()  # placed or removed during the run
         self.history: Thinned[Point] = Thinned(HISTORY, _worst)
         self.recent: deque[Truth] = deque(maxlen=_RECENT)
         self._pace: deque[tuple[float, int]] = deque(maxlen=32)
 
     def begin(self, scenario: Scenario, lockstep: bool, goals: Iterable[GoalStatus] = ()) -> None:
-        """A scenario begins, or this watcher has just learnt which one is running, and which
-        robots were ordered elsewhere."""
+        """Start a view of a scenario, with the goals that replace those in it."""
         self._clear()
         self.epoch += 1
         self.scenario, self.lockstep = scenario, lockstep
         self._trail = max(32, _TRAILS // len(scenario.robots))
         self._cast = Cast(scenario)
-        first = 1 if self.epoch == 1 else None  # later scenarios count on from the lives before
+        first = 1 if self.epoch == 1 else None  # incarnations count on in later scenarios
         self.robots = {robot: RobotView(scenario.spec(robot), self._trail, first) for robot in scenario.ids}
         for robot, alive in self._tokens.items():
             if robot in self.robots:
@@ -190,7 +191,7 @@ class FleetView:
             self._on_goal(status)
 
     def meet(self, scenario: Scenario, goals: Iterable[GoalStatus] = ()) -> None:
-        """Take over what the world says of strangers; the next truth shows them."""
+        """Take the specs of strangers from the world's present scenario; the next Truth shows them."""
         if self._cast is not None:
             self._cast.meet(scenario)
         for status in goals:
@@ -198,19 +199,19 @@ class FleetView:
 
     @property
     def strangers(self) -> Set[int]:
-        """Ids whose disks are there, and of which nothing is known."""
+        """Ids of present disks of which no message gave the radius."""
         return frozenset() if self._cast is None else self._cast.strangers
 
     def is_news(self, message: Message) -> bool:
-        """Whether `message` belongs to another scenario than the one known: its clock went back."""
+        """Whether `message` belongs to another scenario, since its clock is behind."""
         return isinstance(message, Clock) and (
             message.tick < self.tick or self.verdict > message.verdict == ""
         )
 
-    # -- what happens
+    # -- events
 
     def present(self, robot: int | None, alive: bool) -> None:
-        """A liveliness token came or went; `robot` is None for the world's."""
+        """Note that a liveliness token appeared or went; `robot` is None for the world's."""
         if robot is None:
             self.world_alive = alive
             return
@@ -221,7 +222,7 @@ class FleetView:
             self.robots[robot].alive = alive
 
     def on_message(self, message: Message, now: float) -> None:
-        """Something was published; ignored while the scenario is unknown."""
+        """Take a published message; ignored while the scenario is unknown."""
         if self.scenario is None:
             return
         if isinstance(message, Clock):
@@ -263,7 +264,7 @@ class FleetView:
         self.tick = max(self.tick, truth.tick)
 
     def _recast(self, truth: Truth) -> None:
-        """Add robots that appeared and delete those that left; a change of the set makes viewers redraw."""
+        """Add robots that appeared and delete those that left; viewers then redraw everything."""
         assert self._cast is not None
         came, went = self._cast.see(truth)
         for robot in went:
@@ -283,7 +284,7 @@ class FleetView:
     ) -> None:
         robot.moved(position, elapsed)
         if self.lockstep and robot.active and robot.alive is not False:
-            robot.said(tick - 1, now)  # a lock-step tick ends only when all active robots have stated
+            robot.said(tick - 1, now)  # a lock-step tick ends once all active robots have sent their States
 
     def _on_health(self, health: Health, now: float) -> None:
         if health.robot in self.robots:
@@ -302,12 +303,14 @@ class FleetView:
         if status.robot in self.robots:
             self.robots[status.robot].ordered(status)
 
-    # -- how the run stands
+    # -- state of the run
 
     @property
     def phase(self) -> str:
-        """searching, gathering, running, paused, halted: by an emergency stop, ended, or lost: the world
-        went without a verdict."""
+        """searching, gathering, running, paused, halted by an emergency stop, ended, or lost: the world is
+        gone
+        without a verdict.
+        """
         if self.scenario is None:
             return "searching"
         if self.verdict:
@@ -321,7 +324,7 @@ class FleetView:
         return "running" if self.recent or self.tick else "gathering"
 
     def ticks_per_second(self, now: float) -> float:
-        """Since about a second ago, if it was asked for then."""
+        """Rate over the calls of about the last second."""
         while len(self._pace) > 1 and self._pace[1][0] < now - 1.0:
             self._pace.popleft()
         self._pace.append((now, self.tick))

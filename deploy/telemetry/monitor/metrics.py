@@ -1,6 +1,6 @@
-"""A fleet in figures for Prometheus and its like: what a watcher knows, in OpenMetrics form, over HTTP.
+"""Metrics of a fleet for Prometheus, in OpenMetrics form, over HTTP.
 
-Names and meanings are a promise to dashboards; `docs/guides/dashboard.json` is an example of one (Grafana).
+Dashboards rely on their names and meanings; `docs/guides/dashboard.json` is an example for Grafana.
 """
 
 from __future__ import annotations
@@ -30,13 +30,12 @@ HOST = "127.0.0.1"
 
 
 class FleetCollector(Collector):
-    """Everything about one run, as of the moment when it is asked for."""
+    """Collects the metrics of one run at each request."""
 
     def __init__(self, source: Source) -> None:
         self._source = source
 
     def collect(self) -> Iterator[Metric]:
-        """See prometheus_client: families of metrics with their samples."""
         found: list[Metric] = []
         self._source.change(lambda view, now: found.extend([*_fleet(view), *_robots(view, now)]))
         yield from found
@@ -45,14 +44,14 @@ class FleetCollector(Collector):
 def _fleet(view: FleetView) -> Iterator[Metric]:
     scenario = "" if view.scenario is None else view.scenario.name
     yield InfoMetricFamily(
-        "disknav_run", "What runs.", {"run": view.run, "scenario": scenario, "verdict": view.verdict}
+        "disknav_run", "The run.", {"run": view.run, "scenario": scenario, "verdict": view.verdict}
     )
     phases = {phase: view.phase == phase for phase in PHASES}
-    yield StateSetMetricFamily("disknav_phase", "How far the run is.", phases)
+    yield StateSetMetricFamily("disknav_phase", "Phase of the run.", phases)
     if view.scenario is None:
         return
     yield CounterMetricFamily("disknav_ticks", "Ticks of the present scenario.", view.tick)
-    yield CounterMetricFamily("disknav_missed_commands", "Commands that never came.", view.missed)
+    yield CounterMetricFamily("disknav_missed_commands", "Commands that did not arrive in time.", view.missed)
     if view.recent:
         last = view.recent[-1].clearance
         yield GaugeMetricFamily(
@@ -67,13 +66,13 @@ def _robots(view: FleetView, now: float) -> Iterator[Metric]:
         "disknav_rejected_messages", "Messages that were dropped.", labels=["receiver", "reason"]
     )
     restarts = CounterMetricFamily("disknav_restarts", "Lives after the first.", labels=["robot"])
-    present = GaugeMetricFamily("disknav_present", "Whether its liveliness token is there.", labels=["robot"])
+    present = GaugeMetricFamily("disknav_present", "Whether its liveliness token exists.", labels=["robot"])
     fenced = GaugeMetricFamily(
-        "disknav_fenced", "Whether its disk stands, for no life moves it.", labels=["robot"]
+        "disknav_fenced", "Whether its disk is static, without a life.", labels=["robot"]
     )
     lines = GaugeMetricFamily("disknav_lines", "Separating lines that it obeys.", labels=["robot"])
-    age = GaugeMetricFamily("disknav_state_age_seconds", "Since its newest state.", labels=["robot"])
-    distance = GaugeMetricFamily("disknav_goal_distance_meters", "To its goal.", labels=["robot"])
+    age = GaugeMetricFamily("disknav_state_age_seconds", "Age of its newest State.", labels=["robot"])
+    distance = GaugeMetricFamily("disknav_goal_distance_meters", "Distance to its goal.", labels=["robot"])
     for reason, count in view.rejected.items():
         rejected.add_metric(["world", reason], count)
     for robot, seen in view.robots.items():
@@ -92,12 +91,12 @@ def _robots(view: FleetView, now: float) -> Iterator[Metric]:
 
 
 def export(source: Source, where: str) -> str:
-    """Serve the figures at `[ADDRESS:]PORT`, on a thread of its own, for as long as this process lives.
+    """Serve the metrics at `[ADDRESS:]PORT` from a thread, as long as this process lives.
 
-    Returns: the address to ask, such as `http://127.0.0.1:9464/metrics`.
+    Returns: the URL, such as `http://127.0.0.1:9464/metrics`.
 
     Raises:
-        UsageError: this is no address, or it is taken.
+        UsageError: the address is invalid or taken.
     """
     address, _, port = where.rpartition(":")
     host = address.strip("[]") or HOST

@@ -1,4 +1,4 @@
-"""What viewers are told: the view as plain data, from any thread."""
+"""The view as plain data for viewers, and its thread-safe source."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from protocol.messages import PlacedObstacle, Truth
 from protocol.operations import Outcome, Steer
 from protocol.scenario.model import Operation
 
-_SAMPLES = 8  # of the past that a snapshot carries, at most
+_SAMPLES = 8  # past samples in a snapshot
 
 
 def overview(view: FleetView) -> dict[str, Any]:
-    """What does not change during a run, and its past: for a viewer that has just arrived."""
+    """Constants of a run, and its past, for a new viewer."""
     told: dict[str, Any] = {"kind": "overview", "epoch": view.epoch, "run": view.run, "scenario": None}
     if view.scenario is not None:
         scenario = view.scenario
@@ -41,14 +41,14 @@ def overview(view: FleetView) -> dict[str, Any]:
 
 
 def _outline(shape: Shape) -> dict[str, Any]:
-    """A disk or a polygon, as a scenario file has it."""
+    """A disk or a polygon, as in a scenario file."""
     if isinstance(shape, Disk):
         return {"center": (shape.x, shape.y), "radius": shape.radius}
     return {"points": shape.points}
 
 
 def _change(obstacle: PlacedObstacle) -> dict[str, Any] | None:
-    """An obstacle that came, or None for one that went."""
+    """An obstacle that is placed, or None for a removed one."""
     return None if obstacle.status == "gone" else _outline(obstacle.shape) | {"status": obstacle.status}
 
 
@@ -60,7 +60,7 @@ def _still(robot: RobotView) -> dict[str, Any]:
 
 
 def snapshot(view: FleetView, now: float, since: int = -1) -> dict[str, Any]:
-    """The present, with a few samples of what happened after tick `since`."""
+    """The present state, with a few samples of the time since tick `since`."""
     newest = max((robot.tick for robot in view.robots.values()), default=0)
     step = view.scenario.time.step if view.scenario else 0.0
     return {
@@ -88,7 +88,7 @@ def _row(view: FleetView, robot: RobotView, now: float, newest: int) -> dict[str
 
 
 def _samples(view: FleetView, since: int) -> list[list[Any]]:
-    """At most `_SAMPLES` of the truths after `since`, each with the smallest clearance up to it."""
+    """At most `_SAMPLES` Truths after `since`, each with the smallest clearance since the one before."""
     fresh = [truth for truth in view.recent if truth.tick > since]
     stride = -(-len(fresh) // _SAMPLES) or 1
     return [_sample(view, fresh[n : n + stride]) for n in range(0, len(fresh), stride)]
@@ -106,10 +106,7 @@ def _sample(view: FleetView, group: list[Truth]) -> list[Any]:
 
 
 class Source:
-    """A view with a lock: one thread writes, others look. They never wait for each other's network.
-
-    Every method may be called from any thread.
-    """
+    """A view with a lock: one thread writes, others read. Every method may be called from any thread."""
 
     def __init__(self, run: str, clock: Callable[[], float] = time.monotonic) -> None:
         self._view = FleetView(run)
@@ -117,28 +114,28 @@ class Source:
         self._clock = clock
 
     def overview(self) -> dict[str, Any]:
-        """What does not change, and the past; see `deploy.telemetry.monitor.snapshot`."""
+        """Constants of the run, and its past."""
         with self._lock:
             return overview(self._view)
 
     def snapshot(self, since: int = -1) -> dict[str, Any]:
-        """The present, and what happened after tick `since`."""
+        """The present state, and samples of the time since tick `since`."""
         with self._lock:
             return snapshot(self._view, self._clock(), since)
 
     def change(self, what: Callable[[FleetView, float], None]) -> None:
-        """Let `what` work on the view at the present time, while no other thread reads it."""
+        """Call `what` with the view and the present time, under the lock."""
         with self._lock:
             what(self._view, self._clock())
 
 
 class Steerable(Source, ABC):
-    """A `Source` that passes on what its viewers ask for; every method may be called from any thread."""
+    """A `Source` that forwards requests of its viewers; every method may be called from any thread."""
 
     @abstractmethod
     def steer(self, steer: Steer) -> None:
-        """Ask for a pause, steps or a speed; takes effect soon, and shows in a later snapshot."""
+        """Request a pause, steps or a speed, visible in a later snapshot."""
 
     @abstractmethod
     def operate(self, operation: Operation) -> Future[Outcome]:
-        """Ask the world for an operation; what is accepted shows in a later snapshot."""
+        """Request an operation from the world, visible in a later snapshot if accepted."""

@@ -1,4 +1,4 @@
-"""The monitor for those without a browser: the page's table, live in a terminal."""
+"""The monitor in a terminal: a live table."""
 
 from __future__ import annotations
 
@@ -27,10 +27,7 @@ _STYLES = {"arrived": "bold green", **dict.fromkeys(_ALARMS, "bold red")}
 
 
 def show(source: Source, console: Console | None = None) -> str:
-    """Show `source` until its run has ended; returns the verdict, empty if the world went without one.
-
-    A signal ends it, too.
-    """
+    """Show `source` until its run has ended, or a signal arrives; returns the verdict, "" if none."""
     with Live(console=console, auto_refresh=False) as live:
         while True:
             frame = source.snapshot()
@@ -42,7 +39,7 @@ def show(source: Source, console: Console | None = None) -> str:
 
 
 def table(frame: dict[str, Any]) -> RenderableType:
-    """One frame as a terminal shows it."""
+    """One frame as a table."""
     listing = Table(box=None, padding=(0, 1), header_style="dim")
     for column in _COLUMNS:
         listing.add_column(column, justify="left" if column == "status" else "right", no_wrap=True)

@@ -1,4 +1,4 @@
-"""Sources of a view: a participant that watches one run on any bus, and a recording played in its place."""
+"""Sources of a view: a watcher of a run on any bus, and a player of a recording."""
 
 from __future__ import annotations
 
@@ -31,26 +31,26 @@ if TYPE_CHECKING:
     from deploy.telemetry.monitor.foxglove import FoxgloveServer
 
 
-PERIOD = 0.05  # s between looks at what viewers ask for
-RETRY = 0.5  # s between attempts to learn the scenario
+PERIOD = 0.05  # s between handling requests of viewers
+RETRY = 0.5  # s between queries for the scenario
 _ASK_TIMEOUT = 2.0
-_UNANSWERED = "no answer: the world has gone, or the keys of this page are not an operator's"
-_NO_RUN = "there is no run yet"
+_UNANSWERED = "no answer: the world is gone, or this page lacks the operator's key"
+_NO_RUN = "the run has not started"
 
 
 class Watcher(Steerable):
-    """A `protocol.bus.bus.Node` to the thread that owns `bus`, a `Steerable` to all others.
+    """A `Node` for the thread that owns `bus`, and a `Steerable` for all others.
+
+    Args:
+        bus: a connection of its own.
+        run: name of the run.
+        listener: receives the same messages, in the thread that owns the bus.
 
     Attributes:
-        rejected: messages and tokens that were refused, by reason.
+        rejected: number of invalid messages and tokens, by reason.
     """
 
     def __init__(self, bus: Bus, run: str, *, listener: FoxgloveServer | None = None) -> None:
-        """Args:
-        bus: a connection of its own.
-        run: name of the run.
-        listener: gets what the view gets, on the thread that owns the bus.
-        """
         super().__init__(run)
         self.finished = False
         self.rejected: Counter[str] = Counter()
@@ -58,7 +58,7 @@ class Watcher(Steerable):
         self._bus, self._run, self._listener = bus, run, listener
         self._tokens: defaultdict[int | None, set[str]] = defaultdict(set)  # by robot; None for worlds
         self._wishes: SimpleQueue[Callable[[], None]] = SimpleQueue()
-        self._there, self._known = False, False  # the world; the scenario it runs
+        self._there, self._known = False, False  # whether a world is present, its scenario known
         self._ask_at = self.deadline
         for stream in ("clock", "truth"):
             bus.subscribe(world_key(run, stream))
@@ -68,11 +68,11 @@ class Watcher(Steerable):
         bus.watch(world_tokens(run))
 
     def steer(self, steer: Steer) -> None:
-        """Wait for the owning thread to pass it on; see `Steerable.steer`."""
+        """Queue the request for the thread that owns the bus."""
         self._wishes.put(partial(self._ask_for, steer))
 
     def operate(self, operation: Operation) -> Future[Outcome]:
-        """Wait for the owning thread to pass it on; see `Steerable.operate`."""
+        """Queue the request for the thread that owns the bus."""
         answer: Future[Outcome] = Future()
         if self._known:
             self._wishes.put(lambda: answer.set_result(self._request(operation)))
@@ -80,10 +80,10 @@ class Watcher(Steerable):
             answer.set_result(Outcome(False, text=_NO_RUN))
         return answer
 
-    # -- on the thread that owns the bus
+    # -- in the thread that owns the bus
 
     def handle(self, event: Event) -> None:
-        """Take over what was published, or which processes came and went."""
+        """Take a message or a token's change."""
         if isinstance(event, Presence):
             self._on_presence(event)
         elif isinstance(event, Sample):
@@ -92,7 +92,7 @@ class Watcher(Steerable):
             self.wake(now)
 
     def wake(self, now: float) -> None:
-        """Learn the scenario if it is unknown, and pass on what viewers asked for."""
+        """Query the scenario if it is unknown, and forward requests of viewers."""
         self.deadline = now + PERIOD
         if self._there and not self._known and now >= self._ask_at:
             self._learn()
@@ -107,7 +107,7 @@ class Watcher(Steerable):
         try:
             robot = parse(event.key).robot
         except KeyGrammarError:
-            self.rejected["key"] += 1  # a stranger's token under our name says nothing about any robot
+            self.rejected["key"] += 1  # not a token of this software
             return
         tokens = self._tokens[robot]
         (tokens.add if event.alive else tokens.discard)(event.key)
@@ -115,7 +115,7 @@ class Watcher(Steerable):
         self.change(lambda view, _: view.present(robot, alive))
         if robot is None:
             if alive and not self._there:
-                self._known, self._ask_at = False, 0.0  # perhaps another world under this name
+                self._known, self._ask_at = False, 0.0  # it may be another world of this name
             self._there = alive
 
     def _on_sample(self, sample: Sample) -> None:
@@ -141,7 +141,7 @@ class Watcher(Steerable):
         return news
 
     def _learn(self) -> None:
-        """Ask the world for the scenario; without an answer, a later `wake` asks again."""
+        """Query the scenario; without an answer a later `wake` repeats it."""
         reply = self._present()
         self._known = reply is not None
         if reply is not None:
@@ -150,10 +150,10 @@ class Watcher(Steerable):
                 self._listener.begin(reply.scenario)
                 for status in reply.goals:
                     self._listener.hear(status)
-            self._ask_for(Steer())  # which changes nothing: what is in force is the answer
+            self._ask_for(Steer())  # changes nothing; the answer has the settings in force
 
     def _meet(self) -> None:
-        """Ask the world for robots that came and that no message describes."""
+        """Query the specs of robots that no message describes."""
         reply = self._present()
         if reply is None:
             self._known = False
@@ -163,7 +163,7 @@ class Watcher(Steerable):
             self._listener.meet(reply.scenario)
 
     def _present(self) -> Overview | None:
-        """What the world says of its run; None without an answer."""
+        """Query the world's overview; None without an answer."""
         try:
             reply = joining.decode_reply(
                 self._bus.ask(world_key(self._run, "scenario"), b"", _ASK_TIMEOUT)[0]
@@ -181,7 +181,7 @@ class Watcher(Steerable):
             wish()
 
     def _request(self, operation: Operation) -> Outcome:
-        """The outcome of an operation; of several worlds, one that refuses it."""
+        """Outcome of an operation; a refusal if one of several worlds refuses."""
         try:
             key, request = world_key(self._run, "operation"), msgspec.msgpack.encode(operation)
             replies = [decode_reply(each, Reply) for each in self._bus.ask(key, request, _ASK_TIMEOUT)]
@@ -198,15 +198,15 @@ class Watcher(Steerable):
             key, request = world_key(self._run, "steering"), msgspec.msgpack.encode(steer)
             steering = decode_reply(self._bus.ask(key, request, _ASK_TIMEOUT)[0], Steering)
         except (BusError, MessageError):
-            return  # the world has gone, or is of another version: its controls stay as they are shown
+            return  # the world is gone, or of another version: the controls stay as shown
         self.change(lambda view, _: setattr(view, "steering", steering))
 
 
-_LONGEST_WAIT = 0.05  # s; how soon `close` is noticed
+_LONGEST_WAIT = 0.05  # s until `close` takes effect
 
 
 class Attachment(Watcher):
-    """A watcher that drives itself until `close`."""
+    """A watcher with a thread of its own, until `close`."""
 
     def __init__(self, bus: Bus, run: str, *, listener: FoxgloveServer | None = None) -> None:
         super().__init__(bus, run, listener=listener)
@@ -226,40 +226,41 @@ class Attachment(Watcher):
             self._bus.close()
 
     def close(self) -> None:
-        """Stop watching and disconnect; may be called twice."""
+        """Stop and disconnect; may be called twice."""
         self.finished = True
         self._thread.join()
 
 
 def attach(connection: Connection, run: str, *, listener: FoxgloveServer | None = None) -> Attachment:
-    """Watch `run` over a session of its own. The run need not be there yet.
+    """Watch `run` over a new session, also before it starts.
 
-    The fleet does not notice: all that is subscribed to is dropped rather than waited for when this
-    process cannot keep up.
+    It cannot slow down the fleet: messages that this process cannot keep up with are dropped.
 
     Raises:
-        BusError: nothing listens where `connection` leads.
-        KeyGrammarError: the run name cannot be one.
+        BusError: no router at the endpoint of `connection`.
+        KeyGrammarError: the run name is invalid.
     """
     checked_run(run)
     return Attachment(ZenohBus(connection), run, listener=listener)
 
 
-_NAP = 0.01  # s, longest wait before steering is looked at again
+_NAP = 0.01  # s, longest wait between checks of the steering
 
 
 class Player(Steerable):
-    """Plays on a thread of its own until the end or `close`; pause, step and speed act on the playback."""
+    """Plays recorded messages in a thread until the end or `close`; pause, steps and speed apply to the
+    playback.
+
+    Args:
+        scenario: of the recorded run.
+        run: its name.
+        entries: simulated time (s, ascending) and message.
+        speed: recorded seconds per second; 0: as fast as the machine allows.
+    """
 
     def __init__(
         self, scenario: Scenario, run: str, entries: Iterable[tuple[float, Message]], *, speed: float = 1.0
     ) -> None:
-        """Args:
-        scenario: what was run.
-        run: its name.
-        entries: simulated time (s, never falling) and message.
-        speed: recorded seconds per second; 0 is as fast as the machine allows.
-        """
         super().__init__(run)
         self._steering = Steering(speed=speed)
         self._changed = threading.Lock()
@@ -272,24 +273,23 @@ class Player(Steerable):
         self._thread.start()
 
     def steer(self, steer: Steer) -> None:
-        """See `Steerable.steer`."""
         with self._changed:
             self._steering.apply(steer)
         self._show()
 
     def operate(self, operation: Operation) -> Future[Outcome]:  # noqa: ARG002
-        """Refuse: what was recorded has happened."""
+        """Refuse the operation."""
         answer: Future[Outcome] = Future()
-        answer.set_result(Outcome(False, text="this is a recording: its robots go where they went"))
+        answer.set_result(Outcome(False, text="this is a recording: it accepts no orders"))
         return answer
 
     def close(self) -> None:
-        """Stop playing; may be called twice."""
+        """Stop; may be called twice."""
         self._closed = True
         self._thread.join()
 
     def join(self, timeout: float | None = None) -> bool:
-        """Wait for the end of the recording; whether it was reached."""
+        """Wait for the end of the recording; False if `timeout` passes first."""
         self._thread.join(timeout)
         return not self._thread.is_alive()
 
@@ -308,7 +308,7 @@ class Player(Steerable):
             self.change(partial(_hear, message))
 
     def _wait(self, seconds: float) -> None:
-        """Let recorded time pass: at the speed that is set, in steps, or not at all while paused."""
+        """Wait for recorded time to pass at the set speed, by single steps while paused."""
         while seconds > 0.0 and not self._closed:
             began = time.monotonic()
             with self._changed:

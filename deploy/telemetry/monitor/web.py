@@ -1,4 +1,4 @@
-"""The live page: its routes, the stream of snapshots to each viewer, its server on a thread of its own."""
+"""The live page: routes, snapshots streamed to viewers, and a server in a thread."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ except ModuleNotFoundError as error:
 
 HOST = "127.0.0.1"
 FRAME_PERIOD = 0.05  # s
-_REST = 0.01  # s between two looks at least
+_REST = 0.01  # s, least pause between two snapshots
 
 
 class FrameStream:
-    """Looks at a source at most once in `FRAME_PERIOD`, however many viewers there are, and not without any.
+    """Takes at most one snapshot per `FRAME_PERIOD` for all viewers together, and none without viewers.
 
-    A viewer that cannot keep up misses frames; nothing is kept for it, and no process waits for it.
+    A viewer that cannot keep up misses frames; no frames are queued for it.
     """
 
     def __init__(self, source: Source) -> None:
@@ -55,22 +55,22 @@ class FrameStream:
         self._looking: asyncio.Task[None] | None = None
 
     def enter(self) -> None:
-        """A viewer has come."""
+        """Add a viewer."""
         self._viewers += 1
         if self._looking is None:
             self._looking = asyncio.create_task(self._look())
 
     def leave(self) -> None:
-        """A viewer has gone."""
+        """Remove a viewer."""
         self._viewers -= 1
 
     def overview(self) -> tuple[int, bytes]:
-        """Epoch and text for a new viewer."""
+        """Epoch and overview for a new viewer."""
         overview = self._source.overview()
         return overview["epoch"], msgspec.json.encode(overview)
 
     async def after(self, number: int) -> tuple[int, int, bytes]:
-        """The newest frame, once it is newer than `number`: its number, epoch and text."""
+        """Wait for a frame newer than `number`; returns its number, epoch and text."""
         async with self._fresh:
             await self._fresh.wait_for(lambda: self._number > number)
             return self._number, self._epoch, self._frame
@@ -87,7 +87,7 @@ class FrameStream:
                 self._number, self._epoch = self._number + 1, frame["epoch"]
                 self._frame = msgspec.json.encode(frame)
                 self._fresh.notify_all()
-            due = max(due + FRAME_PERIOD, time.monotonic() + _REST)  # to look takes a while, too
+            due = max(due + FRAME_PERIOD, time.monotonic() + _REST)
             await asyncio.sleep(due - time.monotonic())
         self._looking = None
 
@@ -102,13 +102,13 @@ _HEADERS = {
 }
 
 
-_ONLY_LOOKS = "this page may only look: to steer, open the address that was printed, with its token"
-_ANSWER = 10.0  # s that the source may take over an order
-_SILENCE = "no answer from the run; the order may yet reach it"
+_ONLY_LOOKS = "this page may not steer: open the printed address with its token"
+_ANSWER = 10.0  # s for the source to answer an order
+_SILENCE = "no answer from the run, which may still receive the order"
 
 
 class FixedHeaders:
-    """Adds `_HEADERS` to every HTTP response: nothing is loaded from elsewhere, nothing is cached."""
+    """Adds `_HEADERS` to every HTTP response: no foreign content, no caching."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -123,7 +123,7 @@ class FixedHeaders:
 
 
 def application(source: Steerable, hosts: list[str], token: str) -> Starlette:
-    """The page for `source`, answering under the host names `hosts` only; a viewer with `token` may steer."""
+    """The page for `source`, for requests to the host names `hosts` only; viewers with `token` may steer."""
     stream = FrameStream(source)
 
     async def live(socket: WebSocket) -> None:
@@ -154,7 +154,7 @@ def application(source: Steerable, hosts: list[str], token: str) -> Starlette:
 
 
 def _same_origin(socket: WebSocket) -> bool:
-    """Another site's page, open in the same browser, must not steer a fleet."""
+    """Whether the page is this server's, so that another site in the same browser cannot steer a fleet."""
     origin = socket.headers.get("origin")
     return origin is None or urlsplit(origin).netloc == socket.headers.get("host")
 
@@ -170,15 +170,16 @@ async def _send(socket: WebSocket, stream: FrameStream) -> None:
         if epoch != known:
             known, overview = stream.overview()
             await socket.send_text(overview.decode())
-        if epoch == known:  # else it is of an earlier set of robots
+        if epoch == known:  # otherwise the frame has an earlier set of robots
             await socket.send_text(frame.decode())
 
 
 async def _listen(socket: WebSocket, source: Steerable, tasks: asyncio.TaskGroup, *, may_steer: bool) -> None:
-    """Pass on what the viewer asks for; returns when it leaves. What is malformed, or asked by a viewer
-    without the token, is refused and ignored."""
+    """Forward a viewer's requests until it leaves. Invalid requests, and those without the token, are
+    refused.
+    """
     while True:
-        await asyncio.sleep(0)  # what has arrived is read without a pause: no other task would have a turn
+        await asyncio.sleep(0)  # lets other tasks run: buffered messages are read without a pause
         try:
             text = await socket.receive_text()
             asked = msgspec.json.decode(text)
@@ -195,7 +196,7 @@ async def _listen(socket: WebSocket, source: Steerable, tasks: asyncio.TaskGroup
 
 
 async def _operate(socket: WebSocket, source: Steerable, operation: Operation) -> None:
-    """Pass on an operation, and say what came of it."""
+    """Forward an operation, and send its outcome."""
     try:
         async with asyncio.timeout(_ANSWER):
             outcome = await asyncio.wrap_future(source.operate(operation))
@@ -213,9 +214,9 @@ class Server:
     """A running server.
 
     Attributes:
-        address: where the page is, such as `http://127.0.0.1:8000`.
-        link: the same with the token of this server: its viewers may steer. Browsers keep what follows `#`
-            to themselves.
+        address: URL of the page, such as `http://127.0.0.1:8000`.
+        link: the same with this server's token, which permits steering. Browsers do not send the part
+            after `#`.
     """
 
     def __init__(self, server: uvicorn.Server, listener: socketlib.socket, token: str) -> None:
@@ -229,13 +230,13 @@ class Server:
         self._thread.start()
 
     def close(self) -> None:
-        """Say good-bye to all viewers and stop; may be called twice."""
+        """Disconnect all viewers and stop; may be called twice."""
         self._server.should_exit = True
         self._thread.join()
 
 
 def serve_in_thread(source: Steerable, port: int | None = None) -> Server:
-    """Serve the live page of `source` on 127.0.0.1, on a free port unless told which.
+    """Serve the live page of `source` on 127.0.0.1, by default on a free port.
 
     Raises:
         UsageError: the port is taken.
@@ -253,6 +254,4 @@ def _listener(port: int | None) -> socketlib.socket:
     try:
         return socketlib.create_server((HOST, port or 0), backlog=64)
     except (OSError, OverflowError) as error:
-        raise UsageError(
-            f"--port {port}: {error}; name another port, or none and a free one is taken"
-        ) from error
+        raise UsageError(f"--port {port}: {error}; name another port, or none to use a free one") from error

@@ -1,4 +1,4 @@
-"""From recordings to a file: a picture or an animation, by the name of the file."""
+"""Drawing recordings into a file: a picture or an animation, by its suffix."""
 
 from __future__ import annotations
 
@@ -19,11 +19,12 @@ _WHAT = "draw"
 
 
 def check(target: Path, recordings: int = 1) -> None:
-    """Whether `target` can be drawn at all: to be asked before a run that is to be drawn.
+    """Check before a run that `target` can be drawn.
 
     Raises:
-        UsageError: unknown kind of file, one that cannot be written, a film of several runs, or matplotlib
-            is not installed.
+        UsageError: unknown suffix, file that cannot be written, animation of several runs, or matplotlib
+            is not
+            installed.
     """
     kinds = PICTURES + ANIMATIONS
     if target.suffix not in kinds:
@@ -47,14 +48,14 @@ def draw(
     """Draw one recording, or several side by side, into `target`.
 
     Args:
-        recordings: one for an animation.
-        target: its suffix names the format.
+        recordings: one only for an animation.
+        target: its suffix selects the format.
         progress: receives the share that is done, 0 to 1.
-        width: of an animation, pixels; `animation.Format` has the default, as of `seconds`.
+        width: of an animation, pixels.
         seconds: longest duration of an animation.
 
     Raises:
-        UsageError: see `check`; or the disk is full.
+        UsageError: as `check`, or the disk is full.
     """
     if isinstance(recordings, Path):
         recordings = read(recordings)
@@ -76,7 +77,7 @@ def draw(
 
 
 def until(recording: RecordedRun, seconds: float) -> RecordedRun:
-    """What was recorded up to `seconds` of simulated time, tick 0 at least; no result unless that is all."""
+    """The recording up to `seconds` of simulated time, at least tick 0; without result if cut."""
     truths, step = recording.truths, recording.scenario.time.step
     kept = truths.ticks * step <= max(seconds, 0.0) + 0.5 * step
     if kept.all():

@@ -1,4 +1,4 @@
-"""A picture of recordings: workspaces beside clearance, potential and ages over time; and a run as a film."""
+"""Figures of recordings: workspaces beside clearance, potential and ages over time; and animations."""
 
 from __future__ import annotations
 
@@ -38,8 +38,9 @@ from protocol.scenario.network import Link as LinkFaults
 
 
 def measurement_ages(recording: RecordedRun) -> tuple[np.ndarray, np.ndarray]:
-    """Ticks, and (tick, robot) the age (s) of the newest measurement of the own position, of the scenario's
-    robots; NaN without any."""
+    """Ticks, and (tick, robot) the age (s) of the newest measurement of each robot's own position; NaN if
+    none.
+    """
     ids, ticks = recording.scenario.ids, recording.truths.ticks
     ages = np.full((len(ticks), len(ids)), np.nan)
     row = {int(tick): index for index, tick in enumerate(ticks)}
@@ -55,11 +56,10 @@ def measurement_ages(recording: RecordedRun) -> tuple[np.ndarray, np.ndarray]:
     return ticks, ages * recording.scenario.time.step
 
 
-class Heard:
-    """What the injected link faults let each robot hear, from the recorded States and the same draws.
+class ReceivedStates:
+    """The States that each robot received, computed from the recorded States and the same random link faults.
 
-    Of the scenario's robots only. Exact for a lock-step run; in real time the network's own delay comes on
-    top.
+    Only for robots of the scenario. Exact in lock-step; in real time without the delay of the network.
     """
 
     def __init__(self, recording: RecordedRun) -> None:
@@ -70,9 +70,8 @@ class Heard:
         self._links = {robot: StateLink(recording.scenario, robot) for robot in self._ids}
 
     def ages(self) -> tuple[np.ndarray, np.ndarray]:
-        """Ticks, and (tick, robot) the age (s) of the oldest among the newest States heard of all peers.
-
-        NaN while nothing was heard.
+        """Ticks, and (tick, robot) the age (s) of the oldest among the newest States of all peers; NaN if
+        none.
         """
         ticks = []
         newest: dict[int, dict[int, int]] = {robot: {} for robot in self._ids}
@@ -93,27 +92,27 @@ class Heard:
         return np.array(ticks), np.array(rows, dtype=float) * self._recording.scenario.time.step
 
     def share_lost(self) -> float:
-        """Share of all States that robots should have heard and did not; to be asked after `ages`."""
+        """Share of States lost by the link; to be called after `ages`."""
         return sum(link.lost for link in self._links.values()) / max(1, self._sent)
 
 
 def delayed_sensing(recording: RecordedRun) -> bool:
-    """Whether measurements come late or are dropped for any robot."""
+    """Whether measurements of any robot are late or dropped."""
     entries = map(recording.scenario.sensing_of, recording.scenario.ids)
     return any(entry.dropout > 0.0 or entry.delay not in (0.0, (0.0, 0.0)) for entry in entries)
 
 
 def faulty_link(recording: RecordedRun) -> bool:
-    """Whether anything is injected between robots."""
+    """Whether the scenario injects link faults."""
     return recording.scenario.link != LinkFaults()
 
 
-_COLUMNS = 2000  # of ages, more than there are pixels
-_INFINITE = 300.0  # as `Truth.log_potential` has it
+_COLUMNS = 2000  # of ages; more than pixels
+_INFINITE = 300.0  # bound of `Truth.log_potential`
 
 
 def draw_clearance(axes: Axes, recordings: Sequence[RecordedRun]) -> None:
-    """The smallest gap between any two disks, or disk and boundary, during each tick."""
+    """Smallest gap between two disks, or disk and boundary, during each tick."""
     for index, recording in enumerate(recordings):
         _curve(axes, recording, 1000.0 * recording.truths.clearance, index, len(recordings))
     axes.axhline(0.0, color=INK, linewidth=0.8)
@@ -124,8 +123,7 @@ def draw_clearance(axes: Axes, recordings: Sequence[RecordedRun]) -> None:
 
 
 def draw_potential(axes: Axes, recordings: Sequence[RecordedRun]) -> None:
-    """The potential of which the navigation function is an increasing function, in decades: phi itself is 1
-    to all digits in a large fleet, until the end."""
+    """The potential, log10(gamma / beta^(1/k)); phi is 1 to all digits in a large fleet until the end."""
     for index, recording in enumerate(recordings):
         levels = recording.truths.log_potential
         finite = np.where(np.abs(levels) < _INFINITE, levels, np.nan)
@@ -134,20 +132,20 @@ def draw_potential(axes: Axes, recordings: Sequence[RecordedRun]) -> None:
 
 
 def draw_measurement_ages(axes: Axes, recording: RecordedRun) -> None:
-    """Age of the newest measurement of its own position that each robot had."""
+    """Age of each robot's newest measurement of its own position."""
     _ages(axes, recording, *measurement_ages(recording))
     axes.set_title("age of own position", loc="left")
 
 
 def draw_heard_ages(axes: Axes, recording: RecordedRun) -> None:
-    """Age of what each robot had heard of that peer of which it knew the oldest."""
-    heard = Heard(recording)
-    _ages(axes, recording, *heard.ages())
-    axes.set_title(f"age of oldest peer state, {heard.share_lost():.0%} lost", loc="left")
+    """Age of the oldest State among the newest of each robot's peers."""
+    received = ReceivedStates(recording)
+    _ages(axes, recording, *received.ages())
+    axes.set_title(f"age of oldest peer state, {received.share_lost():.0%} lost", loc="left")
 
 
 def _ages(axes: Axes, recording: RecordedRun, ticks: np.ndarray, ages: np.ndarray) -> None:
-    """A row a robot, darker is older, a column at least a pixel; nothing where nothing was known."""
+    """One row per robot, darker for higher age, blank without information; a column is at least a pixel."""
     stride = -(-len(ticks) // _COLUMNS)
     ticks, ages = ticks[::stride], np.fmax.reduceat(ages, np.arange(0, len(ages), stride))
     edges = np.append(ticks, ticks[-1] + stride) * recording.scenario.time.step
@@ -167,14 +165,14 @@ def _curve(axes: Axes, recording: RecordedRun, values: np.ndarray, index: int, o
 
 
 Panel = Callable[[Axes], None]
-_SIDE = 3.9  # inches, a workspace at least
+_SIDE = 3.9  # inches, least side of a workspace
 _LEGEND = 0.35  # inches
 _COLUMN = 3.3  # inches, curves
 _PANEL = 1.2  # inches, height of one curve
 
 
 def figure(recordings: Sequence[RecordedRun]) -> Figure:
-    """One workspace a recording, and their curves over time in one column beside them."""
+    """One workspace per recording, and their curves over time in a column beside them."""
     panels = _panels(recordings)
     height = max(_SIDE + _LEGEND, _PANEL * len(panels))
     workspaces = (height - _LEGEND) * len(recordings)
@@ -219,11 +217,11 @@ def _legends(left: SubFigure, column: Sequence[Axes], recordings: Sequence[Recor
 
 
 Progress = Callable[[float], None]
-_RATE = 12  # pictures a second
-_PAUSE = 12  # pictures of the last instant at the end
+_RATE = 12  # frames per second
+_PAUSE = 12  # copies of the last frame
 _INCHES = (4.4, 4.6)
-_TAIL = 2.0  # s of path behind each disk of a large fleet, whose whole paths would hide the disks
-_QUALITY = 50  # of a .webp, where the outlines of disks are still clean; half the bytes of the library's 80
+_TAIL = 2.0  # s of path behind each disk of a large fleet, where whole paths would hide the disks
+_QUALITY = 50  # of a .webp: clean outlines, half the size of the default 80
 
 
 class Format(NamedTuple):
@@ -236,7 +234,7 @@ class Format(NamedTuple):
 def animate(
     recording: RecordedRun, target: Path, progress: Progress | None = None, form: Format = Format()
 ) -> None:
-    """Write `target`, a .gif, .webp or (where ffmpeg is installed) .mp4, in real time or faster.
+    """Write `target`, a .gif, .webp or (with ffmpeg) .mp4, in real time or faster.
 
     Raises:
         UsageError: .mp4 without ffmpeg.
@@ -264,14 +262,14 @@ def _writer(target: Path) -> AbstractMovieWriter:
 
 class _WebpWriter(PillowWriter):
     def finish(self) -> None:
-        first, *rest = self._frames  # type: ignore[attr-defined]  # which the stubs of matplotlib lack
+        first, *rest = self._frames  # type: ignore[attr-defined]  # missing in matplotlib's stubs
         first.save(
             self.outfile, save_all=True, append_images=rest, duration=1000 // _RATE, loop=0, quality=_QUALITY
         )
 
 
 def _steps(recording: RecordedRun, longest: float) -> Iterator[int]:
-    """Index of the recorded tick that each picture shows."""
+    """Index of the recorded tick of each frame."""
     ticks = recording.truths.ticks
     seconds = ticks[-1] * recording.scenario.time.step
     count = int(min(max(2.0, seconds * _RATE), longest * _RATE))
@@ -280,7 +278,7 @@ def _steps(recording: RecordedRun, longest: float) -> Iterator[int]:
 
 
 class _Film:
-    """One figure whose parts are moved from picture to picture."""
+    """A figure whose artists are moved from frame to frame."""
 
     def __init__(self, recording: RecordedRun) -> None:
         self.figure = Figure(figsize=_INCHES, layout="constrained")
@@ -288,7 +286,7 @@ class _Film:
         self._axes = self.figure.subplots()
         self._obstacles = frame(self._axes, recording)
         for text in self._axes.texts:
-            text.remove()  # a film shows when they come and go
+            text.remove()  # times are visible in the animation
         for patch, _ in self._obstacles:
             patch.set(fill=True, linestyle="-")
         self._title = self._axes.set_title("", loc="left", family="monospace")
@@ -311,7 +309,7 @@ class _Film:
         return disk, trail, label
 
     def show(self, step: int) -> None:
-        """Move everything to one recorded tick."""
+        """Move all artists to one recorded tick."""
         truths, scenario = self._recording.truths, self._recording.scenario
         oldest = max(0, step - round(_TAIL / scenario.time.step)) if len(self._robots) > MANY else 0
         for robot, (disk, trail, label) in zip(self._robots, self._parts, strict=True):

@@ -1,4 +1,4 @@
-"""The workspace of one recording, and how pictures look: readable in print, in grey, by the colour-blind."""
+"""The workspace of one recording, and a style that is readable in print, in grey and for the colour-blind."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from deploy.telemetry.recording.replay import participants
 from protocol.geometry import Disk, Shape
 from protocol.messages import Clock
 
-# Okabe and Ito's palette without its yellow and black, which are lost on paper and among text.
+# Okabe and Ito's palette without yellow and black, which vanish on paper and among text.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 DASHES: tuple[Any, ...] = ("-", "--", "-.", ":")
 INK = "#222222"
@@ -46,22 +46,22 @@ RC: Any = {
     "savefig.dpi": 200,
     "pdf.fonttype": 42,  # text stays text
     "svg.fonttype": "none",
-    "svg.hashsalt": "disknav",  # the same picture is the same file
+    "svg.hashsalt": "disknav",  # reproducible files
 }
 
 
 def colour(index: int) -> str:
-    """Colour of the robot or curve with this place in the order."""
+    """Colour of the robot or curve with this index."""
     return COLOURS[index % len(COLOURS)]
 
 
 def dash(index: int) -> Any:
-    """Line style that goes with it: it changes where colours repeat, and tells them apart in grey."""
+    """Line style of the same index, which tells repeated colours apart."""
     return DASHES[(index + index // len(COLOURS)) % len(DASHES)]
 
 
 def _legend_disk(*, xdescent: float, ydescent: float, width: float, height: float, **_: object) -> Circle:
-    """A disk as a disk, where legends would show a box."""
+    """Shows a disk in legends in place of a box."""
     return Circle((width / 2 - xdescent, height / 2 - ydescent), 0.75 * height)
 
 
@@ -69,7 +69,7 @@ HANDLERS = {Patch: HandlerPatch(patch_func=_legend_disk)}
 
 
 def disks() -> list[Patch]:
-    """Handles for the disks of a workspace."""
+    """Legend handles for the disks of a workspace."""
     return [
         Patch(fill=False, edgecolor=FAINT, linestyle=":", linewidth=1.0, label="start"),
         Patch(facecolor=FAINT, alpha=0.25, linewidth=0, label="between"),
@@ -79,7 +79,7 @@ def disks() -> list[Patch]:
 
 
 def curves(names: Sequence[str]) -> list[Line2D]:
-    """Handles for curves in their order."""
+    """Legend handles for curves in their order."""
     return [
         Line2D([], [], color=colour(index), linestyle=dash(index), label=name)
         for index, name in enumerate(names)
@@ -87,7 +87,7 @@ def curves(names: Sequence[str]) -> list[Line2D]:
 
 
 class Stay(NamedTuple):
-    """An obstacle, and from when until when it stood, s of simulated time; infinite if it went never."""
+    """An obstacle, from when until when it is present, s of simulated time; infinite if it stays."""
 
     shape: Shape
     since: float
@@ -95,14 +95,14 @@ class Stay(NamedTuple):
 
     @property
     def words(self) -> str:
-        """When it came and went; "" if it was there all the time."""
+        """Text with these times; "" for an obstacle that is always present."""
         came = f"from {self.since:.1f} s" if self.since > 0.0 else ""
         went = f"until {self.until:.1f} s" if math.isfinite(self.until) else ""
         return " ".join(filter(None, (came, went)))
 
 
 def stays(recording: RecordedRun) -> list[Stay]:
-    """Everything that ever stood, in the order of numbers, as the world's clock told it."""
+    """All obstacles of the run, by number, as the world's Clock reports them."""
     shapes = dict(recording.scenario.shapes)
     since, until = dict.fromkeys(shapes, 0.0), dict.fromkeys(shapes, math.inf)
     came: set[int] = set()
@@ -120,7 +120,7 @@ def stays(recording: RecordedRun) -> list[Stay]:
 
 
 def draw_obstacles(axes: Axes, recording: RecordedRun) -> list[tuple[Patch, Stay]]:
-    """Draw everything that ever stood: filled what stands at the end, dashed what went."""
+    """Draw all obstacles of the run: filled if present at the end, dashed if removed."""
     drawn = []
     for stay in stays(recording):
         went = math.isfinite(stay.until)
@@ -138,18 +138,17 @@ def draw_obstacles(axes: Axes, recording: RecordedRun) -> list[tuple[Patch, Stay
 
 
 def patch_of(shape: Shape, **look: object) -> Patch:
-    """A shape as matplotlib draws it."""
     if isinstance(shape, Disk):
         return Circle((shape.x, shape.y), shape.radius, **look)
     return Polygon(shape.points, closed=True, **look)
 
 
-_MOMENTS = 5  # disks drawn between start and end, at most
-MANY = 20  # robots from which on ids would hide the disks
+_MOMENTS = 5  # disks drawn between start and end
+MANY = 20  # largest number of robots drawn with ids
 
 
 def draw_workspace(axes: Axes, recording: RecordedRun) -> None:
-    """Draw one run: dotted disks where robots began, outlined goals, filled disks where they ended."""
+    """Draw one run: dotted disks at the starts, outlined goals, filled disks at the ends."""
     frame(axes, recording)
     robots = participants(recording)
     ends = np.array([each.known[-1] for each in robots])
@@ -169,9 +168,8 @@ def draw_workspace(axes: Axes, recording: RecordedRun) -> None:
 
 
 def frame(axes: Axes, recording: RecordedRun) -> list[tuple[Patch, Stay]]:
-    """The empty workspace: its boundary, what stands in it, equal scales, axes in metres.
-
-    Returns what was drawn of all that ever stood there.
+    """Draw the empty workspace: boundary, obstacles, equal scales, axes in metres. Returns the obstacles'
+    artists.
     """
     room = recording.scenario.workspace.shape
     obstacles = draw_obstacles(axes, recording)
@@ -191,12 +189,12 @@ def frame(axes: Axes, recording: RecordedRun) -> list[tuple[Patch, Stay]]:
 
 
 def _free(place: np.ndarray, radius: float, others: np.ndarray) -> bool:
-    """Whether no disk ended where this one began, so that a label there can be read."""
+    """Whether no disk ended at this start, so that a label is readable there."""
     return bool(np.all(np.hypot(*(others - place).T) > 0.6 * radius))
 
 
 def _moments(path: np.ndarray, radius: float) -> np.ndarray:
-    """Points at equal distances along a path, its ends left out; fewer where disks would pile up."""
+    """Points at equal distances along a path, without its ends; fewer on a short path."""
     lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
     count = min(_MOMENTS, int(lengths[-1] / (1.5 * radius)))
     marks = np.linspace(0.0, lengths[-1], count + 2)[1:-1]

@@ -1,1 +1,1 @@
-"""Recordings of runs: MCAP files, written while a run goes on and read, checked or replayed later."""
+"""Recordings of runs: MCAP files, written during a run, and read, checked or replayed later."""

@@ -1,11 +1,11 @@
-"""Messages as JSON objects: what is an array on the wire gets its field names, and a JSON schema.
+"""Messages as JSON objects: arrays of the wire get field names, and a JSON schema.
 
-Derived from the declarations in `protocol.messages`. The schemas keep to what Foxglove understands:
-a property is a number, integer, string, object, or an array of one of these, never a union and never
-an array of arrays. So a vector becomes `{"x": .., "y": ..}`, and what is None is left out.
+Derived from the declarations in `protocol.messages`. The schemas use only what Foxglove understands: a
+property is a number, integer, string, object, or an array of one of these, never a union or an array of
+arrays. So a vector becomes `{"x": .., "y": ..}`, and None is left out.
 
-A message is copied into Structs of the same fields that JSON takes for objects: they are made and
-encoded in a third of the time of dictionaries.
+A message is copied into Structs of the same fields that encode as JSON objects, which takes a third of the
+time of dictionaries.
 """
 
 from __future__ import annotations
@@ -34,12 +34,15 @@ _NONE: Mapping[str, Any] = MappingProxyType({})
 
 
 class Form(NamedTuple):
-    """How values of one type look in JSON.
+    """The JSON form of values of one type.
 
-    `to_json` turns a Python expression for a value into one for its JSON form: expressions are put
-    together and compiled once a type, which is three times as fast as calls that nest, and decides
-    what recording costs. `objects` are the types that they name. `from_json` gives back the wire's
-    value, tags left out.
+    Attributes:
+        schema: JSON schema.
+        to_json: turns a Python expression of a value into one of its JSON form. The expressions of a type are
+            joined and compiled once, which is three times as fast as nested calls.
+        objects: the types named in these expressions.
+        from_json: inverse, to the wire's value without tags.
+        optional: whether the value may be None.
     """
 
     schema: dict[str, Any]
@@ -57,7 +60,7 @@ def schema(message: type[Message]) -> dict[str, Any]:
 
 @cache
 def to_object(message: type[Message]) -> Callable[[Message], msgspec.Struct]:
-    """What turns messages of this type into what JSON writes their recorded form of."""
+    """Function that turns messages of this type into objects that encode as their recorded form."""
     form = _form(message)
     names = {"UNSET": msgspec.UNSET, **form.objects}
     change: Callable[[Message], msgspec.Struct] = eval(f"lambda message: {form.to_json('message')}", names)
@@ -65,10 +68,10 @@ def to_object(message: type[Message]) -> Callable[[Message], msgspec.Struct]:
 
 
 def from_object(message: type[Message], content: Content) -> Message:
-    """The message that `content` is the recorded form of.
+    """The message with the recorded form `content`.
 
     Raises:
-        KeyError, msgspec.ValidationError: it is none.
+        KeyError, msgspec.ValidationError: it is invalid.
     """
     return msgspec.convert([message.__struct_config__.tag, *_form(message).from_json(content)], type=message)
 
@@ -82,7 +85,6 @@ def _form(message: type[msgspec.Struct]) -> Form:
 
 
 def _of(described: inspect.Type) -> Form:
-    """The form of a declared type."""
     match described:
         case inspect.Metadata():
             return _named(described)
@@ -99,7 +101,7 @@ def _of(described: inspect.Type) -> Form:
 
 
 def _nested(cls: type[msgspec.Struct]) -> Form:
-    """A Struct in a field; where it is a message, it has its tag on the wire there, too."""
+    """A Struct in a field; a message has its tag on the wire there, too."""
     form, tag = _form(cls), cls.__struct_config__.tag
     return form if tag is None else form._replace(from_json=lambda value: [tag, *form.from_json(value)])
 
@@ -109,7 +111,7 @@ def _scalar(described: inspect.Type) -> Form:
 
 
 def _named(described: inspect.Metadata) -> Form:
-    """A tuple whose elements have names of their own."""
+    """A tuple with names for its elements."""
     names = (described.extra or {}).get("names")
     if names is None or not isinstance(described.type, inspect.TupleType):
         return _of(described.type)
@@ -117,7 +119,7 @@ def _named(described: inspect.Metadata) -> Form:
 
 
 def _tuple(described: inspect.TupleType, names: tuple[str, ...]) -> Form:
-    """Of numbers or strings."""
+    """A tuple of numbers or strings."""
     name = "_".join(names)
     record = _record(name, dict(zip(names, map(_scalar, described.item_types), strict=True)))
     return record._replace(to_json=lambda value: f"{name}(*{value})")
@@ -126,7 +128,7 @@ def _tuple(described: inspect.TupleType, names: tuple[str, ...]) -> Form:
 def _optional(described: inspect.UnionType) -> Form:
     (present,) = (option for option in described.types if not isinstance(option, inspect.NoneType))
     form = _of(present)
-    # JSON leaves out what is unset.
+    # JSON omits unset fields.
     return form._replace(
         to_json=lambda value: f"(UNSET if {value} is None else {form.to_json(value)})", optional=True
     )
@@ -136,7 +138,7 @@ def _array(item: Form) -> Form:
     inner = item.to_json("item")
     return Form(
         {"type": "array", "items": item.schema},
-        # None is there as a rule, and then there is nothing to go through.
+        # Most arrays are empty: skip the loop.
         lambda value: value if inner == "item" else f"({value} and [{inner} for item in {value}])",
         item.objects,
         lambda values: [item.from_json(value) for value in values],
@@ -144,7 +146,7 @@ def _array(item: Form) -> Form:
 
 
 def _record(name: str, fields: dict[str, Form]) -> Form:
-    """An object with one property a field."""
+    """An object with one property per field."""
 
     def to_json(value: str) -> str:
         parts = (field.to_json(f"{value}.{each}") for each, field in fields.items())

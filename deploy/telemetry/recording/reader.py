@@ -1,7 +1,7 @@
-"""Recordings read back: one MCAP file, or several that continue each other, whole or cut.
+"""Reading recordings: one MCAP file, or several that continue each other, complete or cut.
 
-Messages are read from the file whenever they are gone through, never all at once: what stays in memory is
-where the disks were, about 20 bytes a robot and tick.
+Messages are read from the file in each loop. Only the positions stay in memory, about 20 bytes per robot and
+tick.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ _NEVER = 1 << 64
 
 
 class Recorded(NamedTuple):
-    """One message: under which key it was published, its log time, ns, and its JSON."""
+    """One message: key, log time, ns, and JSON."""
 
     key: str
     time: int
@@ -56,7 +56,7 @@ class _RecordedFile:
 
     Attributes:
         firsts: smallest log time of each chunk, ns.
-        cut: the file has no proper end, or is damaged: all before that is here.
+        cut: the file has no proper end, or is damaged; all before that is available.
     """
 
     path: Path
@@ -69,7 +69,7 @@ class _RecordedFile:
         return self.metadata.get("run", {}).get("name", "")
 
     def records(self) -> Iterator[McapRecord]:
-        """Those up to the cut, chunks in one piece."""
+        """Records up to the cut, with whole chunks."""
         with self.path.open("rb") as file:
             try:
                 size = self.path.stat().st_size
@@ -79,7 +79,7 @@ class _RecordedFile:
             self.cut = False
 
     def messages(self, progress: Callable[[float], None]) -> Iterator[Recorded]:
-        """In the order of their log time, within one time as they were written.
+        """Messages by log time, of equal times as written.
 
         A message is held back until no later chunk can have an earlier one.
         """
@@ -96,7 +96,7 @@ class _RecordedFile:
                 break
             for record in found:
                 if isinstance(record, Channel) and not record.topic.startswith("/"):
-                    keys[record.id] = record.topic  # of the run; the others draw it
+                    keys[record.id] = record.topic  # topics with "/" are the scene's
                 elif isinstance(record, McapMessage) and (key := keys.get(record.channel_id)):
                     heappush(
                         waiting, (record.log_time, next(order), Recorded(key, record.log_time, record.data))
@@ -104,12 +104,12 @@ class _RecordedFile:
             while waiting and waiting[0][0] <= later:
                 yield heappop(waiting)[2]
             progress(done / len(self.firsts))
-        while waiting:  # what follows is damaged
+        while waiting:  # the rest of the file is damaged
             yield heappop(waiting)[2]
 
 
 def _look_through(path: Path) -> _RecordedFile:
-    """Find the metadata and the chunks of a file, without its messages."""
+    """Read the metadata and the index of the chunks of a file."""
     found = _RecordedFile(path)
     try:
         with path.open("rb") as file:
@@ -129,15 +129,15 @@ def _look_through(path: Path) -> _RecordedFile:
 
 
 class Contents:
-    """A file and all that continue it, looked through without reading their messages.
+    """A file and those that continue it, without their messages.
 
     Attributes:
-        path: of the first.
-        metadata: of the first what the run is, of the last how it ended.
+        path: of the first file.
+        metadata: run and scenario of the first file, result of the last.
 
     Raises:
         UsageError: the first file cannot be opened.
-        RecordingError: the first is not an MCAP file.
+        RecordingError: the first file is not an MCAP file.
     """
 
     def __init__(self, path: Path) -> None:
@@ -152,7 +152,7 @@ class Contents:
         self.metadata.update({name: first[name] for name in ("run", "scenario") if name in first})
 
     def _continued(self, path: Path) -> bool:
-        """Whether `path` continues the files so far; another recording may have taken its name."""
+        """Whether `path` continues the files so far; it may belong to another recording."""
         try:
             file = _look_through(path)
         except (UsageError, RecordingError):
@@ -164,11 +164,11 @@ class Contents:
 
     @property
     def cut(self) -> bool:
-        """Whether a file has no proper end or is damaged as far as it was read, or the next is missing."""
+        """Whether a file has no proper end, is damaged as far as read, or the next file is missing."""
         return not self._complete or any(file.cut for file in self._files)
 
     def messages(self, progress: Callable[[float], None] = lambda _: None) -> Iterator[Recorded]:
-        """Those of the run, without the drawn scene: in the order of log time within each file."""
+        """Messages of the run, by log time within each file."""
         for done, file in enumerate(self._files):
 
             def tell(share: float, done: int = done) -> None:
@@ -182,7 +182,7 @@ Progress = Callable[[float], None]
 
 
 class Entry(NamedTuple):
-    """One recorded message: simulated time, s, and what was published under which key."""
+    """One recorded message: simulated time, s, key and message."""
 
     time: float
     key: str
@@ -190,10 +190,10 @@ class Entry(NamedTuple):
 
 
 class Entries:
-    """All messages by time and, within one tick, as they arrived; every loop reads the file anew.
+    """All messages by time and, within one tick, by arrival; every loop reads the file again.
 
     Raises:
-        RecordingError: (loops) a message lacks or has too much: another version wrote it.
+        RecordingError: in loops, if another version wrote a message.
     """
 
     def __init__(self, found: Contents, keep: Callable[[Entry], bool] = lambda _: True) -> None:
@@ -203,7 +203,7 @@ class Entries:
         return self.of(Message)
 
     def of(self, *kinds: type[Message]) -> Iterator[Entry]:
-        """Those of these kinds alone, which is quicker: no other is decoded."""
+        """Messages of these kinds; no others are decoded."""
         wanted: dict[str, type[Message] | None] = {}  # by key
         for key, time, data in self._found.messages():
             with _by_this_version(self._found.path):
@@ -218,12 +218,12 @@ class Entries:
                 yield entry
 
     def where(self, keep: Callable[[Entry], bool]) -> Entries:
-        """Some of them."""
+        """Entries for which `keep` is true."""
         return Entries(self._found, lambda entry: self._keep(entry) and keep(entry))
 
 
 class Said(NamedTuple):
-    """A `Truth` in few bytes: clearance, phi, log_potential, x, y, x, y, ..."""
+    """A compact `Truth`: clearance, phi, log_potential, x, y, x, y, ..."""
 
     tick: int
     robots: tuple[int, ...]
@@ -231,7 +231,6 @@ class Said(NamedTuple):
 
     @classmethod
     def of(cls, truth: Truth) -> Said:
-        """The same."""
         places = chain.from_iterable(truth.positions)
         return cls(
             truth.tick, truth.robots, np.array([truth.clearance, truth.phi, truth.log_potential, *places])
@@ -240,19 +239,18 @@ class Said(NamedTuple):
 
 @dataclass(frozen=True)
 class Truths:
-    """What was true at the start of `ticks`: positions (tick, robot, 2), m, of all `robots` that ever were
-    there, in the order of ids; NaN where the disk of one was not."""
+    """True positions (tick, robot, 2), m, at the start of `ticks`, of `robots` by id; NaN where absent."""
 
     robots: np.ndarray
     ticks: np.ndarray
     positions: np.ndarray
-    clearance: np.ndarray  # m, smallest gap during the tick before
+    clearance: np.ndarray  # m, smallest gap during the previous tick
     phi: np.ndarray
     log_potential: np.ndarray
 
     @classmethod
     def of(cls, said: Iterable[Said]) -> Truths:
-        """What the world said, in the order of ticks."""
+        """From Truths in the order of ticks."""
         rows = list(said)
         robots = np.array(sorted(set(chain.from_iterable({row.robots for row in rows}))), dtype=np.int64)
         positions = np.full((len(rows), len(robots), 2), np.nan)
@@ -263,21 +261,20 @@ class Truths:
 
     @property
     def missing(self) -> int:
-        """How many ticks were not recorded, from tick 0 to the last one that was."""
+        """Number of ticks missing from tick 0 to the last recorded one."""
         return int(self.ticks[-1]) + 1 - len(self.ticks) if len(self.ticks) else 0
 
 
 @dataclass(frozen=True)
 class RecordedRun:
-    """A run as it was recorded.
+    """A recorded run.
 
     Attributes:
         run: name of the run.
-        result: what `disknav run --json` writes, or what the world knew of it; None when the recording
-            ended before that.
-        counts: messages by key.
-        preceding: name of the file that this one goes on from; empty if it begins with the run.
-        cut: a file was cut short, is damaged or lacks its next, or the disk was full; the rest is there.
+        result: the result, as of `disknav run --json` or of the world; None if the recording ended earlier.
+        counts: number of messages by key.
+        preceding: name of the file that this one continues; empty for the first.
+        cut: a file was cut short, is damaged or lacks its next, or the disk was full; the rest is available.
     """
 
     path: Path
@@ -291,14 +288,14 @@ class RecordedRun:
     cut: bool
 
     def said(self, kind: type[_M]) -> Iterator[_M]:
-        """All messages of a kind, one after the other."""
+        """All messages of a kind, in order."""
         for entry in self.entries.of(kind):
             assert isinstance(entry.message, kind)
             yield entry.message
 
 
 def read(path: Path | str, progress: Progress = lambda _: None) -> RecordedRun:
-    """Read a recording, whole or cut, with the files that follow it; `progress` is told how much is done.
+    """Read a recording, complete or cut, with the files that follow it; `progress` receives the share done.
 
     Raises:
         UsageError: there is no such file.
@@ -322,14 +319,14 @@ def _by_this_version(path: Path) -> Iterator[None]:
     try:
         yield
     except (KeyError, ValueError, KeyGrammarError) as error:
-        reason = f"{path} was written by another version, a message lacks or has too much: {error}"
+        reason = f"{path} was written by another version, with other fields in a message: {error}"
         raise RecordingError(f"{reason}; read it with the version that wrote it") from error
 
 
 def _scenario(path: Path, found: Contents) -> Scenario:
     try:
         scenario = validated(msgspec.json.decode(found.metadata["scenario"]["json"], type=Scenario))
-        _ = scenario.k  # a number, in all that was run
+        _ = scenario.k  # a number in every recording
         return scenario
     except KeyError:
         what = "was cut before the run began" if found.cut else "holds no scenario: disknav did not write it"
@@ -350,8 +347,8 @@ def _looked_through(
         if key == truths:
             truth = from_object(Truth, msgspec.json.decode(data))
             assert isinstance(truth, Truth)
-            robots = robots if truth.robots == robots else truth.robots  # one tuple for all the same
+            robots = robots if truth.robots == robots else truth.robots  # share equal tuples
             said[truth.tick] = Said.of(truth)._replace(robots=robots)
     if whole or not said:
-        said.setdefault(0, Said.of(WorldCore(scenario).truth))  # the scenario's starts, before any motion
+        said.setdefault(0, Said.of(WorldCore(scenario).truth))  # the starts
     return counts, Truths.of(said[tick] for tick in sorted(said))

@@ -1,7 +1,6 @@
-"""The recorder: a node that receives all recorded streams of a run and writes them, and its process.
+"""The recorder: a node that receives all recorded streams of a run and writes them in batches; its process.
 
-What arrives is put aside as it is and written in batches. What the last half second brought may be lost
-when this process is killed; all before that is in the file.
+If the process is killed, at most the last half second is lost.
 """
 
 from __future__ import annotations
@@ -25,34 +24,34 @@ from protocol.messages import Result
 from protocol.process.signals import STOP
 from protocol.scenario.model import Scenario
 
-PATIENCE = 30.0  # s that the world may take to appear
-_BATCH = 512  # messages put aside at most
+PATIENCE = 30.0  # s to wait for the world
+_BATCH = 512  # buffered messages
 _WRITE_PERIOD = 0.1  # s between batches
-_TAKE_PERIOD = 0.01  # s; samples that wait longer keep the network from using its buffers again
+_TAKE_PERIOD = 0.01  # s; samples left longer would block the network's buffers
 _FLUSH_PERIOD = 0.4  # s between chunks
-_LAST_WORDS = 0.2  # s for what robots said before the result to arrive after it
-_RESULT = 3.0  # s for the result to arrive after this process was asked to stop
+_LAST_WORDS = 0.2  # s after the result, for late messages of robots
+_RESULT = 3.0  # s to wait for the result after a signal
 _ASK_TIMEOUT = 5.0
 _ASK_AGAIN = 0.5  # s
-_NICENESS = 5  # the fleet first, and yet a share of a busy machine
+_NICENESS = 5  # the fleet goes first
 
 
 class Recorder:
     """Records one run, from now to its result; a node on any bus. It does not finish the file.
 
     Args:
-        bus: has subscribed to all that is to be recorded, or to the result alone if there is `take`.
+        bus: subscribed to all recorded streams, or with `take` to the result only.
         run: name of the run.
-        file: begun once the scenario is known; no message published from then on can be missed.
-        take: gives the keys and payloads that have arrived since it was called last.
-        patience: s that the world may take to appear and to send its scenario.
-        away: s that the world may be gone and come back; 0: the recording ends with it.
+        file: started once the scenario is known; no message published later is missed.
+        take: returns keys and payloads that have arrived since its last call.
+        patience: time for the world to appear and to send its scenario, s.
+        away: time for a lost world to return, s; 0: the recording ends with it.
 
     Attributes:
-        result: what the world published as the result of the run (JSON); None before that.
+        result: published result of the run (JSON), once received.
 
     Raises:
-        BusError: no world within `patience` s, or none that sends its scenario.
+        BusError: no world, or no scenario, within `patience` s.
         UsageError: the file cannot be created.
     """
 
@@ -72,7 +71,7 @@ class Recorder:
         self._away, self._back_by = away, inf
         self._file, self._take = file, take
         self._ready = False
-        self._aside: list[tuple[str, bytes]] = []
+        self._buffer: list[tuple[str, bytes]] = []
         self._worlds: set[str] = set()  # tokens
         self._result_key = world_key(run, "result")
         self._result_due = inf
@@ -86,8 +85,8 @@ class Recorder:
                 self._on_result(event)
                 return
             if self._take is None:
-                self._aside.append((event.key, event.payload))
-            if len(self._aside) >= _BATCH and self._ready:
+                self._buffer.append((event.key, event.payload))
+            if len(self._buffer) >= _BATCH and self._ready:
                 self._write(time.monotonic())
         elif isinstance(event, Presence):
             (self._worlds.add if event.alive else self._worlds.discard)(event.key)
@@ -106,7 +105,7 @@ class Recorder:
         self.deadline = now + (_WRITE_PERIOD if self._take is None else _TAKE_PERIOD)
 
     def close(self) -> None:
-        """Write what has arrived; what happens later is not recorded."""
+        """Write all messages that have arrived, and stop."""
         while not self.finished and (event := self._bus.receive(0.0)) is not None:
             self.handle(event)
         if not self.finished:
@@ -115,7 +114,7 @@ class Recorder:
             self._write(time.monotonic(), last=True)
 
     def wind_up(self, patience: float) -> None:
-        """Go on until the result is there, `patience` (s) at most: for a process told to stop."""
+        """Continue until the result arrives, at most `patience` s, after a signal."""
         until = time.monotonic() + patience
         while self._awaits_result and (rest := until - time.monotonic()) > 0.0:
             event = self._bus.receive(rest)
@@ -135,7 +134,7 @@ class Recorder:
             self._begin(time.monotonic())
 
     def _begin(self, now: float) -> None:
-        """Ask for the scenario; a world that does not send it is asked again."""
+        """Query the scenario, repeatedly if there is no answer, and start the file."""
         scenario = self._scenario() if self._worlds else None
         if scenario is None:
             if now >= self._overdue:
@@ -162,28 +161,28 @@ class Recorder:
             message = decode(sample.key, sample.payload)
         except MessageError:
             if self._take is None:
-                self._aside.append((sample.key, sample.payload))  # to be counted with the others
+                self._buffer.append((sample.key, sample.payload))  # counted as rejected
             return
         if isinstance(message, Result) and self.result is None:
             self.result, self._result_due = message.report, time.monotonic() + _LAST_WORDS
 
     def _take_all(self) -> None:
         if self._take is not None:
-            self._aside += self._take()
+            self._buffer += self._take()
 
     def _write(self, now: float, *, last: bool = False) -> None:
         if not self._ready:
             return
         self._written = now
-        aside, self._aside = self._aside, []
-        self._file.write(aside)
+        batch, self._buffer = self._buffer, []
+        self._file.write(batch)
         if last or now >= self._flushed + _FLUSH_PERIOD:
             self._flushed = now
             self._file.flush()
 
 
 def _every_tick(run: str, robots: Iterable[int]) -> Iterator[str]:
-    """The keys under which most is published."""
+    """Keys of the most frequent messages."""
     for robot in robots:
         for stream in ("tick", "state", "command"):
             yield robot_key(run, robot, stream)
@@ -199,36 +198,35 @@ def main(
     again: bool,
     ready: Callable[[str], None],
 ) -> int:
-    """Record `run` until a signal asks this process to end; returns 0.
+    """Record `run` until a signal; returns 0.
 
     Args:
         connection: to the network.
         run: name of the run.
-        path: of the first file.
-        result: a file that may hold the complete result (JSON) when the signal comes; else the recording ends
-            with the world's.
+        path: first file.
+        result: file that may hold the complete result (JSON) when the signal arrives; otherwise the world's
+            result is recorded.
         rotation: when another file follows.
         away: as in `Recorder`.
-        again: whether this process replaces one that died: its file is left as it is, and the next free name
-            is taken.
-        ready: is told the name of each file; no message published after the first call is missed.
+        again: whether this process replaces a failed one, whose file is kept: it uses the next free name.
+        ready: called with the name of each file; no message published after the first call is missed.
 
     Raises:
         DisknavError: no network, no world, or the file cannot be created.
     """
     os.nice(max(0, _NICENESS - os.nice(0)))
-    if sys.platform == "linux":  # where the fleet has real-time priority, its recorder has none
+    if sys.platform == "linux":  # never with the fleet's real-time priority
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
     bus = ZenohBus(connection)
     try:
         file = RecordingWriter(next_free(path) if again else path, rotation, ready)
-        take = bus.bursts(everything(checked_run(run)))  # one subscription, which keeps the order of arrival
+        take = bus.bursts(everything(checked_run(run)))  # one subscription keeps the order of arrival
         bus.subscribe(world_key(run, "result"))
         recorder = Recorder(bus, run, file, take=take, away=away)
         follow(recorder, bus)
         recorder.wind_up(_RESULT)
     finally:
         bus.close()
-    STOP.wait()  # the complete result is known once all other processes have ended
+    STOP.wait()  # the result is complete once all other processes have ended
     file.finish(result.read_text(encoding="utf-8") if result.exists() else recorder.result)
     return 0

@@ -1,4 +1,4 @@
-"""A recording played again: its trajectory recomputed, published on a bus, or exported for ROS 2 tools."""
+"""Replaying a recording: its trajectory recomputed, published on a bus, or exported for ROS 2 tools."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ from world.judge.record import TrajectoryDigest
 
 
 class Participant(NamedTuple):
-    """A robot that was there for some of the time.
+    """A robot that was present for some time.
 
     Attributes:
         robot: its id.
         radius: m.
-        goal: m, where the scenario says; None for a robot that an operator added, for no message says it.
-        path: m, shape (n, 2), by recorded tick; NaN where its disk was not there.
+        goal: m, from the scenario; None for a robot that an operator added.
+        path: m, shape (n, 2), by recorded tick; NaN while its disk was absent.
     """
 
     robot: int
@@ -45,13 +45,13 @@ class Participant(NamedTuple):
 
     @property
     def known(self) -> np.ndarray:
-        """The part of its path in which it was there."""
+        """Part of the path while it was present."""
         known: np.ndarray = self.path[~np.isnan(self.path[:, 0])]
         return known
 
 
 def participants(recording: RecordedRun) -> list[Participant]:
-    """In the order of ids."""
+    """All robots of the recording, by id."""
     scenario, truths = recording.scenario, recording.truths
     specs = {spec.id: spec for spec in (*scenario.newcomers, *scenario.robots)}
     robots: list[int] = truths.robots.tolist()
@@ -68,7 +68,7 @@ def participants(recording: RecordedRun) -> list[Participant]:
 
 
 def _announced(recording: RecordedRun, robots: set[int]) -> dict[int, float]:
-    """Radii of robots that operators added, by the roster that others were told, m."""
+    """Radii of robots that operators added, m, from recorded rosters."""
     radii: dict[int, float] = {}
     for tick in recording.said(Tick) if robots else ():
         members = () if tick.roster is None else tick.roster.members
@@ -79,42 +79,43 @@ def _announced(recording: RecordedRun, robots: set[int]) -> dict[int, float]:
 
 
 class _Plane(NamedTuple):
-    """Where each disk is that is there, m."""
+    """Positions of all present disks, m."""
 
     robots: tuple[int, ...]
     places: Sequence[Vector] | NDArray[np.float64]
 
 
 class CheckedTrajectory(NamedTuple):
-    """Its SHA-256 as in the result, and how many of its ticks had to be worked out from odometry."""
+    """SHA-256 of the trajectory as in the result, and the number of ticks reconstructed from odometry."""
 
     sha256: str
     restored: int
 
     @property
     def remark(self) -> str:
-        """What has to be said of it; empty if every tick was recorded."""
-        return f" ({self.restored} ticks worked out from odometry)" if self.restored else ""
+        """Remark on reconstructed ticks; empty if there are none."""
+        return f" ({self.restored} ticks reconstructed from odometry)" if self.restored else ""
 
 
 def trajectory(recording: RecordedRun) -> CheckedTrajectory:
-    """Recompute the trajectory up to the last tick known, as the result's digest has it: from the beginning,
-    or from the tick with which the last of several worlds began.
+    """Recompute the trajectory's digest up to the last known tick, as the result has it: from the first tick
+    of
+    the run, or of the last of several worlds.
 
     Raises:
-        RecordingError: a tick is missing: the first one, one that cannot be worked out from odometry either,
-            or one in which robots came or went.
+        RecordingError: a missing tick cannot be reconstructed: the first one, one without odometry, or one in
+            which robots appeared or left.
     """
     if recording.preceding:
         raise RecordingError(
-            f"{recording.path} goes on from {recording.preceding}: name the file with which the run begins"
+            f"{recording.path} continues {recording.preceding}: name the first file of the recording"
         )
     known = _known(recording)
     begin = max((recording.result or {}).get("worlds", ()), default=0)
     if begin not in known:
         raise RecordingError(
-            f"{recording.path}: the truth of tick {begin}, with which the trajectory begins, was not "
-            f"recorded, so the trajectory cannot be checked; record it with less load"
+            f"{recording.path}: the Truth of tick {begin}, the first of the trajectory, was not recorded, "
+            f"so the trajectory cannot be checked; record with less load on the machine"
         )
     missing = set(range(begin, max(known))).difference(known)
     moves = _Moves(recording, missing) if missing else None
@@ -125,8 +126,9 @@ def trajectory(recording: RecordedRun) -> CheckedTrajectory:
         if there.robots != here.robots:
             if tick - 1 in missing:
                 raise RecordingError(
-                    f"{recording.path}: robots came or went before tick {tick}, and the truth of the tick "
-                    f"before was not recorded, so the trajectory cannot be checked; record it with less load"
+                    f"{recording.path}: robots appeared or left before tick {tick}, and the Truth of the "
+                    f"previous tick was not recorded, so the trajectory cannot be checked; record with less "
+                    f"load on the machine"
                 )
             digest.set_fleet(there.robots)
         digest.add([tick], np.array([there.places]))
@@ -135,7 +137,7 @@ def trajectory(recording: RecordedRun) -> CheckedTrajectory:
 
 
 def _known(recording: RecordedRun) -> dict[int, _Plane]:
-    """Positions by tick; those of the last are in the result, too."""
+    """Positions by tick; those of the last tick are also in the result."""
     truths, result = recording.truths, recording.result or {}
     known: dict[int, _Plane] = {}
     for tick, positions in zip(truths.ticks.tolist(), truths.positions, strict=True):
@@ -149,7 +151,7 @@ def _known(recording: RecordedRun) -> dict[int, _Plane]:
 
 
 class _Moves:
-    """What each robot did during the tick before each of some ticks."""
+    """Motion of each robot in the tick before each of `ticks`, from odometry."""
 
     def __init__(self, recording: RecordedRun, ticks: Set[int]) -> None:
         self._path = recording.path
@@ -162,14 +164,14 @@ class _Moves:
                 self._said[message.tick][message.robot] = message.sense.displacement
 
     def follow(self, before: _Plane, tick: int) -> _Plane:
-        """Where all are at the start of `tick`; a robot without Tick and Command stood still."""
+        """Positions at the start of `tick`; a robot without Tick and Command did not move."""
         after = []
         for robot, (x, y) in zip(before.robots, before.places, strict=True):
             move, velocity = self._said[tick].get(robot), self._commanded.get((robot, tick - 1))
             if move is None and velocity is not None:
                 raise RecordingError(
-                    f"{self._path}: the truth of tick {tick} was not recorded, nor what robot {robot} did "
-                    f"before it, so the trajectory cannot be checked; record on a machine with less load"
+                    f"{self._path}: the Truth of tick {tick} was not recorded, nor the odometry of robot "
+                    f"{robot}, so the trajectory cannot be checked; record with less load on the machine"
                 )
             dx, dy = move or (0.0, 0.0)
             after.append((x + dx, y + dy))
@@ -177,7 +179,7 @@ class _Moves:
 
 
 class Published(NamedTuple):
-    """What was published: simulated time, s, key and payload as on the network."""
+    """A published message: simulated time, s, key and payload."""
 
     time: float
     key: str
@@ -185,7 +187,7 @@ class Published(NamedTuple):
 
 
 def published(recording: RecordedRun, run: str | None = None) -> Iterator[Published]:
-    """All that was published, in order, under the keys of `run` (the recorded name unless given)."""
+    """All published messages, in order, under the keys of `run` (default: the recorded name)."""
     run = run or recording.run
     last = 0.0
     for last, recorded_key, message in recording.entries:
@@ -198,10 +200,10 @@ def published(recording: RecordedRun, run: str | None = None) -> Iterator[Publis
 
 
 def verify(recording: RecordedRun) -> CheckedTrajectory | None:
-    """The recomputed trajectory; None when the recording has no result to compare it with, or no beginning.
+    """The recomputed trajectory; None if the recording has no result or no beginning.
 
     Raises:
-        RecordingError: it is not the result's, or it cannot be recomputed.
+        RecordingError: it differs from the result's, or cannot be recomputed.
     """
     if recording.result is None or recording.preceding:
         return None
@@ -222,7 +224,7 @@ def publish(
     speed: float = 1.0,
     progress: Callable[[float], None] | None = None,
 ) -> None:
-    """Publish a recording on a network, `speed` simulated seconds a second (0: as fast as possible)."""
+    """Publish a recording on a bus, `speed` simulated seconds per second (0: as fast as possible)."""
     publishers: dict[str, Publish] = {}
     began = time.monotonic()
     duration = float(recording.truths.ticks[-1]) * recording.scenario.time.step
@@ -238,7 +240,7 @@ def publish(
 
 
 def export(recording: RecordedRun, path: Path) -> None:
-    """Write the recorded truths to `path`.
+    """Write the recorded Truths to `path` as ROS 2 transforms.
 
     Raises:
         UsageError: it cannot be written.

@@ -1,4 +1,4 @@
-"""The MCAP files of a run: a JSON channel a key, a scene of the fleet, scenario and result as metadata."""
+"""Writing the MCAP files of a run: a JSON channel per key, a scene, and scenario and result as metadata."""
 
 from __future__ import annotations
 
@@ -35,13 +35,12 @@ _FORM = re.compile(rf"(\d+(?:\.\d+)?)({'|'.join((*_BYTES, *_SECONDS))})")
 
 @dataclass(frozen=True)
 class Rotation:
-    """A file is followed by another once it has `size` bytes, or is `age` s old by the wall clock."""
+    """Start another file after `size` bytes or `age` s of wall clock."""
 
     size: float = inf
     age: float = inf
 
     def due(self, size: int, age: float) -> bool:
-        """Whether a file of `size` bytes that is `age` s old is to be followed by another."""
         return size >= self.size or age >= self.age
 
 
@@ -49,11 +48,7 @@ ONE_FILE = Rotation()
 
 
 def rotation(given: Sequence[str]) -> Rotation:
-    """Parse the values of `--rotate`: `500MB`, `1h`, or one of each.
-
-    Raises:
-        UsageError: a value is neither a size nor an age.
-    """
+    """Parse the values of `--rotate`: `500MB`, `1h`, or one of each; raises UsageError."""
     size = age = inf
     for text in given:
         found = _FORM.fullmatch(text)
@@ -68,15 +63,15 @@ def rotation(given: Sequence[str]) -> Rotation:
 
 
 def next_free(path: Path) -> Path:
-    """The first of `run-2.mcap`, `run-3.mcap`... that does not exist, beside `run.mcap`."""
+    """First unused name of `run-2.mcap`, `run-3.mcap`, ... beside `run.mcap`."""
     parts = (path.with_stem(f"{path.stem}-{number}") for number in count(2))
     return next(part for part in parts if not part.exists())
 
 
 LIBRARY = "disknav"
-_CHUNK = 256 * 1024  # bytes before compression: the most that one damaged place in the file can cost
-_BUFFER = 1 << 20  # bytes; a file comes into being with its header, scenario and scene in one write
-_LATEST = 1 << 63  # ns, the latest time that a reader takes; no tick of a real run is later
+_CHUNK = 256 * 1024  # bytes before compression; one damaged byte costs at most a chunk
+_BUFFER = 1 << 20  # bytes, so that header, scenario and scene are one write
+_LATEST = 1 << 63  # ns, end of MCAP's time
 _JSON = msgspec.json.Encoder()
 
 
@@ -86,8 +81,8 @@ class _Channel:
     Attributes:
         number: of the channel in the file.
         count: messages written so far.
-        read: makes a message of a payload.
-        form: turns a message into its JSON form.
+        read: decodes a payload.
+        form: converts a message to its JSON form.
     """
 
     def __init__(self, address: Address, number: int) -> None:
@@ -106,11 +101,11 @@ class RecordingFile:
         preceding: name of the file that this one continues; empty for the first.
 
     Attributes:
-        rejected: payloads that were no messages of this run, by reason; they are not recorded.
+        rejected: number of invalid payloads, by reason; they are not recorded.
 
     Raises:
         UsageError: the file cannot be created.
-        RecordingError: (all methods) the file cannot be written any more.
+        RecordingError: (all methods) writing fails.
     """
 
     def __init__(self, path: Path, run: str, scenario: Scenario, preceding: str = "") -> None:
@@ -139,7 +134,7 @@ class RecordingFile:
             self._writer.flush()
 
     def write(self, batch: Iterable[tuple[str, bytes]]) -> None:
-        """Record what was published under keys, at the simulated time of its tick."""
+        """Record payloads by key, at the simulated time of their ticks."""
         with self._writing():
             for key, payload in batch:
                 try:
@@ -152,15 +147,15 @@ class RecordingFile:
                     self.rejected["key"] += 1
 
     def flush(self) -> int:
-        """Close the present chunk: it can be read even if this process is killed. Returns the file's size."""
+        """Close the chunk, which stays readable even if this process is killed. Returns the file's size."""
         with self._writing():
             self._writer.flush()
             return self._stream.tell()
 
     def finish(self, result: str | None = None, following: str = "") -> None:
-        """Write the result (a JSON object) and the index; nothing can be added afterwards.
+        """Write the result (a JSON object) and the index, and close the file.
 
-        `following` is the name of the file in which the recording continues.
+        `following` is the name of the file that continues the recording.
         """
         with self._writing():
             if result is not None:
@@ -177,7 +172,7 @@ class RecordingFile:
         channel.count += 1
         self._count += 1
         if isinstance(message, Truth) and not self._robots.issuperset(message.robots):
-            self._robots = self._robots.union(message.robots)  # an operator added some
+            self._robots = self._robots.union(message.robots)  # added by an operator
         if type(message) in DRAWN:
             self._draw(self._scene.hear(message))
 
@@ -186,7 +181,7 @@ class RecordingFile:
             self._writer.add_message(self._topics[topic], when, data, when)
 
     def _open(self, key: str) -> _Channel | None:
-        """The channel of a key; None for streams that are not recorded."""
+        """Channel of a key; None for streams that are not recorded."""
         if key in self._channels:
             return self._channels[key]
         address = parse(key)
@@ -205,7 +200,7 @@ class RecordingFile:
         return self._channels[key]
 
     def _topic(self, name: str) -> int:
-        """The channel of a topic of the scene."""
+        """Channel of a topic of the scene."""
         topic = TOPICS[name]
         schema_number = self._schema(topic.schema, lambda: topic.definition, topic.schema_encoding)
         number: int = self._writer.register_channel(name, topic.encoding, schema_number)
@@ -218,25 +213,25 @@ class RecordingFile:
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
-        """Close the file as it is if it cannot be written: it can be read to the end of its last chunk."""
+        """Close the file after an error; it is readable to the end of its last chunk."""
         try:
             yield
         except OSError as error:
-            with suppress(OSError):  # the rest of its buffer cannot be written either
+            with suppress(OSError):  # the buffer cannot be written either
                 self._stream.close()
-            raise RecordingError(f"cannot go on recording to {self.path}: {error.strerror}") from error
+            raise RecordingError(f"cannot continue recording to {self.path}: {error.strerror}") from error
 
 
 class RecordingWriter:
-    """The recording of a run, in as many files as its rotation asks for; each can be read by itself.
+    """The recording of a run, in one or several files, each readable by itself.
 
-    No file is created before `begin`. When the disk is full, or fails, an error is logged and all further
-    messages are dropped: a run does not end with its recording.
+    No file is created before `begin`. If writing fails, as on a full disk, an error is logged and further
+    messages are dropped; the run continues.
 
     Args:
         path: the first file; the next are `run-2.mcap` and so on beside `run.mcap`.
         rotation: when another file follows.
-        ready: is told the name of each file, once it holds the scenario.
+        ready: called with the name of each file, once it holds the scenario.
 
     Raises:
         UsageError: (also `begin`) the first file cannot be created.
@@ -251,20 +246,20 @@ class RecordingWriter:
         self._file: RecordingFile | None = None
 
     def begin(self, run: str, scenario: Scenario) -> None:
-        """Create the first file; comes before every message."""
+        """Create the first file."""
         self._run, self._scenario = run, scenario
         self._open(self.path)
 
     def write(self, batch: Sequence[tuple[str, bytes]]) -> None:
-        """Record what was published under keys, at the simulated time of its tick."""
+        """Record payloads by key, at the simulated time of their ticks."""
         self._do(lambda file: file.write(batch))
 
     def flush(self) -> None:
-        """Make what was written readable even if this process is killed; rotate if it is time."""
+        """Make all written messages readable even if this process is killed, and rotate if due."""
         self._do(self._flush)
 
     def finish(self, result: str | None = None) -> None:
-        """Close the recording with the result (a JSON object); what comes later is dropped."""
+        """Close the recording with the result (a JSON object); later messages are dropped."""
         self._do(lambda file: file.finish(result))
         self._file = None
 
@@ -289,4 +284,4 @@ class RecordingWriter:
             what(self._file)
         except (RecordingError, UsageError) as error:
             self._file = None
-            LOG.error(f"{error}; it ends there, and the run goes on without it")
+            LOG.error(f"{error}; the recording ends there, and the run continues")

@@ -149,7 +149,7 @@ def test_a_robot_that_an_operator_adds_is_drawn_as_large_as_the_roster_says() ->
     list(scene.hear(Tick(3, 1, 0, (), roster=Roster(2, (member,)))))
     list(scene.hear(replace(there, tick=2)))
     assert drawn(scene, "/scene/robots")[-1]["cylinders"][0]["size"]["x"] == 0.1
-    assert len(drawn(scene, "/scene/goals")[0]["cylinders"]) == 2  # nobody said where it goes
+    assert len(drawn(scene, "/scene/goals")[0]["cylinders"]) == 2  # its goal is unknown
     list(scene.hear(GoalStatus(9, 2, 1, "under way", (-0.1, 0.2))))
     assert len(drawn(scene, "/scene/goals")[0]["cylinders"]) == 3
 

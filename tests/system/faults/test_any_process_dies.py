@@ -116,7 +116,7 @@ def test_a_run_and_its_recording_go_on(transport: Transport, tmp_path: Path) -> 
         assert trajectory(recording).sha256 == report["trajectory_sha256"]
     except RecordingError as error:  # no router holds a tick back until the recorder has found the new world
         assert transport == "mesh"
-        assert f"tick {report['worlds'][-1]}, with which" in str(error)
+        assert f"tick {report['worlds'][-1]}, the first of" in str(error)
 
 
 @pytest.mark.parametrize("name", [table.WORLD, table.ROUTER])

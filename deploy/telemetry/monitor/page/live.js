@@ -1,5 +1,5 @@
-// The websocket: overviews, frames and answers come in, steering and orders go out; opened again when it breaks.
-// The token that lets this page steer stands after the # of its address.
+// The WebSocket: overviews, frames and answers in, steering and orders out; reconnects after a failure.
+// The token that permits steering follows the # of the address.
 const RETRY = 1000; // ms
 
 export class Live {

@@ -1,4 +1,4 @@
-// Wires the page together: news from the fleet go into the model, the parts show what it holds.
+// Connects the page: messages update the model, which the panels show.
 import { Controls } from "./panels/controls.js";
 import { showFigures } from "./panels/figures.js";
 import { Halt } from "./panels/halt.js";

@@ -1,11 +1,11 @@
-// What the page knows: the scenario, the newest frame, and the past of positions, clearance and potential.
+// The page's model: scenario, newest frame, and past positions, clearance and potential.
 import { distance, gap } from "./geometry.js";
 import { Thinned } from "./thinned.js";
 
 const HISTORY = 2048;
 const TRAILS = 24000; // points of all trails together
 const HUES = 6;
-const SHORTEST = 40; // ms that a move between two frames is drawn over
+const SHORTEST = 40; // ms, least duration of the drawn motion between two frames
 const LONGEST = 160;
 
 const worst = (earlier, later) => [later[0], Math.min(earlier[1], later[1]), later[2]];
@@ -27,7 +27,7 @@ export class Model {
     this.history = new Thinned(HISTORY, overview.history ?? [], worst);
     const robots = overview.robots ?? [];
     const limit = Math.max(64, Math.floor(TRAILS / (robots.length || 1)));
-    const hues = new Map(this.robots.map((robot) => [robot.id, robot.hue])); // who stays keeps its colour
+    const hues = new Map(this.robots.map((robot) => [robot.id, robot.hue])); // remaining robots keep their colours
     let next = hues.size;
     this.robots = robots.map((robot) => {
       const place = robot.trail.at(-1) ?? robot.start;
@@ -61,20 +61,20 @@ export class Model {
     return this.robots.find((robot) => robot.id === id) ?? null;
   }
 
-  // What stands in the workspace, or is about to.
+  // Obstacles present or about to appear.
   get obstacles() {
     return Object.values({ ...this.overview.obstacles, ...this.frame?.obstacles }).filter((obstacle) => obstacle !== null);
   }
 
-  // From the disk of a robot to the nearest other one, obstacle or wall, m, where all were last.
+  // Clearance of a robot at the newest positions, m.
   clearance(robot) {
     const obstacles = this.obstacles.filter((obstacle) => obstacle.status !== "appearing");
     const disks = this.robots.filter((other) => other !== robot).map((other) => distance(robot.to, other.to) - other.radius);
     return Math.min(-gap(this.overview.room, robot.to), ...obstacles.map((obstacle) => gap(obstacle, robot.to)), ...disks) - robot.radius;
   }
 
-  // Where a robot is drawn: on its way between the last two frames. A refresh of the screen may have begun
-  // before the frame came.
+  // Drawn position of a robot, between the last two frames. A refresh of the screen may have started
+  // before the frame arrived.
   place(robot, now) {
     const share = Math.min(1, Math.max(0, (now - this.received) / this.period));
     return robot.from.map((part, axis) => part + (robot.to[axis] - part) * share);

@@ -1,4 +1,4 @@
-// Which robot is selected and which one is pointed at; whatever shows robots follows its changes.
+// The selected robot and the one under the pointer; panels and drawings follow their changes.
 export class Selection extends EventTarget {
   constructor() {
     super();
@@ -18,7 +18,7 @@ export class Selection extends EventTarget {
     this.become({ pointed: id });
   }
 
-  // Robots that are not there can be neither.
+  // Absent robots can be neither.
   keep(robots) {
     const known = (id) => (robots.some((robot) => robot.id === id) ? id : null);
     this.become({ selected: known(this.selected), pointed: known(this.pointed) });

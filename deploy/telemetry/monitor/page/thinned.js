@@ -1,4 +1,4 @@
-// A record of a whole run in bounded memory: when full, every second entry goes.
+// The past of a run in bounded memory: when full, every second entry is deleted.
 export class Thinned {
   constructor(limit, items = [], merge = (_, later) => later) {
     this.limit = limit;

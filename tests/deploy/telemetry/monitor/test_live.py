@@ -86,7 +86,7 @@ def test_goals_follow_orders_and_an_older_word_changes_nothing() -> None:
     assert rows(it, 0.0)[1]["goal"] == (-0.1, 0.1)
     it.on_message(goal(2, 9, ahead=3), 0.0)
     it.on_message(goal(1, 8, x=-0.2), 0.0)
-    it.on_message(GoalStatus(77, 9, 1, "under way", (0.0, 0.0)), 0.0)  # nobody of this run
+    it.on_message(GoalStatus(77, 9, 1, "under way", (0.0, 0.0)), 0.0)  # not a robot of this run
     row = rows(it, 0.0)[1]
     assert (row["goal"], row["ahead"]) == ((0.2, 0.0), 3)
     assert row["distance"] == pytest.approx(0.3, abs=1e-4)
@@ -169,12 +169,12 @@ def test_a_newcomer_is_a_robot_like_the_others_and_one_that_leaves_is_none() -> 
     there = Truth(3, (1, 2, 3, 5), (*truth(3).positions, guest.start), 0.02, 0.5)
     it.on_message(there, 0.15)
     it.on_message(Clock(3, 0.15, (1, 2, 3, 5), (), "", parts=(PartPlace(1, carrier=5),)), 0.15)
-    assert it.epoch == epoch + 1  # who shows them begins anew
+    assert it.epoch == epoch + 1  # viewers redraw everything
     assert rows(it, 0.2)[5]["radius"] == 0.035
     assert rows(it, 0.2)[5]["distance"] == pytest.approx(0.1)
     it.on_message(Truth(4, (1, 3, 9), ((0.0, 0.0), (0.1, 0.0), (0.0, -0.2)), 0.02, 0.5), 0.2)
     assert rows(it, 0.2).keys() == {1, 3}
-    assert it.strangers == {9}  # nobody said how large it is
+    assert it.strangers == {9}  # its radius is unknown
     it.meet(replace(SCENARIO, robots=(*SCENARIO.robots, RobotSpec(9, 0.01, (0.0, -0.2), (0.0, 0.2)))))
     assert it.strangers == set()
     it.on_message(Truth(5, (1, 3, 9), ((0.0, 0.0), (0.1, 0.0), (0.0, -0.1)), 0.02, 0.5), 0.25)

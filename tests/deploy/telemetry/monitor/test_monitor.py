@@ -42,7 +42,7 @@ def test_a_watcher_sees_what_the_world_judged_and_changes_nothing() -> None:
 
 
 def test_robots_are_shown_while_they_are_there() -> None:
-    """Whom orders of the scenario add, and whom an operator does: of them the world is asked."""
+    """Robots of the orders of a scenario, and robots added by an operator, of which the world is asked."""
     guests = RobotSpec(5, 0.02, (0.17, 0.17), (0.18, 0.16)), RobotSpec(7, 0.02, (0.17, -0.17), (0.16, -0.18))
     scenario = replace(ring(), time=Time(endless=True), orders=(Order(0.2, add=guests[0]),))
     fleet = LocalFleet(scenario, "r")
@@ -137,7 +137,7 @@ def test_endpoint_and_run_name_are_enough() -> None:
     scenario = replace(ring(2), time=Time(endless=True, fence=0.2))
     with closing(router), closing(attach(connection, run)) as watcher:
         assert watcher.snapshot()["phase"] == "searching"  # the run begins later
-        assert "no run yet" in watcher.operate(Operation(halt=True)).result(0.0).text
+        assert "has not started" in watcher.operate(Operation(halt=True)).result(0.0).text
         for epoch in (1, 2):  # another run of this name: everything anew
             with Fleet(scenario, RunOptions(router=endpoint, run=run, speed=2.0)) as fleet:
 

@@ -1,4 +1,4 @@
-"""The live page in a browser: what it shows of a fleet, what can be done to one from it, and by whom."""
+"""The live page in a browser: what it shows of a fleet, its orders, and its permissions."""
 
 from __future__ import annotations
 
@@ -366,9 +366,9 @@ def test_a_click_sends_the_selected_robot_and_a_late_viewer_sees_where(browser: 
         radius = it.radius
         it.page.mouse.click(*it.spot(0.0, 0.98 * radius))
         it.sees("#answer[data-tone='bad']", "out of the workspace")
-        it.page.mouse.click(*it.spot(0.95 * radius, 0.95 * radius))  # a corner, where nobody can go
+        it.page.mouse.click(*it.spot(0.95 * radius, 0.95 * radius))  # a corner, outside of the workspace
         it.sees("text=No robot selected")
-        it.page.mouse.click(*it.spot(0.1, 0.0))  # nobody is selected
+        it.page.mouse.click(*it.spot(0.1, 0.0))  # no robot is selected
         assert it.goal(3) == pytest.approx([-0.05, 0.1], abs=0.002)
 
 
@@ -376,7 +376,7 @@ def test_a_viewer_without_token_may_only_look_and_all_are_stopped_by_a_key(brows
     with shown(browser, ring(6), speed=0.4, held=True) as it:
         looking, goal = it.other_page(it.server.address), it.goal(2)
         looking.locator("tr[data-robot='2']").click()
-        looking.wait_for_selector("#how:has-text('only looks')")
+        looking.wait_for_selector("#how:has-text('may not steer')")
         assert looking.locator("#order").is_hidden()
         looking.mouse.click(*it.spot(0.0, 0.0))
         looking.locator("tr[data-robot='2']").click()

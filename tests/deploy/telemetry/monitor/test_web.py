@@ -124,7 +124,7 @@ def test_a_viewer_without_token_may_only_look() -> None:
                 news(viewer, "frame", lambda it: it["tick"] >= 2)
                 for wish in ('{"steer": {"pause": true}}', '{"goal": {"robot": 2, "points": [[0, 0]]}}'):
                     viewer.send(wish)
-                    assert "may only look" in news(viewer, "refused")["text"]
+                    assert "may not steer" in news(viewer, "refused")["text"]
                 assert news(viewer, "frame")["robots"][1]["goal"] == list(ring().spec(2).goal)
         with live(server) as viewer:
             tick = news(viewer, "frame")["tick"]

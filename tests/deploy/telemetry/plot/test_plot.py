@@ -11,7 +11,7 @@ from matplotlib import image
 from PIL import Image
 
 from deploy.telemetry.plot.draw import check, draw, until
-from deploy.telemetry.plot.figure import Heard, measurement_ages
+from deploy.telemetry.plot.figure import ReceivedStates, measurement_ages
 from deploy.telemetry.plot.workspace import COLOURS, colour, dash
 from deploy.telemetry.recording.reader import RecordedRun, read
 from protocol.errors import UsageError
@@ -120,12 +120,12 @@ def test_age_of_measurements_is_the_injected_delay(faulty):
 
 
 def test_age_of_states_is_the_injected_delay_at_least_and_grows_with_loss(faulty):
-    heard = Heard(faulty)
-    _, ages = heard.ages()
+    received = ReceivedStates(faulty)
+    _, ages = received.ages()
     known = ages[~np.isnan(ages)]
     assert known.min() == pytest.approx(0.15)
     assert known.max() > 0.2
-    assert heard.share_lost() == pytest.approx(0.4, abs=0.1)
+    assert received.share_lost() == pytest.approx(0.4, abs=0.1)
 
 
 # -- refusals

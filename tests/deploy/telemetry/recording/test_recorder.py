@@ -141,7 +141,7 @@ def test_a_fleet_whose_recorder_is_killed_goes_on(restarts, tmp_path, caplog):
             fleet.record(report)
             assert fleet.recordings() == [str(path), str(more)]
         else:
-            said = r"fleet\.mcap was not finished: its recorder ended with"
+            said = r"fleet\.mcap is incomplete: its recorder ended with"
             with pytest.raises(RecordingError, match=said):
                 fleet.record(report)
             assert "the recording ends there" in caplog.text

@@ -72,14 +72,16 @@ def test_lost_truths_are_worked_out_from_measurements_to_the_last_bit(recording)
     last = int(recording.truths.ticks[-1])
     found = verify(_without_truths(recording, {5, 6, 20, last}))
     assert found == (recording.result["trajectory_sha256"], 3)
-    assert found.remark == " (3 ticks worked out from odometry)"
+    assert found.remark == " (3 ticks reconstructed from odometry)"
     every = _without_truths(recording, set(range(1, last + 1)))
     assert verify(every) == (recording.result["trajectory_sha256"], last - 1)
 
 
 def test_an_unknown_tick_is_an_error_of_its_own(recording):
     known = recording.entries.where(lambda entry: not _is_measurement(entry.message, 2, 5))
-    with pytest.raises(RecordingError, match="the truth of tick 5 was not recorded, nor what robot 2 did"):
+    with pytest.raises(
+        RecordingError, match="the Truth of tick 5 was not recorded, nor the odometry of robot 2"
+    ):
         verify(_without_truths(replace(recording, entries=known), {5}))
 
 
@@ -192,7 +194,7 @@ def test_a_lost_truth_is_worked_out_unless_somebody_came_or_went(guested: Record
     found = verify(_without_truths(guested, {30}))
     assert found is not None
     assert (found.sha256, found.restored) == (guested.result["trajectory_sha256"], 1)
-    with pytest.raises(RecordingError, match="robots came or went before tick 22"):
+    with pytest.raises(RecordingError, match="robots appeared or left before tick 22"):
         verify(_without_truths(guested, {21}))
 
 
@@ -208,5 +210,5 @@ def test_participants_have_what_is_known_of_them(guested: RecordedRun) -> None:
     assert found[5].known[0] == pytest.approx(GUEST.start)
     operated = replace(guested, scenario=replace(guested.scenario, orders=()))
     (guest,) = (each for each in participants(operated) if each.robot == 5)
-    assert (guest.radius, guest.goal) == (GUEST.radius, None)  # by the roster; nobody says where it went
+    assert (guest.radius, guest.goal) == (GUEST.radius, None)  # by the roster, which has no goals
     assert [each.robot for each in participants(until(guested, 0.1))] == [1, 2, 3]

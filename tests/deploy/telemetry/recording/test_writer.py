@@ -87,7 +87,7 @@ def test_what_says_neither_size_nor_age(text: str) -> None:
 
 def test_a_recording_goes_on_in_another_file_and_is_read_as_one(tmp_path: Path) -> None:
     path, named = tmp_path / "r.mcap", list[str]()
-    (tmp_path / "r-3.mcap").write_text("somebody else's")
+    (tmp_path / "r-3.mcap").write_text("another program's")
     file = RecordingWriter(path, Rotation(size=80_000), named.append)
     file.begin("r", scenario())
     write(file, range(1, 201))
@@ -105,11 +105,9 @@ def test_a_recording_goes_on_in_another_file_and_is_read_as_one(tmp_path: Path) 
     assert 1 < later.truths.ticks[0] < later.truths.ticks[-1] == 200
     assert later.preceding == "r.mcap"
     assert verify(later) is None
-    with pytest.raises(
-        RecordingError, match=r"goes on from r\.mcap: name the file with which the run begins"
-    ):
+    with pytest.raises(RecordingError, match=r"continues r\.mcap: name the first file of the recording"):
         trajectory(later)
-    with pytest.raises(RecordingError, match="truth of tick 0, with which the trajectory begins, was not"):
+    with pytest.raises(RecordingError, match="Truth of tick 0, the first of the trajectory, was not"):
         trajectory(replace(later, preceding=""))
     Path(named[-1]).unlink()
     lacking = read(path)

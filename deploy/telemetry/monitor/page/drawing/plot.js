@@ -15,7 +15,7 @@ export class Plot extends Painted {
     canvas.addEventListener("pointerleave", () => this.look(null));
   }
 
-  // Where the pointer is, px from the left: the value of then is told instead of the present one.
+  // Position of the pointer, px from the left; the value of that time is shown in place of the present one.
   look(at) {
     this.at = at;
     this.wake();
@@ -141,7 +141,7 @@ export class Plot extends Painted {
   }
 }
 
-// The least of 1, 2, 4, 5, 8 times a power of ten that is not smaller.
+// The smallest of 1, 2, 4, 5, 8 times a power of ten that is at least `value`.
 function niceCeiling(value) {
   const power = 10 ** Math.floor(Math.log10(value));
   const factor = [1, 2, 4, 5, 8, 10].find((each) => each * power >= value * (1 - 1e-9));

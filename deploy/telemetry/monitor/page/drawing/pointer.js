@@ -1,7 +1,7 @@
-// What the pointer does on the picture: it finds robots, shows their values, and sends the selected one elsewhere.
+// The pointer on the picture: finds robots, shows their values, and sets the goal of the selected one.
 import { values } from "../panels/selected.js";
 
-const SLOP = { touch: 14, pen: 10, mouse: 4 }; // px beside a disk that still count as on it
+const SLOP = { touch: 14, pen: 10, mouse: 4 }; // px, distance from a disk that selects it
 const SHOWN = ["distance", "speed", "clearance"];
 
 export class Pointer {
@@ -37,7 +37,7 @@ export class Pointer {
     else this.orders.order([target], event.shiftKey);
   }
 
-  // The robot whose disk is nearest to a place in the picture, if it is near enough.
+  // The robot with the nearest disk, if it is near enough.
   find(at, kind) {
     const gap = (robot) => {
       const [x, y] = this.workspace.point(robot.to);

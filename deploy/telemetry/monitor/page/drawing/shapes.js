@@ -2,7 +2,7 @@
 const HEAD = 6; // px, head of an arrow
 const LEGIBLE = 8; // px, radius of a disk with room for its number
 const SEEN = 12; // px, least radius of a ring
-const NEAR = 3; // gaps of more radii than that have no line worth seeing
+const NEAR = 3; // radii, largest gap with a visible line
 
 // The edge of a disk or of a polygon.
 export function outline(space, { center, radius, points }) {
@@ -60,7 +60,7 @@ export function drawGoal(space, robot, stress) {
   context.globalAlpha = 1;
 }
 
-// From a robot to its goal.
+// Line from a robot to its goal.
 export function drawWay(space, robot, place) {
   const { context } = space;
   context.beginPath();
@@ -73,7 +73,7 @@ export function drawWay(space, robot, place) {
   context.setLineDash([]);
 }
 
-// Where a click would send a robot.
+// Goal of a click.
 export function drawTarget(space, robot, target) {
   const { context } = space;
   context.beginPath();
@@ -87,7 +87,7 @@ export function drawTarget(space, robot, target) {
   context.stroke();
 }
 
-// Around a robot, so that it is found: never too small to be seen.
+// Ring around a robot, large enough to be visible.
 export function drawRing(space, robot, place, colour, width) {
   const { context } = space;
   context.beginPath();
@@ -124,7 +124,7 @@ function drawCross(context, x, y, reach) {
   context.stroke();
 }
 
-// The robot's number, where there is room for it or somebody looks for it; of an alarm, what it is.
+// The robot's number, if there is room or the robot is selected; for an alarm its status.
 export function drawLabel(space, robot, place, wanted) {
   const { context } = space;
   const [x, y] = space.point(place);
@@ -171,7 +171,7 @@ export function drawArrow(space, place, [dx, dy]) {
   context.globalAlpha = 1;
 }
 
-// The line that `robot` keeps to for the sake of `other`: a piece of it, between the two.
+// Segment of the separating line of `robot` towards `other`, between the two.
 export function drawSeparatingLine(space, robot, place, other, [, nx, ny, limit], strength) {
   const gap = Math.hypot(other[0] - place[0], other[1] - place[1]) - 2 * robot.radius;
   const nearness = Math.max(0, 1 - gap / (NEAR * robot.radius));

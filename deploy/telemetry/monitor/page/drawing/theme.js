@@ -1,4 +1,4 @@
-// Light or dark: as the system says, until the reader chooses; the choice is kept.
+// Light or dark: the system's setting until the reader chooses; the choice is stored.
 const KEY = "disknav-theme";
 const CHOICES = ["system", "light", "dark"];
 const WORDS = { system: "Theme: system", light: "Theme: light", dark: "Theme: dark" };

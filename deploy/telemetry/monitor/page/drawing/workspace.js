@@ -4,16 +4,16 @@ import { gap } from "../geometry.js";
 import { drawArrow, drawDisk, drawGoal, drawLabel, drawRing, drawSeparatingLine, drawTarget, drawObstacle, drawTrail, drawWay, outline } from "./shapes.js";
 
 const MARGIN = 10; // px
-const ARROW_SECONDS = 0.4; // an arrow is as long as the way of so many seconds
-const CROWD = 24; // robots; more are drawn with less around them
+const ARROW_SECONDS = 0.4; // an arrow shows the motion of this time
+const CROWD = 24; // robots from which details are faint
 const FAINT = 0.35;
-const STALE = 1.5; // s of simulated time after which a line that was reported is not drawn
+const STALE = 1.5; // s of simulated time after which a reported line is not drawn
 
 export class Workspace extends Painted {
   constructor(canvas, model, selection) {
     super(canvas);
     Object.assign(this, { model, selection });
-    this.preview = null; // m, where the selected robot would be sent
+    this.preview = null; // m, goal of the selected robot under the pointer
     this.layers = {};
     for (const layer of ["trails", "goals", "velocity", "lines"]) {
       const box = document.getElementById(`show-${layer}`);
@@ -51,7 +51,7 @@ export class Workspace extends Painted {
     return robot.id === this.selection.selected || robot.id === this.selection.pointed;
   }
 
-  // How strongly what surrounds a robot is drawn: in a crowd, weakly unless somebody looks for it.
+  // Opacity of a robot's details: faint in a crowd, unless the robot is selected.
   stress(robot) {
     return !this.crowd || this.standsOut(robot) ? 1 : FAINT;
   }
@@ -158,7 +158,7 @@ export class Workspace extends Painted {
 
   describe() {
     const { robots, frame } = this.model;
-    if (frame === null || frame.tick % 20) return; // often enough for who listens to it
+    if (frame === null || frame.tick % 20) return; // often enough for a screen reader
     const alarms = robots.filter((robot) => robot.row?.alarm).map((robot) => `robot ${robot.id} ${robot.row.status}`);
     const home = robots.filter((robot) => robot.row?.status === "at goal").length;
     const text = `Workspace: ${robots.length} robots, ${home} at their goals${alarms.map((alarm) => `, ${alarm}`).join("")}`;

@@ -1,5 +1,5 @@
 // Pause, step and speed of a lock-step run; Space and the right arrow do the same, Escape deselects.
-const REAL_TIME = "This run keeps the wall clock; it cannot be held.";
+const REAL_TIME = "This run is in real time: it cannot be paused.";
 
 export class Controls {
   constructor(send, selection) {

@@ -1,4 +1,4 @@
-// Heading, figures and the banner that says how the run stands.
+// Heading, figures and the banner with the state of the run.
 const PHASES = {
   searching: ["Looking for the run", "idle"],
   gathering: ["Waiting for robots", "idle"],

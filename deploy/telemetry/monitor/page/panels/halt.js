@@ -1,4 +1,4 @@
-// The emergency stop: a button, and the key S wherever the focus is. Only the button releases.
+// The emergency stop: a button, and the key S with any focus. Only the button releases.
 const DONE = ["ended", "lost", "searching"];
 
 export class Halt {

@@ -1,5 +1,5 @@
-// The selected robot: what is known of it, and where it is to go, by a click in the picture or by numbers.
-const LOOKS = "This page only looks. To send robots elsewhere, open the address that was printed, with its token.";
+// The selected robot: its values, and its goal, set by a click in the picture or by numbers.
+const LOOKS = "This page may not steer. To set goals, open the printed address with its token.";
 const DIGITS = 4; // of a metre
 
 export class SelectedRobot {
@@ -17,7 +17,7 @@ export class SelectedRobot {
     this.show();
   }
 
-  // Whether an order can be given at all now.
+  // Whether orders are possible now.
   get open() {
     const phase = this.model.frame?.phase;
     return this.may && this.robot !== null && ["running", "paused", "halted", "gathering"].includes(phase);
@@ -43,9 +43,9 @@ export class SelectedRobot {
   }
 
   hint() {
-    if (!this.robot) return "Pick one in the picture or in the table.";
+    if (!this.robot) return "Select one in the picture or in the table.";
     if (!this.may && this.model.frame !== null) return LOOKS;
-    return this.open ? "Click in the picture to send it there." : "";
+    return this.open ? "Click in the picture to set its goal." : "";
   }
 
   fill(robot) {
@@ -65,12 +65,12 @@ export class SelectedRobot {
     this.order([point]);
   }
 
-  // Send the selected robot to points, m; queued: after its present goal. None: it stays where it is.
+  // Send the selected robot to points, m; queued: after its present goal. No points: it stays.
   order(points, queued = false) {
     if (!this.open) return;
     this.asked = this.robot.id;
     if (points.length) this.enter(points.at(-1));
-    this.say("Asked …", "");
+    this.say("Sent …", "");
     this.send({ goal: { robot: this.asked, points, queue: points.length > 0 && (queued || this.part.queue.checked) } });
   }
 
@@ -87,7 +87,7 @@ export class SelectedRobot {
   }
 }
 
-// What is known of a robot, as [name, text].
+// Values of a robot, as [name, text].
 export function values(robot, model) {
   const { row } = robot;
   const ahead = row?.ahead ? `, then ${row.ahead} more` : "";

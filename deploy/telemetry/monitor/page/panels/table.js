@@ -1,7 +1,7 @@
-// A row per robot, built once per scenario; only text that changed is touched. Of many robots only alarms and
-// the selected one are shown, unless all are asked for.
+// A row per robot, built once per scenario; only changed text is written. Of many robots only alarms and the
+// selected one are shown by default.
 const MANY = 24; // robots; with more the table folds
-const NAMED = 5; // alarms that are read out by name
+const NAMED = 5; // alarms read out by name
 const COLUMNS = [
   { name: "status", text: (row) => row.status },
   { name: "distance", label: "To goal, mm", text: (row) => millimetres(row.distance) },
@@ -41,7 +41,7 @@ export class RobotTable {
     line.addEventListener("pointerenter", () => this.selection.point(robot.id));
     const head = document.createElement("th");
     head.scope = "row";
-    const button = document.createElement("button"); // a click on it is one on its row
+    const button = document.createElement("button"); // clicks select the row
     button.type = "button";
     button.tabIndex = -1;
     button.setAttribute("aria-label", `Robot ${robot.id}`);
@@ -88,7 +88,7 @@ export class RobotTable {
     COLUMNS.forEach((column, i) => fill(cells[i], column.text(row), column.hint?.(row) ?? ""));
   }
 
-  // "6 robots: 4 under way, 2 at goal", and alarms read out when there are others than before.
+  // "6 robots: 4 under way, 2 at goal", with new alarms read out.
   count(rows) {
     const counts = new Map();
     for (const row of rows) counts.set(row.status, (counts.get(row.status) ?? 0) + 1);
@@ -99,7 +99,7 @@ export class RobotTable {
     fill(this.part.alarms, alarms.length ? `Alarm: ${alarms.slice(0, NAMED).join(", ")}${more}` : "", "");
   }
 
-  // A row that was selected elsewhere is brought into view, within the table if that scrolls.
+  // Scroll to a row that was selected elsewhere.
   reveal() {
     this.found = this.selection.selected;
     const shown = this.rows.find((row) => row.robot.id === this.found);
@@ -114,7 +114,7 @@ export class RobotTable {
     if (this.model.robot(id) !== null) this.selection.select(id);
   }
 
-  // The table is one stop of the Tab key; arrows go from row to row.
+  // The table is one stop of the Tab key; arrow keys select rows.
   chooseStop() {
     const open = this.rows.filter((row) => !row.line.hidden);
     const held = open.find((row) => row.button === document.activeElement);
