@@ -1,4 +1,4 @@
-"""Files by which Docker Compose, Kubernetes or systemd runs a secured fleet: templates, filled in."""
+"""Files with which Docker Compose, Kubernetes or systemd runs a secured fleet, filled in from templates."""
 
 from __future__ import annotations
 
@@ -24,40 +24,40 @@ from protocol.errors import UsageError
 SCENARIO = "scenario.toml"
 KEYS = "keys"  # the folder of keys beside the files
 PORT = 7447
-IMAGE = "localhost/disknav"  # no registry can offer one under this name
-KEYS_INSIDE = "/keys"  # where a container finds the few that are its own
+IMAGE = "localhost/disknav"  # a name that no registry can serve
+KEYS_INSIDE = "/keys"  # folder of a container's own keys
 
 
 @dataclass(frozen=True)
 class Plan:
-    """A run, its scenario, and what an orchestrator starts."""
+    """A run, its scenario, and its installation."""
 
     roster: KeyRoster
     scenario: str  # TOML
     mode: Mode = "realtime"
     image: str = IMAGE  # container image with this software
-    command: str = "/usr/local/bin/disknav"  # where this software is on a host
-    software: tuple[str, ...] = ()  # folders on a host without which that does not run
-    router: str = f"tls/127.0.0.1:{PORT}"  # where hosts find the router
-    wait: float = 300.0  # s that router, world and robots may take to be there, in any order
+    command: str = "/usr/local/bin/disknav"  # command of this software on a host
+    software: tuple[str, ...] = ()  # folders that it needs on a host
+    router: str = f"tls/127.0.0.1:{PORT}"  # endpoint of the router
+    wait: float = 300.0  # s to wait for router, world and robots, started in any order
 
     @property
     def name(self) -> str:
-        """Name of everything that belongs to this run: letters, digits and '-' only."""
+        """Name of all objects of this run: letters, digits and '-' only."""
         return f"disknav-{self.roster.run}".lower().replace("_", "-").rstrip("-")
 
     @property
     def robots(self) -> tuple[str, ...]:
-        """Roles of all robots; those that come by orders wait for their disks."""
+        """Roles of all robots, including those that orders add."""
         return tuple(robot_role(robot) for robot in self.roster.robots)
 
     def files(self, role: str) -> tuple[str, ...]:
-        """All of the keys that a role needs."""
+        """Key files of a role."""
         return (AUTHORITY, ROSTER, certificate_file(role), key_file(role))
 
 
 def join(role: str, router: str, keys: str, plan: Plan, scenario: str) -> list[str]:
-    """The command line, after `disknav`, of the world or a robot."""
+    """Command line, after `disknav`, of the world or a robot."""
     connection = ["--router", router, "--secure", keys, "--wait", f"{plan.wait:g}"]
     if role.startswith("robot-"):
         return ["node", "robot", role.removeprefix("robot-"), *connection]
@@ -65,35 +65,35 @@ def join(role: str, router: str, keys: str, plan: Plan, scenario: str) -> list[s
 
 
 def listen(endpoint: str, keys: str) -> list[str]:
-    """The command line, after `disknav`, of the router."""
+    """Command line, after `disknav`, of the router."""
     return ["node", "router", "--listen", endpoint, "--secure", keys]
 
 
 def installation() -> tuple[str, ...]:
-    """Folders of this host without which this software does not run: environment, interpreter, sources."""
+    """Folders of this host that the software needs: environment, interpreter, sources."""
     folders = (sys.prefix, sys.base_prefix, *(str(Path(each).parent) for each in deploy.__path__))
     return tuple(dict.fromkeys(str(Path(folder).resolve()) for folder in folders))
 
 
 SECRET = "secret.yaml"  # kubernetes: holds private keys
-ETC = "/etc/disknav"  # systemd: the folder of a run lies in here
-STALE = 10  # s without a sign of life: the process hangs
+ETC = "/etc/disknav"  # systemd: contains the folder of a run
+STALE = 10  # s without a heartbeat after which a process hangs
 _TEMPLATES = Path(__file__).parent / "templates"
 _CONFIG_INSIDE = "/config"
-_SCRATCH = "/tmp"  # all that a container may write to, in memory
+_SCRATCH = "/tmp"  # the only folder that a container may write to, in memory
 _ALIVE = f"{_SCRATCH}/alive"
-# The main loop went round lately. Two tools of the system, no interpreter, no connection.
+# Whether the main loop runs; with two tools of the system, without interpreter or connection.
 PROBE = f"test $(($(date +%s) - $(stat -c %Y {_ALIVE}))) -lt {STALE}"
 _BUILD = (
     "docker build -t {image} -f Containerfile .     in a checkout of disknav: compiled, from nothing else"
 )
-_ACCOUNT = 65532  # of containers in a cluster: not root
-_PICK = 'set -- $ROBOTS; shift "$INDEX"; exec disknav '  # the id at this pod's index
+_ACCOUNT = 65532  # user id of containers in a cluster
+_PICK = 'set -- $ROBOTS; shift "$INDEX"; exec disknav '  # selects the id of this pod's index
 _HOMES = ("/home/", "/root/", "/run/user/")
 
 
 def router_host(orchestrator: str, plan: Plan) -> str:
-    """Name or address by which the fleet reaches its router."""
+    """Name or address of the router for the fleet."""
     if orchestrator == "compose":
         return ROUTER
     if orchestrator == "kubernetes":
@@ -102,9 +102,9 @@ def router_host(orchestrator: str, plan: Plan) -> str:
 
 
 def compose(plan: Plan) -> dict[str, str]:
-    """Docker Compose: a service for each process, each with its own key only. Files by name.
+    """Docker Compose: a service for each process, with its own key only. Returns files by name.
 
-    The user that runs this owns the keys, so the containers run as that user.
+    The containers run as the user of this process, who owns the keys.
     """
     roles = (ROUTER, WORLD, *plan.robots)
     robots = [
@@ -121,7 +121,7 @@ def compose(plan: Plan) -> dict[str, str]:
         "compose.yaml",
         **_common(plan),
         user=f"{os.getuid()}:{os.getgid()}",
-        probe=json.dumps(PROBE.replace("$", "$$")),  # Compose replaces $NAME by itself
+        probe=json.dumps(PROBE.replace("$", "$$")),  # Compose would replace $NAME
         wait=f"{plan.wait:.0f}",
         router=json.dumps(listen(f"tls/0.0.0.0:{PORT}", KEYS_INSIDE)),
         router_keys=_mounted(plan, ROUTER),
@@ -135,9 +135,9 @@ def compose(plan: Plan) -> dict[str, str]:
 
 
 def kubernetes(plan: Plan, keys: Mapping[str, bytes]) -> dict[str, str]:
-    """Kubernetes: a Deployment of the router, a Job for the world, an indexed Job for the robots.
+    """Kubernetes: a Deployment for the router, a Job for the world, an indexed Job for the robots.
 
-    `keys` are the files of the folder of keys. Files by name.
+    `keys` are the files of the directory of keys. Returns files by name.
     """
     robot = _PICK + " ".join(_member("kubernetes", plan, "robot-$1"))
     alive = _filled("kubernetes-alive.yaml", probe=json.dumps(PROBE), patience=str(ceil(plan.wait / 5) + 6))
@@ -167,7 +167,7 @@ def kubernetes(plan: Plan, keys: Mapping[str, bytes]) -> dict[str, str]:
 
 
 def systemd(plan: Plan) -> dict[str, str]:
-    """systemd: a unit each for router and world, a template for robots, a target of all. Files by name."""
+    """systemd: units for router and world, a template for robots, a target for all. Returns files by name."""
     name, folder = plan.name, f"{ETC}/{plan.name}"
     units = [f"{name}-{role.replace('-', '@')}.service" for role in plan.robots]
     target = _filled(
@@ -177,13 +177,13 @@ def systemd(plan: Plan) -> dict[str, str]:
         keys_folder=KEYS,
         wanted=" ".join([f"{name}-{ROUTER}.service", f"{name}-{WORLD}.service", *units]),
     )
-    watched = "WatchdogSec=10"  # the main loop tells every second that it goes round
+    watched = "WatchdogSec=10"  # the main loop notifies every second
     router, world = listen(plan.router, "%d"), join(WORLD, plan.router, "%d", plan, f"%d/{SCENARIO}")
     robot = join("robot-%i", plan.router, "%d", plan, "")
     return {
         f"{name}.target": target,
         f"{name}-{ROUTER}.service": _service(plan, ROUTER, router, "Restart=always\nRestartSec=1"),
-        # The fleet would go on from elsewhere than the robots are.
+        # Not restarted: the fleet would continue from other positions than the robots'.
         f"{name}-{WORLD}.service": _service(plan, WORLD, world, f"Restart=no\n{watched}", more=(SCENARIO,)),
         f"{name}-robot@.service": _service(
             plan, "robot-%i", robot, f"Restart=on-failure\nRestartSec=1\n{watched}"
@@ -212,7 +212,7 @@ def _service(plan: Plan, role: str, arguments: Sequence[str], restart: str, more
 
 
 def _home(plan: Plan) -> str:
-    """Homes are hidden, but for software that lies in one, whatever the modes of the folders above it."""
+    """Hide home folders, except those with the software."""
     there = [path for path in plan.software if path.startswith(_HOMES)]
     if not there:
         return "ProtectHome=yes"
@@ -220,7 +220,7 @@ def _home(plan: Plan) -> str:
 
 
 def _quoted(path: str) -> str:
-    """A path as systemd reads one word."""
+    """A path quoted as one word for systemd."""
     escaped = path.replace("\\", "\\\\").replace('"', '\\"').replace("%", "%%")
     return f'"{escaped}"' if escaped != path or set(path) & set(" :") else path
 
@@ -238,7 +238,7 @@ def _common(plan: Plan) -> dict[str, str]:
 
 
 def _member(orchestrator: str, plan: Plan, role: str) -> list[str]:
-    """The command line, after `disknav`, of the world or a robot in a container."""
+    """Command line, after `disknav`, of the world or a robot in a container."""
     endpoint = f"tls/{router_host(orchestrator, plan)}:{PORT}"
     command = join(role, endpoint, KEYS_INSIDE, plan, f"{_CONFIG_INSIDE}/{SCENARIO}")
     return [*command, "--alive", _ALIVE]
@@ -249,12 +249,12 @@ def _contained(orchestrator: str, plan: Plan, role: str) -> str:
 
 
 def _mounted(plan: Plan, role: str) -> str:
-    """Compose: the keys of one role, as a list of YAML."""
+    """Compose: keys of one role as a YAML list."""
     return json.dumps([{"source": name, "target": f"{KEYS_INSIDE}/{name}"} for name in plan.files(role)])
 
 
 def _items(plan: Plan, folders: Sequence[tuple[str, str]]) -> str:
-    """Kubernetes: of the secret the keys of some roles, each under a folder, as a list of YAML."""
+    """Kubernetes: keys of some roles from the secret, each under a folder, as a YAML list."""
     return json.dumps(
         [{"key": name, "path": f"{folder}{name}"} for folder, role in folders for name in plan.files(role)]
     )
@@ -268,10 +268,10 @@ Orchestrator = Literal["compose", "kubernetes", "systemd"]
 
 
 def write(folder: Path, orchestrator: Orchestrator, plan: Plan, days: float = 30.0) -> None:
-    """Make `folder` with all that `orchestrator` needs; it appears whole or not at all, for its owner only.
+    """Create `folder` with all files for `orchestrator`, whole or not at all, readable by its owner only.
 
     Raises:
-        UsageError: there is something in it already, or a library is missing.
+        UsageError: the folder is not empty, or a library is missing.
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise UsageError(f"{folder} exists and is not empty: name another folder")

@@ -1,7 +1,4 @@
-"""What a command leaves on the terminal, in files and as exit status.
-
-What would fail when a file is written is found out beforehand; what fails is one line.
-"""
+"""Output of commands: terminal, files and exit statuses. Problems with files are found before the work."""
 
 from __future__ import annotations
 
@@ -16,18 +13,17 @@ from tempfile import TemporaryFile
 from protocol.errors import UsageError
 from protocol.process.signals import STOP
 
-# A signal that ends a command says 128 and its number.
+# After a signal the exit status is 128 plus its number.
 EXIT_ARRIVED, EXIT_OTHERWISE, EXIT_INVALID, EXIT_FAULT = 0, 1, 2, 3
-_PATIENCE = 2.0  # s without a bar
+_PATIENCE = 2.0  # s before the bar appears
 
 
 def check_target(target: Path, what: str) -> None:
-    """Make sure that `what` (a verb phrase, such as "write JSON") can be written to `target`.
-
-    What is there already is left as it is, and nothing is left where nothing was.
+    """Check that `what` (a verb phrase, such as "write JSON") is possible with `target`, which stays
+    unchanged.
 
     Raises:
-        UsageError: it cannot.
+        UsageError: it is not.
     """
     if target.is_fifo():  # opening one would wait for its reader
         return
@@ -44,10 +40,10 @@ def check_target(target: Path, what: str) -> None:
 
 @contextmanager
 def writing(target: Path, what: str) -> Iterator[None]:
-    """Inside, `what` (a verb phrase) is written to `target`; no half of it is left where nothing was.
+    """Context in which `what` (a verb phrase) is written to `target`; a new file is removed after an error.
 
     Raises:
-        UsageError: it cannot be written: the disk is full, or may only be read.
+        UsageError: writing fails.
     """
     existed = target.exists()
     try:
@@ -64,15 +60,15 @@ _JSON = "write JSON"
 
 
 def is_standard_output(target: Path | None) -> bool:
-    """Whether `target` asks for standard output, which then takes nothing else."""
+    """Whether `target` means standard output, which then gets no other text."""
     return str(target) == _STANDARD_OUTPUT
 
 
 def check_json(target: Path | None) -> None:
-    """Find out before the work what would fail after it.
+    """Check before the work that `target` can be written.
 
     Raises:
-        UsageError: `target` cannot be written.
+        UsageError: it cannot.
     """
     if target is not None and not is_standard_output(target):
         check_target(target, _JSON)
@@ -96,9 +92,9 @@ def write_json(document: object, target: Path | None) -> None:
 
 @contextmanager
 def bar(description: str, *, silent: bool = False) -> Iterator[Callable[[float], None]]:
-    """Inside, tell the function that is given how much is done, from 0 to 1; nothing is shown if `silent`.
+    """A progress bar. Call the given function with the share done, 0 to 1; nothing is shown if `silent`.
 
-    It raises Stopped if a signal asks this process to end.
+    The function raises Stopped after a signal.
     """
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn

@@ -1,7 +1,8 @@
-"""Which software runs, and on what: its compiled modules, its digest, and what `disknav setup doctor` finds.
+"""The installed software and its machine: compiled modules, digest, and findings of `disknav setup doctor`.
 
-What is compiled (`make compile`: modules of robots and world, by mypyc, beside their sources) does the same
-to the last bit, several times faster; where nothing is, the sources run.
+Compiled modules (`make compile`, by mypyc, beside their sources) give the same results to the last bit,
+several
+times faster. Without them the sources run.
 """
 
 from __future__ import annotations
@@ -25,11 +26,11 @@ from disknav import ownership
 from protocol.errors import UsageError
 from protocol.process.installation import ROOT, how_to_install, is_checkout
 
-SOFTWARE = ("protocol", "agents", "world", "deploy")  # all of it
+SOFTWARE = ("protocol", "agents", "world", "deploy")
 
 
 def compiled(root: Path = ROOT) -> list[Path]:
-    """Sources that have a compiled twin which this Python loads instead."""
+    """Sources in place of which Python loads a compiled module."""
     return [
         source
         for package in SOFTWARE
@@ -39,10 +40,10 @@ def compiled(root: Path = ROOT) -> list[Path]:
 
 
 def check_compiled(root: Path = ROOT) -> None:
-    """Find out whether what would run is what the sources say.
+    """Check that no compiled module is older than its source.
 
     Raises:
-        UsageError: a source is newer than its compiled twin; names it and says what to do.
+        UsageError: one is; names it and the remedy.
     """
     for source in compiled(root):
         twin = source.with_suffix(EXTENSION_SUFFIXES[0])
@@ -58,7 +59,7 @@ _CODE = ("protocol", "agents", "world", "deploy/library", "deploy/theory", "depl
 
 
 def provenance(seed: int, transport: str, jobs: int) -> dict[str, Any]:
-    """Where the figures of a study come from; a package that is not installed has None for its version."""
+    """Provenance of a study's results: versions (None if not installed), digest, seed and machine."""
     import psutil  # only here
 
     return {
@@ -78,7 +79,7 @@ def provenance(seed: int, transport: str, jobs: int) -> dict[str, Any]:
 
 @cache
 def code_digest(folders: tuple[str, ...] = _CODE) -> str:
-    """SHA-256 over all sources in `folders` (if not given: what results depend on), with their paths."""
+    """SHA-256 over all sources in `folders`, with their paths; by default those that results depend on."""
     digest = hashlib.sha256()
     for path in _sources(folders):
         digest.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes())
@@ -108,7 +109,7 @@ def _processor() -> str:
 
 Level = Literal["good", "note", "bad"]
 _EXTRA = re.compile(r"([\w.-]+).*;\s*extra\s*==\s*['\"](\w+)['\"]")
-_COLLECTIONS = ("all", "demo", "test")  # extras that are for no feature of their own
+_COLLECTIONS = ("all", "demo", "test")  # extras made of others
 _UNSYNCHRONISED = 5  # TIME_ERROR of <sys/timex.h>
 _TIMEX = 512  # bytes, more than struct timex takes anywhere
 _FILES = 1024  # descriptors, enough for fifty robots
@@ -116,10 +117,11 @@ _CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 
 
 class Finding(NamedTuple):
-    """One fact of this machine that was examined.
+    """One checked property of this machine.
 
-    level: good; note: fine unless what `text` says is wanted; bad: nothing will run as it should.
-    remedy: what to do; empty where nothing is.
+    Attributes:
+        level: good; note: only a feature is missing; bad: fleets do not work.
+        remedy: what to do, if anything.
     """
 
     what: str
@@ -129,7 +131,7 @@ class Finding(NamedTuple):
 
 
 def findings() -> Iterator[Finding]:
-    """Everything that can be seen without running a fleet."""
+    """All findings that need no fleet."""
     yield _installation()
     yield _packages()
     yield _compiled()
@@ -157,7 +159,7 @@ def _packages() -> Finding:
     shared = [f"`{package}` by {', '.join(others)}" for package, others in ownership.shared().items()]
     if not shared:
         return Finding("packages", "good", "no other project installs one of disknav's top-level packages")
-    text = f"installed here, too: {'; '.join(shared)}. What was installed last has overwritten the other"
+    text = f"also installed here: {'; '.join(shared)}. The last installation has overwritten the other"
     return Finding("packages", "bad", text, "give disknav an environment of its own: python -m venv DIR")
 
 
@@ -165,7 +167,7 @@ def _compiled() -> Finding:
     count = len(compiled())
     if count:
         return Finding("compiled", "good", f"{count} modules are compiled")
-    text = "nothing is: a robot's step takes three to four times as long"
+    text = "no modules are compiled: a robot's step takes three to four times as long"
     if shutil.which("cc") is None and shutil.which("gcc") is None:
         text += "; there is no C compiler"
     again = "`make compile`" if is_checkout() else "install disknav again"
@@ -206,20 +208,22 @@ def _program(what: str, names: tuple[str, ...], purpose: str, package: str) -> F
 
 
 def _time_source() -> Finding:
-    """Whether the kernel's clock is disciplined: control needs no time of day, stamps of two hosts do."""
-    needed = "needed for logs of several hosts, and where poses and odometry are stamped by different hosts"
+    """Whether the kernel's clock is synchronised: control does not need it, timestamps of hosts do."""
+    needed = "needed for logs of several hosts, and for poses and odometry stamped by different hosts"
     try:
         state = ctypes.CDLL(None).adjtimex(ctypes.create_string_buffer(_TIMEX))
     except AttributeError:
-        return Finding("time source", "note", f"this system does not say whether there is one; {needed}")
+        return Finding("time source", "note", f"unknown on this system; {needed}")
     if state == _UNSYNCHRONISED:
-        return Finding("time source", "note", f"the clock follows none; {needed}", "chrony or the like")
+        return Finding(
+            "time source", "note", f"the clock is not synchronised; {needed}", "install chrony or the like"
+        )
     return Finding("time source", "good", "the clock is synchronised")
 
 
 def _descriptors() -> Finding:
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    text = f"{soft} open files a process, {os.cpu_count()} cores"
+    text = f"{soft} open files per process, {os.cpu_count()} cores"
     if soft < _FILES:
         most = "unlimited" if hard == resource.RLIM_INFINITY else hard
         return Finding("limits", "note", text, f"for more than a few dozen robots: ulimit -n {most}")

@@ -1,7 +1,8 @@
-"""Scenarios of others' benchmarks: db-CBS (YAML), LSC-DR (JSON), MovingAI (scen and map), SMGLib (XML).
+"""Import of benchmark scenarios: db-CBS (YAML), LSC-DR (JSON), MovingAI (scen and map), SMGLib (XML).
 
-What a format says that a scenario cannot is named in the description. A robot becomes the smallest known disk
-around its shape, with the speed limit of its kind.
+The description of a scenario lists what could not be converted. A robot becomes the smallest known disk
+around
+its shape, with the speed limit of its kind.
 """
 
 from __future__ import annotations
@@ -27,16 +28,23 @@ from protocol.scenario.model import Coordinate, Point, Scenario
 from protocol.scenario.tables import Document
 
 _LARGEST = 50_000_000  # bytes of a file
-_SPACIOUS = 20.0  # times what the straight way across takes, that a run may last
+_SPACIOUS = 20.0  # time limit over the time of the straight way across
 Size = Annotated[float, Meta(gt=0, le=1e6)]
 Place = Annotated[list[Coordinate], Meta(min_length=2)]
 Pair = tuple[Coordinate, Coordinate]
 
 
 class Options(NamedTuple):
-    """What a file leaves open: number of robots and their radius (m), the seed of what is drawn, by how much
-    obstacles of a map may reach into free space (m), a file of obstacles (LSC-DR), and the folder that the
-    scenario is to be written into."""
+    """Parameters that a file lacks.
+
+    Attributes:
+        robots: number of robots.
+        radius: of the robots, m.
+        seed: of all random values.
+        error: largest distance by which obstacles of a map may reach into free space, m.
+        obstacles: file of obstacles (LSC-DR).
+        folder: folder of the scenario to write.
+    """
 
     robots: int = 5
     radius: float = 0.2
@@ -47,12 +55,12 @@ class Options(NamedTuple):
 
 
 def imported(file: Path, options: Options) -> Scenario:
-    """The scenario that a file of another tool stands for, checked.
+    """The checked scenario of another tool's file.
 
     Raises:
-        MapError: the file cannot be read, or is not of the format that its name promises.
-        ScenarioError: what it describes is no valid scenario.
-        UsageError: the format is not known, or has something that no scenario can express.
+        MapError: the file cannot be read, or does not have the format of its suffix.
+        ScenarioError: it describes an invalid scenario.
+        UsageError: the format is unknown, or has a property that no scenario can express.
     """
     if file.suffix in (".yaml", ".yml"):
         found = read_yaml(file)
@@ -63,7 +71,7 @@ def imported(file: Path, options: Options) -> Scenario:
         return parse_document(_db_cbs(file, found), str(file))
     if file.suffix not in _FORMATS:
         raise UsageError(
-            f"{file}: not known by its name; known are .yaml (map_server, db-CBS), {', '.join(_FORMATS)}"
+            f"{file}: unknown suffix; known are .yaml (map_server, db-CBS), {', '.join(_FORMATS)}"
         )
     if file.stat().st_size > _LARGEST:
         raise as_map_error(file, "", f"is larger than {_LARGEST:,} bytes")
@@ -80,7 +88,7 @@ def _document(
     speed: float,
     left_out: Iterable[str],
 ) -> Document:
-    """Robots as (radius, start, goal) and polygons, in the rectangle between two `corners`, m and m/s."""
+    """Document of robots (radius, start, goal) and polygons in the rectangle of two `corners`, m and m/s."""
     (left, low), (right, high) = corners
     lost = "; ".join(left_out)
     return {
@@ -102,7 +110,7 @@ def _document(
 
 
 def _box(x: float, y: float, wide: float, high: float) -> list[Point]:
-    """A rectangle by its centre, m."""
+    """Corners of a rectangle with this centre, m."""
     u, v = 0.5 * wide, 0.5 * high
     return [(x - u, y - v), (x + u, y - v), (x + u, y + v), (x - u, y + v)]
 
@@ -134,7 +142,7 @@ class _Cbs(msgspec.Struct):
 
 
 _CAR = 0.5 * math.hypot(0.5, 0.25)  # m, around its rectangle
-# Of each kind of robot: radius (m), speed limit (m/s), and what it cannot do that a disk can
+# Kind of robot -> radius (m), speed limit (m/s), and properties that a disk lacks
 _KINDS = {
     "single_integrator": (0.1, 0.5, ""),
     "double_integrator": (0.15, 0.5, "limits of acceleration"),
@@ -151,7 +159,7 @@ def _db_cbs(file: Path, found: Any) -> Document:
     for n, robot in enumerate(said.robots):
         kind = _KINDS.get(robot.type.replace("_0", ""))
         if kind is None:
-            text = f"{robot.type!r} is no robot that is one disk; known are {', '.join(_KINDS)}"
+            text = f"unknown kind {robot.type!r}; known are {', '.join(_KINDS)}"
             raise as_map_error(file, f"robots[{n}].type", text)
         kinds.append(kind)
     for n, each in enumerate(said.environment.obstacles):
@@ -226,7 +234,7 @@ def _lsc(file: Path, options: Options) -> Document:
 
 
 def _columns(file: Path) -> list[list[Point]]:
-    """Boxes of a world file: x, y, z of the centre and the sizes along them, one a line, m."""
+    """Boxes of a world file, one per line: x, y, z of the centre and the sizes along them, m."""
     try:
         rows = [[float(each) for each in row] for row in csv.reader(file.read_text().splitlines()) if row]
     except OSError as error:
@@ -256,13 +264,13 @@ def _moving_ai(file: Path, options: Options) -> Document:
         ) from None
     grid = _octile(file.parent / name)
     chosen: list[tuple[int, int, int, int]] = []
-    for way in ways:  # a cell is the start, or the goal, of one robot only
+    for way in ways:  # no two robots may share a start or a goal
         if all(way[:2] != other[:2] and way[2:] != other[2:] for other in chosen):
             chosen.append(way)
         if len(chosen) == options.robots:
             break
     else:
-        raise UsageError(f"{file} has {len(chosen)} starts and goals that go together, not {options.robots}")
+        raise UsageError(f"{file} has only {len(chosen)} compatible starts and goals, not {options.robots}")
     height = grid.occupied.shape[0]
     plan = floor_plan(grid, 0.0, options.radius)
     if not plan.workspace:
@@ -283,7 +291,7 @@ def _moving_ai(file: Path, options: Options) -> Document:
 
 
 def _octile(file: Path) -> Occupancy:
-    """A map of cells of 1 m, where only `.` and `G` are free."""
+    """A map with cells of 1 m, of which only `.` and `G` are free."""
     lines = _text(file).splitlines()
     head = dict(line.split(maxsplit=1) for line in lines[:3] if len(line.split()) == 2)
     rows = lines[4:]

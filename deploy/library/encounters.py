@@ -1,4 +1,4 @@
-"""Robots that change places, and robots among obstacles: benchmarks of others and their relatives.
+"""Robots that change places, and robots among obstacles: benchmarks of other authors, and variants.
 
 Symmetric starts lie exactly on a saddle of the navigation function.
 """
@@ -17,16 +17,16 @@ from protocol.scenario.model import Control, Obstacle, Point, RobotSpec, Scenari
 
 RADIUS = 0.03  # m
 CIRCLE = 0.40  # m, of the starts
-SPACING = 0.10  # m, least distance between neighbours; the circle grows when there are too many
+SPACING = 0.10  # m, least distance between neighbours; many robots enlarge the circle
 MARGIN = 0.05  # m, from the circle to the boundary
-LARGEST_JITTER = 0.015  # m, keeps starts apart and inside
+LARGEST_JITTER = 0.015  # m; starts cannot overlap or leave the workspace
 
 
 def swap(count: int, jitter: float = 0.0, seed: int = 0) -> Scenario:
-    """Robots on a circle, each to the opposite point.
+    """Robots on a circle, each with the opposite point as goal.
 
     Args:
-        jitter: m; each start is moved by up to this much, which takes the fleet off the saddle.
+        jitter: largest displacement of a start, m, which takes the fleet off the saddle.
 
     Raises:
         UsageError: `count` is below 2 or above 1000, or `jitter` is out of range.
@@ -44,10 +44,11 @@ def swap(count: int, jitter: float = 0.0, seed: int = 0) -> Scenario:
 
 
 def circle(count: int, jitter: float = 0.0, seed: int = 0) -> Scenario:
-    """RVO2's Circle: robots of 1.5 m on a circle of 200 m change places at 2 m/s, to within a radius.
+    """RVO2's Circle: robots of radius 1.5 m on a circle of 200 m change places at 2 m/s, with a tolerance of
+    1.5 m.
 
     Args:
-        jitter: m; each start is moved by up to this much.
+        jitter: largest displacement of a start, m.
 
     Raises:
         UsageError: `count` is below 2 or above 250, or `jitter` is above 0.5 m.
@@ -76,7 +77,7 @@ def head_on(seed: int = 0) -> Scenario:
 
 
 def turtlebots(count: int, seed: int = 0) -> Scenario:
-    """TurtleBots on a circle, each to the opposite point, facing anywhere.
+    """TurtleBots on a circle, each with the opposite point as goal, in random headings.
 
     Raises:
         UsageError: `count` is below 2 or above 100.
@@ -107,7 +108,7 @@ def turtlebots(count: int, seed: int = 0) -> Scenario:
 def _opposite(
     places: list[Point], radius: float, jitter: float = 0.0, seed: int = 0
 ) -> tuple[RobotSpec, ...]:
-    """Robots that start off these places by up to `jitter`, m, and go to the opposite ones."""
+    """Robots that start within `jitter`, m, of these places and go to the opposite ones."""
     draws = generator(seed, Purpose.SCENARIO).uniform(size=(len(places), 2))
     robots = []
     for n, (x, y) in enumerate(places):
@@ -126,7 +127,7 @@ def _circle(count: int, radius: float) -> list[Point]:
 
 # -- among obstacles
 
-_TRIES = 20_000  # places tried for one obstacle or robot
+_TRIES = 20_000  # random places tried in all
 _Corners = tuple[Point, ...]
 
 
@@ -153,7 +154,7 @@ def forest(count: int, seed: int = 0) -> Scenario:
 
 
 def boxes(count: int, seed: int = 0) -> Scenario:
-    """8 boxes in 4 m by 4 m, robots of 0.05 m with starts and goals 0.2 m apart (GCBF+, SingleIntegrator)."""
+    """8 boxes in 4 m by 4 m; robots of 0.05 m, starts and goals 0.2 m apart (GCBF+, SingleIntegrator)."""
     random = generator(seed, Purpose.SCENARIO)
     obstacles = _scattered(random, (), many=8, reach=1.8, sides=(0.1, 0.5), turned=True)
     starts, goals = (_free_places(random, obstacles, count) for _ in range(2))
@@ -173,10 +174,10 @@ def boxes(count: int, seed: int = 0) -> Scenario:
 
 
 def blocks(count: int, seed: int = 0) -> Scenario:
-    """Four groups cross between four square blocks (RVO2, Blocks: 25 each); each goal is its own here.
+    """Four groups cross between four square blocks (RVO2, Blocks: 25 each); here each robot has its own goal.
 
     Raises:
-        UsageError: `count` is no multiple of 4 up to 100.
+        UsageError: `count` is not a multiple of 4 up to 100.
     """
     if count % 4 or not 4 <= count <= 100:
         raise UsageError(f"{count} robots are not four groups of up to 25: choose a multiple of 4 up to 100")
@@ -202,7 +203,7 @@ def blocks(count: int, seed: int = 0) -> Scenario:
 
 
 def sphere_world(seed: int = 0) -> Scenario:
-    """One robot among disks that stand (Koditschek and Rimon 1990)."""
+    """One robot among static disks (Koditschek and Rimon 1990)."""
     disks = (
         (0.0, 0.0, 0.06),
         (-0.14, 0.1, 0.03),
@@ -214,7 +215,7 @@ def sphere_world(seed: int = 0) -> Scenario:
         Scenario(
             (RobotSpec(1, 0.015, (-0.25, 0.02), (0.25, -0.01)),),
             "sphere-world",
-            "one robot among five disks that stand: Koditschek and Rimon's theorem applies",
+            "one robot among five static disks: Koditschek and Rimon's theorem applies",
             seed,
             obstacles=tuple(Obstacle(center=(x, y), radius=radius) for x, y, radius in disks),
         )
@@ -253,7 +254,7 @@ def _scattered(
     sides: tuple[float, float],
     turned: bool,
 ) -> tuple[Obstacle, ...]:
-    """Boxes that keep clear of some places; they may overlap each other."""
+    """Random boxes clear of the places `keep` (point, radius); they may overlap each other."""
     found: list[Obstacle] = []
     for _ in range(_TRIES):
         x, y, along, across, turn = map(float, random.random(5))
@@ -281,6 +282,6 @@ def _free_places(random: np.random.Generator, obstacles: tuple[Obstacle, ...], c
 
 
 def _spaced(random: np.random.Generator, count: int, apart: float, length: float) -> list[float]:
-    """Increasing places within `length` of 0, at least `apart` from each other, m."""
+    """Increasing random numbers within `length` of 0, at least `apart` from each other, m."""
     room = 2.0 * length - (count - 1) * apart
     return [float(part) - length + n * apart for n, part in enumerate(sorted(room * random.random(count)))]

@@ -1,8 +1,9 @@
-"""The figures of Karagoz, Bozma, Koditschek, scenarios to be seen rather than measured, and random ones.
+"""The figures of Karagoz, Bozma, Koditschek, demonstration scenarios, and random ones.
 
-The paper gives no numbers for figures 1 and 2; these show what it shows. Of figure 3 it states how tight the
-goal sets are, not where the goals are: these were found by a seeded random search for sets of that tightness;
-of those within 0.005 of it, the one with the largest clearance between goals and to the boundary was kept.
+The paper gives no numbers for figures 1 and 2; these reproduce what they show. For figure 3 it gives the
+tightness of the goal sets only. The goals here are from a seeded random search for that tightness: of all
+sets
+within 0.005 of it, the one with the largest clearance between goals and to the boundary.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ GAIN = 60.0  # the paper's k
 def paper_scenario(
     name: str, description: str, seed: int, starts: Iterable[Point], goals: Iterable[Point]
 ) -> Scenario:
-    """Equal robots 1, 2, ... in the paper's setting: radius 0.04 m in a workspace of 0.30 m, k = 60."""
+    """Robots 1, 2, ... in the paper's setting: radius 0.04 m in a workspace of radius 0.30 m, k = 60."""
     robots = tuple(
         RobotSpec(n, RADIUS, start, goal)
         for n, (start, goal) in enumerate(zip(starts, goals, strict=True), start=1)
@@ -38,7 +39,7 @@ def paper_scenario(
 
 
 def figure_1(seed: int = 0) -> Scenario:
-    """Robot 1 must pass between 2 and 3, then between 4 and 5, which stand close to their goals."""
+    """Robot 1 must pass between 2 and 3, then between 4 and 5, which are close to their goals."""
     starts = [(-0.24, 0.0), (-0.07, 0.05), (-0.07, -0.05), (0.09, 0.05), (0.09, -0.05), (0.02, 0.22)]
     goals = [(0.24, 0.0), (-0.06, 0.05), (-0.06, -0.05), (0.08, 0.05), (0.08, -0.05), (-0.04, 0.20)]
     text = "robot 1 passes between 2 and 3, then 4 and 5, which nudge aside and return"
@@ -46,10 +47,11 @@ def figure_1(seed: int = 0) -> Scenario:
 
 
 def figure_2(seed: int = 0) -> Scenario:
-    """Goals 5 mm apart, each robot on the far side from its own: they meet in each other's way.
+    """Goals 5 mm apart, each robot on the far side of its own, so that they block each other.
 
-    Violates Assumption 1, so the theory promises nothing. At this k the blockade is a saddle, which the
-    flow leaves by circling; below k = 3 some starts stay blocked.
+    Violates Assumption 1, so the theory does not apply. With this k the blocked configuration is a saddle,
+    which
+    the flow leaves by circling; below k = 3 some starts stay blocked.
     """
     goals = [(0.0, 0.049), (-0.0425, -0.0245), (0.0425, -0.0245)]
     starts = [(0.01, -0.22), (0.19, 0.11), (-0.19, 0.12)]
@@ -85,7 +87,7 @@ GOAL_SETS: dict[str, tuple[Point, ...]] = {
     ),
     "e": ((-0.075, -0.069), (-0.042, 0.03), (0.024, -0.132), (0.035, -0.03), (0.062, 0.07), (0.104, -0.085)),
 }
-TIGHTNESS = {"a": 2.44, "b": 2.63, "c": 2.87, "d": 3.30, "e": 3.45}  # the paper's figures
+TIGHTNESS = {"a": 2.44, "b": 2.63, "c": 2.87, "d": 3.30, "e": 3.45}  # by the paper
 
 
 def tightness(goals: Sequence[Point], radii: Sequence[float]) -> float:
@@ -97,7 +99,7 @@ def tightness(goals: Sequence[Point], radii: Sequence[float]) -> float:
 
 
 def figure_3(letter: str, seed: int = 0) -> Scenario:
-    """Goal set `letter` ("a" to "e") from random starts; each seed gives other starts.
+    """Goal set `letter` ("a" to "e") with random starts by seed.
 
     Raises:
         UsageError: there is no such goal set.
@@ -110,7 +112,7 @@ def figure_3(letter: str, seed: int = 0) -> Scenario:
 
 
 def delay_6(seed: int = 0) -> Scenario:
-    """Figure 3d where states arrive up to 0.3 s late, out of order, and one in ten never."""
+    """Figure 3d with States up to 0.3 s late, out of order, and 10 % lost."""
     return replace(
         figure_3("d", seed),
         name="delay-6",
@@ -120,7 +122,7 @@ def delay_6(seed: int = 0) -> Scenario:
 
 
 def crash(seed: int = 0) -> Scenario:
-    """Figure 3c where the process of robot 3 is killed on the way and started again."""
+    """Figure 3c with a crash of robot 3, whose process is restarted."""
     return replace(
         figure_3("c", seed),
         name="crash",
@@ -130,9 +132,9 @@ def crash(seed: int = 0) -> Scenario:
 
 
 def admissible(seed: int = 0) -> Scenario:
-    """Three robots far enough apart, in room enough, that the paper's Assumptions 1 and 2 hold.
+    """Three robots with so much room that the paper's Assumptions 1 and 2 hold.
 
-    They start where their neighbour's goal is: no robot can go straight, yet none has to squeeze.
+    Each starts at its neighbour's goal: no robot can go straight, but none has to squeeze through.
     """
     goals = [
         (0.3 * math.cos(angle), 0.3 * math.sin(angle))
@@ -156,17 +158,17 @@ Array = NDArray[np.float64]
 PAPER_DENSITY = 6 * RADIUS**2 / WORKSPACE**2  # area of all disks over that of the workspace
 LARGEST_DENSITY = 0.35
 LARGEST_UNEQUAL = 0.5
-_DARTS = 200  # attempts per disk before the disks are pushed apart instead
+_DARTS = 200  # attempts per disk, before disks are pushed apart
 _GAP = 0.1  # free space around each disk, in its radii; at least half of it remains after relaxation
 _SWEEPS = 2000
 _ATTEMPTS = 50
 
 
 def random_starts(radii: Sequence[float], workspace: float, seed: int, stream: int = 0) -> list[Point]:
-    """Centres of disks of `radii` (m) in a workspace of this radius (m), apart from each other, uniform.
+    """Random centres of disks of `radii` (m) in a round workspace (radius, m), without overlap.
 
     Args:
-        seed, stream: what the draw is keyed by; each stream of a seed is a configuration of its own.
+        seed, stream: key of the draw; each stream of a seed is an independent configuration.
 
     Raises:
         UsageError: the disks fill more than `LARGEST_DENSITY` of the workspace.
@@ -188,8 +190,9 @@ def random_starts(radii: Sequence[float], workspace: float, seed: int, stream: i
 def random_instance(
     count: int, seed: int, *, density: float = PAPER_DENSITY, unequal: float = 0.0, name: str | None = None
 ) -> Scenario:
-    """Random starts and goals for `count` robots; the workspace is as large as `density` asks for, the time
-    limit three times as long as the way across it takes, or that of all scenarios.
+    """Random starts and goals of `count` robots. The size of the workspace follows from `density`; the time
+    limit
+    is three times the time of the way across, or the default if that is longer.
 
     Args:
         density: area of all disks over that of the workspace, at most `LARGEST_DENSITY`.
@@ -207,7 +210,6 @@ def random_instance(
     spread = generator(seed, Purpose.SCENARIO, 2).uniform(-unequal, unequal, count)
     radii = [round(RADIUS * (1.0 + float(part)), 4) for part in spread]
     workspace = float(np.sqrt((np.array(radii) ** 2).sum() / density))
-    # A disk and the gap around it must fit, however few disks there are.
     workspace = round(max(workspace, _room(radii)) + 5e-7, 6)
     starts, goals = (random_starts(radii, workspace, seed, stream) for stream in (0, 1))
     robots = tuple(
@@ -221,7 +223,7 @@ def random_instance(
 
 
 def in_turn(count: int, seed: int = 0) -> Scenario:
-    """Robots of which only one moves at a time, each for a second, while the others stand."""
+    """Robots of which only one moves at a time, each for a second."""
     drawn = random_instance(count, seed, density=0.1, name=f"in-turn-{count}")
     turns = replace(drawn.control, turn=1.0).without("escape")
     text = f"{count} robots of which one moves at a time, for a second each"
@@ -230,12 +232,14 @@ def in_turn(count: int, seed: int = 0) -> Scenario:
 
 
 def _room(radii: Sequence[float]) -> float:
-    """Radius of a workspace that surely holds the largest disk, or the two largest side by side, m."""
+    """Radius of a workspace that holds the two largest disks side by side, m."""
     return (1.0 + 2.0 * _GAP) * sum(sorted(radii)[-2:])
 
 
 def _thrown(random: np.random.Generator, radii: Array, workspace: float) -> Array:
-    """Darts: uniform centres, large disks first; one that hits another is thrown again, so many times."""
+    """Uniform random centres, large disks first; one that overlaps others is drawn again, at most `_DARTS`
+    times.
+    """
     points = np.zeros((len(radii), 2))
     placed: list[int] = []
     for i in np.argsort(-radii, kind="stable"):
@@ -255,7 +259,7 @@ def _uniform(random: np.random.Generator, radius: float) -> Array:
 
 
 def _relaxed(points: Array, radii: Array, workspace: float) -> Array | None:
-    """Push apart what is too close until nothing is; None if that does not come to an end."""
+    """Push disks apart until none are too close; None if that fails."""
     apart = (radii[:, None] + radii[None, :]) * (1.0 + _GAP)
     np.fill_diagonal(apart, 0.0)
     enough = apart * (1.0 + 0.5 * _GAP) / (1.0 + _GAP)
@@ -274,17 +278,17 @@ def _relaxed(points: Array, radii: Array, workspace: float) -> Array | None:
 
 
 DENSITY = 0.2  # area of all disks over that of the workspace
-_ROBOT, _PART = 0.03, 0.035  # m, radii: a robot grows when it takes up a part
+_ROBOT, _PART = 0.03, 0.035  # m, radii; a robot's disk grows with a part
 _MOST = 40
 
 
 def parts(count: int, seed: int = 0, robots: int = 3, density: float = DENSITY) -> Scenario:
     """Random parts with random goals, and robots that carry them, at this density.
 
-    Robots end where they begin. No part's goal overlaps a robot's.
+    Robots end at their starts. No part's goal overlaps a robot's.
 
     Raises:
-        UsageError: `count` is none of 1 to 40.
+        UsageError: `count` is not in 1 to 40.
     """
     if not 1 <= count <= _MOST:
         raise UsageError(f"{count} parts: choose between 1 and {_MOST}")
@@ -308,7 +312,7 @@ def parts(count: int, seed: int = 0, robots: int = 3, density: float = DENSITY) 
 def _goals(
     radii: list[float], workspace: float, seed: int, homes: list[tuple[float, float]]
 ) -> list[tuple[float, float]]:
-    """Goals of parts, apart from each other and from where robots are at home, m."""
+    """Random goals of parts, apart from each other and from the robots' starts, m."""
     robots = len(homes)
     for stream in range(1, 10_000):
         drawn = random_starts(radii, workspace, seed, stream)[robots:]

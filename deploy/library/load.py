@@ -1,4 +1,4 @@
-"""From what a user names, a file or a name of the library, to a scenario that can run, its law tried out."""
+"""Loading a scenario by file or library name, with settings applied and its law checked."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ MAPS = {  # deploy/library/maps
 
 
 class CatalogueEntry(NamedTuple):
-    """One name of the library; `N` in it stands for a number of robots."""
+    """One name of the library; `N` in it is a number of robots."""
 
     name: str
     robots: str
@@ -66,12 +66,12 @@ _Build = Callable[[int], Scenario]
 
 
 def _on_map(name: str, count: int, seed: int) -> Scenario:
-    from deploy.maps.scenario import library_map  # needs libraries of an extra
+    from deploy.maps.scenario import library_map  # needs an extra's libraries
 
     return parse_document(library_map(name, count, seed))
 
 
-# the scenario of a seed, how many robots it has, and what it shows
+# name -> scenario by seed, number of robots, description
 _FIXED: dict[str, tuple[_Build, str, str]] = {
     "figure-1": (figure_1, "6", "robot 1 passes between four others that nudge aside"),
     "figure-2": (figure_2, "3", "goals too close together: they can block each other"),
@@ -86,10 +86,10 @@ _FIXED: dict[str, tuple[_Build, str, str]] = {
     "head-on": (head_on, "2", "two robots change places, exactly on the saddle"),
     "admissible": (admissible, "3", "goals for which the paper's guarantee holds"),
     "delay-6": (delay_6, "6", "figure-3d with 0 to 0.3 s of delay and 10 % loss"),
-    "sphere-world": (sphere_world, "1", "among disks that stand: Koditschek and Rimon's theorem applies"),
+    "sphere-world": (sphere_world, "1", "among static disks: Koditschek and Rimon's theorem applies"),
     "crash": (crash, "6", "figure-3c; one robot is killed and started again"),
 }
-# the same of a number, which stands in the name, and a seed
+# the same by the number in the name, and a seed
 _COUNTED: dict[str, tuple[Callable[[int, int], Scenario], str, str]] = {
     "swap": (
         lambda count, seed: swap(count, seed=seed),
@@ -107,7 +107,7 @@ _COUNTED: dict[str, tuple[Callable[[int, int], Scenario], str, str]] = {
     "boxes": (boxes, "1 to 100", "random goals among 8 boxes, as in GCBF+"),
     "beads": (beads, "1 to 100", "in a corridor, where all keep their order"),
     "in-turn": (in_turn, "1 to 100", "only one robot moves at a time"),
-    "parts": (parts, "3", "robots bring N parts to their goals, taking them up and down"),
+    "parts": (parts, "3", "robots bring N parts to their goals"),
     **{
         name: (partial(_on_map, name), "1 to 100", f"random goals on a floor plan: {text}")
         for name, text in MAPS.items()
@@ -118,23 +118,23 @@ _NUMBERED = re.compile(rf"({'|'.join(_COUNTED)})-([1-9][0-9]{{0,5}})")
 
 
 def catalogue() -> list[CatalogueEntry]:
-    """Every name, in the order in which to show them."""
+    """All names, in the order of display."""
     fixed = [CatalogueEntry(name, robots, text) for name, (_, robots, text) in _FIXED.items()]
     return fixed + [CatalogueEntry(f"{name}-N", robots, text) for name, (_, robots, text) in _COUNTED.items()]
 
 
 def suggestions(name: str) -> str:
-    """What may have been meant by a name that does not exist."""
+    """Suggestions for an unknown name."""
     known = [entry.name for entry in catalogue()]
     near = get_close_matches(name, known, 3, 0.5)
     return f"did you mean {' or '.join(near)}?" if near else f"the library has {', '.join(known)}"
 
 
 def build(name: str, seed: int | None = None) -> Scenario:
-    """The library's scenario of this name; `seed` (0 unless given) determines all that is random in it.
+    """The library's scenario of this name; `seed` (default 0) determines all random values.
 
     Raises:
-        UsageError: there is no such name, or this is no seed.
+        UsageError: there is no such name, or the seed is invalid.
     """
     seed = DEFAULT_SEED if seed is None else checked_seed(seed)
     if name in _FIXED:
@@ -146,7 +146,7 @@ def build(name: str, seed: int | None = None) -> Scenario:
 
 Options = Mapping[str, float]
 
-_COUNT = 6  # robots, unless given
+_COUNT = 6  # default number of robots
 
 
 def generate(kind: str, seed: int, options: Options) -> Scenario:
@@ -156,7 +156,7 @@ def generate(kind: str, seed: int, options: Options) -> Scenario:
         options: "robots", "density" and "unequal" for "random", "robots" and "jitter" for "swap".
 
     Raises:
-        UsageError: no such kind, an option that this kind does not have, or one out of range.
+        UsageError: unknown kind, or an option that is out of range or not of this kind.
     """
     make, known = _KINDS.get(kind, (None, ()))
     foreign = [f"--{key}" for key in options if key not in known]
@@ -185,11 +185,11 @@ _KINDS: dict[str, tuple[Callable[[int, Options], Scenario], tuple[str, ...]]] = 
 }
 
 
-TRIES = 5  # the quickest counts: others may have waited for the processor
+TRIES = 5  # steps, of which the quickest is judged
 
 
 def try_out(scenario: Scenario) -> None:
-    """Let a law from outside make some steps as the first robot at the start.
+    """Let an external law make some steps for the first robot at its start.
 
     Raises:
         UsageError: there is no such law, or a step takes longer than a period.
@@ -224,7 +224,7 @@ def try_out(scenario: Scenario) -> None:
 
 
 def _neighbours(scenario: Scenario, robot: int) -> Neighbours:
-    """All others as heard in the first tick."""
+    """All others, as known in the first tick."""
     others = [spec for spec in scenario.robots if spec.id != robot]
     heard = Neighbours({spec.id: spec.radius for spec in others})
     for spec in others:
@@ -238,7 +238,7 @@ def _neighbours(scenario: Scenario, robot: int) -> Neighbours:
 
 
 def load(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Scenario:
-    """The scenario `name`, ready to run: as `read`, with k resolved, and its law tried out."""
+    """The scenario `name`, ready to run: as `read`, with k as a number and its law tried out."""
     scenario = resolved(_certified(name, read(name, settings, seed)))
     require_plant(scenario.world.plant)
     try_out(scenario)
@@ -246,15 +246,15 @@ def load(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Sc
 
 
 def read(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Scenario:
-    """The scenario of a file or of the library, with settings laid over it.
+    """The scenario of a file or of the library, with settings applied.
 
     Args:
-        name: a file, else a library name.
-        settings: `path.to.key=VALUE`, see `protocol.scenario.file`.
-        seed: over the scenario's; a library scenario draws its random starts from it.
+        name: a file or a library name.
+        settings: `path.to.key=VALUE`, as in `protocol.scenario.file`.
+        seed: replaces the scenario's; it determines the random values of a library scenario.
 
     Raises:
-        ScenarioError: the scenario or a setting is invalid; names every problem.
+        ScenarioError: the scenario or a setting is invalid; lists every problem.
         MapError: its map cannot be read.
         UsageError: there is no such file or library name.
     """
@@ -271,10 +271,10 @@ def read(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Sc
 
 
 def resolved(scenario: Scenario) -> Scenario:
-    """The same with a number for k where it is "auto".
+    """The scenario with a number in place of k = "auto".
 
     Raises:
-        UsageError: it is "certified": a proof is known of files and library names only.
+        UsageError: k is "certified", which needs a file or library name.
     """
     if scenario.control.k == "certified":
         raise UsageError(

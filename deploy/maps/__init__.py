@@ -1,1 +1,1 @@
-"""Floor plans: occupancy grids as robots' maps store them, and the convex obstacles that stand for them."""
+"""Floor plans: occupancy grids of robots' maps, converted to convex obstacles."""

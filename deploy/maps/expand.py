@@ -1,4 +1,4 @@
-"""The `map` of a scenario's document, replaced by the obstacles and the workspace that it stands for."""
+"""Replaces the `map` of a scenario's document by obstacles and a workspace."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from protocol.errors import Problem, ScenarioError
 from protocol.scenario.model import FloorPlan
 from protocol.scenario.tables import Document, read_table, written
 
-_MOST_PIECES = 5000  # obstacles that a scenario may have
+_MOST_PIECES = 5000  # largest number of obstacles of a scenario
 
 
 def expanded(document: Document, folder: Path, source: str) -> Document:
-    """The same document without a map, whose obstacles follow the `obstacles` of the document.
+    """The document with the map's obstacles, after its own, in place of the map.
 
     Args:
-        document: of a scenario; without a map it is returned as it is.
-        folder: where the map's file is looked for.
+        document: of a scenario; unchanged without a map.
+        folder: folder of the map's file.
         source: of the document, for errors.
 
     Raises:
-        ScenarioError: `map` is malformed, or a robot begins or ends where it is not free.
+        ScenarioError: `map` is malformed, or a robot's start or goal is not free.
         MapError: the file cannot be read, or describes no map.
         UsageError: the libraries that read maps are not installed.
     """
@@ -68,7 +68,7 @@ def expanded(document: Document, folder: Path, source: str) -> Document:
 
 
 def blamed_on_map(error: ScenarioError, own: int) -> ScenarioError:
-    """The same error, with obstacles of the map named as such: those after the document's `own` ones."""
+    """The error with the map's obstacles, those after the document's `own` ones, named as such."""
     return ScenarioError(
         error.source, [Problem(_of_map(each.path, own), each.text) for each in error.problems]
     )
@@ -92,7 +92,7 @@ def _robots(document: Document) -> Iterator[tuple[int, Document]]:
 
 
 def _numbers(document: Document, key: str) -> Iterator[float]:
-    """What robots have under `key`, where that is a number; other mistakes are found later."""
+    """Numbers of robots under `key`; invalid values are reported later."""
     for _, robot in _robots(document):
         if _is_number(robot.get(key)):
             yield robot[key]

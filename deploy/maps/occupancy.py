@@ -1,4 +1,4 @@
-"""Maps of ROS's map_server: a YAML file, and beside it a picture with a pixel for each cell."""
+"""Maps of ROS's map_server: a YAML file and a picture with a pixel per cell."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from protocol.errors import MapError, Problem
 from protocol.process.installation import missing_library
 from protocol.scenario.model import Coordinate
 
-MOST_CELLS = 16_000_000  # of a map: 200 m by 200 m in cells of 0.05 m; takes some 1 GB while it is read
+MOST_CELLS = 16_000_000  # 200 m by 200 m with cells of 0.05 m; reading takes 1 GB of memory
 FINEST, COARSEST = 1e-3, 10.0  # m, of a cell
 Mask = NDArray[np.bool_]
 _Struct = TypeVar("_Struct")
@@ -30,10 +30,10 @@ class Occupancy:
     """A grid of square cells, rows from south to north, columns from west to east in the map's own frame.
 
     Attributes:
-        occupied: which cells are.
-        unknown: which cells are neither occupied nor free.
+        occupied: cells that are occupied.
+        unknown: cells that are neither occupied nor free.
         resolution: side of a cell, m.
-        origin: of the outer corner of the first cell (m, m), and the direction of the rows (rad).
+        origin: outer corner of the first cell (m, m), and direction of the rows (rad).
     """
 
     occupied: Mask
@@ -42,13 +42,13 @@ class Occupancy:
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def place(self, column: float, row: float) -> tuple[float, float]:
-        """Where a corner of cells is, m; whole numbers are corners, halves centres."""
+        """Position of a grid point, m; integers are corners of cells, half-integers centres."""
         x, y, yaw = self.origin
         u, v = self.resolution * column, self.resolution * row
         return x + math.cos(yaw) * u - math.sin(yaw) * v, y + math.sin(yaw) * u + math.cos(yaw) * v
 
     def cell(self, x: float, y: float) -> tuple[int, int] | None:
-        """Row and column of the cell that (x, y), m, is in; None outside of the map."""
+        """Row and column of the cell that contains (x, y), m; None outside of the map."""
         dx, dy, yaw = x - self.origin[0], y - self.origin[1], self.origin[2]
         column = math.floor((math.cos(yaw) * dx + math.sin(yaw) * dy) / self.resolution)
         row = math.floor((math.cos(yaw) * dy - math.sin(yaw) * dx) / self.resolution)
@@ -57,7 +57,7 @@ class Occupancy:
 
 
 class _Head(msgspec.Struct):
-    """What the YAML file says, by map_server's names; keys of other tools are ignored."""
+    """Content of the YAML file, by map_server's names; unknown keys are ignored."""
 
     image: str
     resolution: Annotated[float, Meta(ge=FINEST, le=COARSEST)]
@@ -69,7 +69,7 @@ class _Head(msgspec.Struct):
 
 
 def read_map(path: Path) -> Occupancy:
-    """The map that a YAML file describes.
+    """The map of a YAML file.
 
     Raises:
         MapError: the file or its picture cannot be read, or does not describe a map.
@@ -78,7 +78,7 @@ def read_map(path: Path) -> Occupancy:
     head = _head(path)
     image = path.parent / head.image
     grey = _pixels(image)
-    if head.mode == "raw":  # the occupancy in per cent
+    if head.mode == "raw":  # occupancy in per cent
         occupied, free = (grey <= 100) & (grey >= 100 * head.occupied_thresh), grey <= 100 * head.free_thresh
     else:
         darkness = (grey if head.negate else 255 - grey.astype(np.int16)) / 255.0
@@ -87,11 +87,7 @@ def read_map(path: Path) -> Occupancy:
 
 
 def read_yaml(path: Path) -> Any:
-    """What a YAML file says.
-
-    Raises:
-        MapError, UsageError: as `read_map`.
-    """
+    """Content of a YAML file; raises as `read_map`."""
     try:
         import yaml
     except ModuleNotFoundError as error:
@@ -105,7 +101,7 @@ def read_yaml(path: Path) -> Any:
 
 
 def converted(path: Path, found: Any, kind: type[_Struct]) -> _Struct:
-    """What a file says as `kind`; a MapError names the place where it is something else."""
+    """The content of a file as `kind`; raises MapError with the place of an invalid value."""
     try:
         return msgspec.convert(found, kind)
     except msgspec.ValidationError as error:
@@ -130,7 +126,7 @@ def _pixels(path: Path) -> NDArray[np.uint8]:
         raise missing_library("reading a map", "pillow", "maps") from error
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # there is a limit of our own
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # MOST_CELLS is the limit
             with Image.open(path, formats=("PPM", "PNG", "BMP")) as picture:
                 width, height = picture.size
                 if width * height > MOST_CELLS:
@@ -140,11 +136,11 @@ def _pixels(path: Path) -> NDArray[np.uint8]:
                 return np.flipud(np.asarray(picture.convert("L")))
     except Image.DecompressionBombError:
         raise as_map_error(path, "", f"has too many pixels, at most {MOST_CELLS:,} can be read") from None
-    except (OSError, SyntaxError, ValueError) as error:  # the errors of broken pictures
-        text = getattr(error, "strerror", None) or "is no whole PGM, PNG or BMP picture"
+    except (OSError, SyntaxError, ValueError) as error:  # errors of damaged pictures
+        text = getattr(error, "strerror", None) or "is not a complete PGM, PNG or BMP picture"
         raise as_map_error(path, "", text) from None
 
 
 def as_map_error(path: Path, place: str, text: str) -> MapError:
-    """The error of what is wrong at a place in a file; "" for all of it."""
+    """Error at a place in a file; "" for the whole file."""
     return MapError(str(path), [Problem(place, text)])

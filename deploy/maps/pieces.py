@@ -1,10 +1,11 @@
-"""An occupancy grid as convex obstacles, to the safe side within a stated error.
+"""Conversion of an occupancy grid to convex obstacles that cover it, within a stated error.
 
-Every piece is the convex hull of cells, so that pieces cover all cells they were made of. A piece is accepted
-if it overlaps no cell that is farther than the error from all solid ones: then every point of an obstacle is
-within the error of a solid cell. Sets of cells whose hull is not accepted are split, and neighbours are
-joined again where that is accepted. Solid is all that no robot gets into; covered are the solid cells that
-free ones touch, for what lies behind those cannot be reached.
+Every piece is the convex hull of cells, so pieces cover all cells they are made of. A piece is accepted if it
+overlaps no cell farther than the error from all solid ones; then every point of an obstacle is within the
+error
+of a solid cell. Sets of cells whose hull is not accepted are split, and neighbours are joined again if
+accepted. Solid cells are those that no robot can enter; only solid cells that touch free ones are covered,
+since robots cannot reach the others.
 """
 
 from __future__ import annotations
@@ -21,17 +22,19 @@ from deploy.maps.occupancy import Mask, Occupancy
 from protocol.scenario.model import Point
 
 _AROUND: Final = np.ones((3, 3), dtype=bool)
-_CUTS: Final = (0.25, 0.5, 0.75)  # of the cells, where a set may be split along each axis
-_MANY: Final = 500  # cells; a larger set is halved before cuts are compared
-_MOST_CORNERS: Final = 64  # that a polygon of a scenario may have
+_CUTS: Final = (0.25, 0.5, 0.75)  # quantiles at which a set may be split along each axis
+_MANY: Final = 500  # cells; a larger set is halved without comparing cuts
+_MOST_CORNERS: Final = 64  # of a polygon in a scenario
 Ints = NDArray[np.intp]
 _Corner = tuple[int, int]
 _Point = TypeVar("_Point", _Corner, Point)
 
 
 class PlanOfPieces(NamedTuple):
-    """What a map is for robots: the rectangle around the free space they fit into (corners, m), the convex
-    obstacles in it (corners, m), and which cells are part of that free space."""
+    """A map for robots: the rectangle around the free space they fit into (corners, m), the convex obstacles
+    in it
+    (corners, m), and the cells of that free space.
+    """
 
     workspace: tuple[Point, ...]
     obstacles: list[tuple[Point, ...]]
@@ -46,14 +49,14 @@ def floor_plan(
     unknown_is_free: bool = False,
     rim: bool = False,
 ) -> PlanOfPieces:
-    """Obstacles that cover all that is not free, and reach at most `error` (m) into what is.
+    """Obstacles that cover all cells that are not free, and reach at most `error` (m) into free ones.
 
     Args:
         grid: the map.
         error: m.
-        radius: of the smallest robot, m; free space that it does not fit into anywhere is left out.
-        unknown_is_free: whether robots may go where the map knows nothing.
-        rim: whether obstacles cover the cells around the workspace as well, for a workspace that is larger.
+        radius: of the smallest robot, m; free space too narrow for it everywhere is left out.
+        unknown_is_free: whether robots may enter unknown cells.
+        rim: whether obstacles also cover the cells around the workspace, for a larger workspace.
     """
     solid = grid.occupied if unknown_is_free else grid.occupied | grid.unknown
     free = _roomy(~solid, radius / grid.resolution)
@@ -81,7 +84,7 @@ def _roomy(free: Mask, radius: float) -> Mask:
 
 
 def _near(solid: Mask, error: float) -> Mask:
-    """Cells of which every point is within `error` (cells) of a solid cell: as far as the centres are."""
+    """Cells within `error` (cells) of a solid cell, measured between centres."""
     if not solid.any():
         return solid
     away = np.asarray(ndimage.distance_transform_edt(~solid))
@@ -90,14 +93,14 @@ def _near(solid: Mask, error: float) -> Mask:
 
 
 class _Forbidden:
-    """How many cells that no obstacle may overlap lie in a convex polygon."""
+    """Counts the cells of a convex polygon that no obstacle may overlap."""
 
     def __init__(self, allowed: Mask) -> None:
         self._before = np.zeros((allowed.shape[0], allowed.shape[1] + 1), dtype=np.intp)
         np.cumsum(~allowed, axis=1, out=self._before[:, 1:])
 
     def inside(self, hull: list[_Corner]) -> int:
-        """Of the corners (column, row), counterclockwise from the lowest, then leftmost one."""
+        """Corners are (column, row), counterclockwise from the lowest, then leftmost one."""
         top = max(range(len(hull)), key=lambda n: (hull[n][1], hull[n][0]))
         right, left = np.array(hull[: top + 1]), np.array([hull[0], *hull[: top - 1 : -1]])
         rows = np.arange(hull[0][1], hull[top][1] + 1)
@@ -110,14 +113,14 @@ class _Forbidden:
 
 
 def _outermost(rows: Ints, chain: Ints, pick: np.ufunc) -> NDArray[np.float64]:
-    """Where a chain of corners that goes up is in each row; of a level side its outer end."""
+    """Column of an ascending chain of corners in each row; the outer end of a level side."""
     flat = np.interp(rows, chain[:, 1], chain[:, 0])
     pick.at(flat, chain[:, 1] - rows[0], chain[:, 0].astype(np.float64))
     return flat
 
 
 class _Piece(NamedTuple):
-    """A convex polygon, and how many cells it overlaps that it must not."""
+    """A convex polygon, and the number of forbidden cells that it overlaps."""
 
     hull: list[_Corner]
     bad: int
@@ -139,7 +142,7 @@ def _piece(points: list[_Corner], forbidden: _Forbidden) -> _Piece:
 
 
 def _around(rows: Ints, columns: Ints, forbidden: _Forbidden) -> _Piece:
-    """The hull of cells."""
+    """Hull of cells."""
     base = rows.min()
     left = np.full(rows.max() - base + 2, np.iinfo(np.intp).max)  # of the corners at each height
     right = np.full(len(left), -1)
@@ -155,7 +158,7 @@ def _around(rows: Ints, columns: Ints, forbidden: _Forbidden) -> _Piece:
 
 
 def _split(rows: Ints, columns: Ints, forbidden: _Forbidden) -> Iterator[_Piece]:
-    """Hulls that are accepted: a set of cells is cut where that leaves least forbidden, again and again."""
+    """Accepted hulls of parts of a set of cells, cut repeatedly where the fewest forbidden cells remain."""
     waiting = [(rows, columns, _around(rows, columns, forbidden))]
     while waiting:
         rows, columns, whole = waiting.pop()
@@ -183,7 +186,7 @@ def _best_cut(rows: Ints, columns: Ints, forbidden: _Forbidden) -> list[tuple[In
 
 
 def _cuts(along: Ints) -> Iterator[Mask]:
-    """Which cells are on the low side of each cut across one axis."""
+    """Cells on the low side of each cut across one axis."""
     middle = (int(along.min()) + int(along.max())) // 2
     others = np.quantile(along, _CUTS).astype(np.intp).tolist() if len(along) <= _MANY else []
     for place in sorted({middle, *others}):
@@ -193,7 +196,7 @@ def _cuts(along: Ints) -> Iterator[Mask]:
 
 
 def _joined(pieces: list[_Piece], forbidden: _Forbidden) -> list[_Piece]:
-    """The same with neighbours joined as long as their common hull is accepted."""
+    """The pieces, with neighbours joined if their common hull is accepted."""
     pieces, there = list(pieces), np.ones(len(pieces), dtype=bool)
     low = np.array([np.min(each.hull, axis=0) for each in pieces])
     high = np.array([np.max(each.hull, axis=0) for each in pieces])
@@ -218,7 +221,7 @@ def hull(points: Iterable[_Point]) -> list[_Point]:
 
 
 def _chain(points: list[_Point]) -> list[_Point]:
-    """Those of a sequence of points at which the line around its right-hand side turns left."""
+    """Points of a sequence at which its right-hand hull turns left."""
     chain: list[_Point] = []
     for x, y in points:
         while len(chain) > 1:

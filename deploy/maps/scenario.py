@@ -22,7 +22,7 @@ _ERROR = FloorPlan("").error
 
 
 def map_scenario(file: Path, count: int, radius: float, seed: int, folder: Path, error: float) -> Scenario:
-    """A scenario whose `map` is `file`, to be written into `folder`; it is checked, and keeps the map.
+    """A checked scenario with the map `file`, to be written into `folder`.
 
     Raises:
         MapError, UsageError: as `on_map`.
@@ -36,8 +36,9 @@ def map_scenario(file: Path, count: int, radius: float, seed: int, folder: Path,
 def on_map(
     file: Path, count: int, radius: float, seed: int, *, speed: float = 0.5, error: float = _ERROR
 ) -> Document:
-    """The document of a scenario of `count` robots of `radius` (m) whose `map` is `file`, with obstacles that
-    reach at most `error` (m) into free space.
+    """Document of a scenario with the map `file`: `count` robots of `radius` (m), with obstacles that reach
+    at most
+    `error` (m) into free space.
 
     Raises:
         MapError: the file describes no map.
@@ -63,14 +64,14 @@ def on_map(
 
 
 def library_map(name: str, count: int, seed: int) -> Document:
-    """The same on a map of the library, with the obstacles in place of the map."""
+    """`on_map` for a map of the library, with obstacles in place of the map."""
     folder = Path(__file__).parents[1] / "library" / "maps"
     document = on_map(folder / f"{name}.yaml", count, 0.2, seed)
     return expanded(document, folder, document["name"])
 
 
 def _room(grid: Occupancy, clear: float) -> Mask:
-    """The largest connected part of the cells that are `clear` (cells) of everything."""
+    """The largest connected part of the cells that are more than `clear` (cells) from all others."""
     free = np.pad(~(grid.occupied | grid.unknown), 1)
     away = np.asarray(ndimage.distance_transform_edt(free))[1:-1, 1:-1]
     parts, count = ndimage.label(away > clear + 1.0)

@@ -75,7 +75,7 @@ def test_moving_ai_counts_rows_from_the_north_and_gives_every_robot_cells_of_its
     ]
     boxes = sorted(obstacle.shape.box for obstacle in scenario.obstacles)
     assert boxes == [((0.0, 0.0), (1.0, 1.0)), ((2.0, 1.0), (4.0, 2.0))]
-    with pytest.raises(UsageError, match="2 starts and goals"):
+    with pytest.raises(UsageError, match="2 compatible starts and goals"):
         imported(tmp_path / "m.scen", Options(robots=3))
 
 
@@ -103,7 +103,7 @@ def test_smglib_brings_its_walls_in_any_order_of_corners(tmp_path: Path) -> None
         ("doorway.xml", SMG[:-9], "not XML"),
         ("doorway.xml", SMG.replace('size="0.3"', 'size="big"'), "default_parameters.size"),
         ("doorway.xml", SMG.replace("0 0 0", "0 1 0"), "blocked cells"),
-        ("a.txt", "", "not known by its name"),
+        ("a.txt", "", "unknown suffix"),
     ],
 )
 def test_what_is_wrong_is_named_with_file_and_place(tmp_path: Path, name: str, text: str, said: str) -> None:

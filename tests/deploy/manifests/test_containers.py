@@ -61,7 +61,7 @@ def test_compose_gives_everybody_their_own_key_and_no_privileges(tmp_path: Path,
         assert service["cap_drop"] == ["ALL"]
         assert service["read_only"] is True
         assert "ports" not in service
-        assert service["image"] == "localhost/disknav"  # nothing that could be fetched from somebody else
+        assert service["image"] == "localhost/disknav"  # not an image of a registry
     assert all((folder / entry["file"]).is_file() for entry in project["secrets"].values())
     assert parse_toml((folder / "scenario.toml").read_text()) == SCENARIO
     assert project["services"]["world"]["volumes"] == ["./scenario.toml:/config/scenario.toml:ro"]
