@@ -1,1 +1,1 @@
-"""The navigation function of Karagoz, Bozma, Koditschek over whole configurations, and its theory."""
+"""Theory of the navigation function of Karagoz, Bozma, Koditschek, for whole configurations."""

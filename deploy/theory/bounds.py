@@ -1,23 +1,24 @@
 """Assumptions 1 and 2 on the goals (section 2.3), over all clusters of robots, and the bounds on k from them.
 
-Both assumptions are sufficient, and by the paper's own word very conservative: its simulations never check
-them. Of up to 12 robots every cluster is looked at, of more one bounding row per cluster size.
+Both assumptions are sufficient and, by the paper's own word, very conservative: its simulations do not check
+them. Up to 12 robots every cluster is evaluated, beyond that one bounding row per cluster size.
 
-How far a cluster can stretch, Lambda' and Lambda'' of equations (7) and (8):
+Stretch of a cluster, Lambda' and Lambda'' of equations (7) and (8):
 In a cluster, neighbours i, j are at most a_ij = sqrt(rho_ij^2 + eps) apart, and by Minkowski
 a_ij <= s_i + s_j with s_i = sqrt(rho_i^2 + eps/4), with equality for equal radii. So two members h hops
-apart are at most U_h apart, where U_h is s_i + s_j + 2 (h - 1 others), largest members counted, and of
-course never more than the workspace allows. Removing a leaf of a spanning tree shows that a cluster of n
-has at most (n - h)(n - h + 1) / 2 pairs that are h or more hops apart, and that at most n - h members are
-so far from a given one. As ||v||^2 = (1/n) sum of delta_ij^2, both objectives increase with every
-distance, so replacing the pairs h hops apart by U_h bounds both. A straight chain attains every one of
-these inequalities when the radii are equal and it fits into the workspace: then the value is exact.
+apart are at most U_h apart, where U_h is s_i + s_j + 2 (h - 1 others), with the largest members, and at most
+what the workspace allows. Removing a leaf of a spanning tree shows that a cluster of n has at most
+(n - h)(n - h + 1) / 2 pairs that are h or more hops apart, and that at most n - h members are that far from a
+given one. As ||v||^2 = (1/n) sum of delta_ij^2, both objectives increase with every distance, so replacing
+the
+pairs h hops apart by U_h bounds both. A straight chain attains all these inequalities when the radii are
+equal
+and it fits into the workspace: then the value is exact.
 
-The bounds are K1 (C.5, E.16), K2 (C.4, E.15), K3 (C.3), N1 and N2 (D.2).
-Each is a maximum over configurations. What is returned is a proven upper bound of it, built from
-gamma <= sum (|g_i| + |b_i|)^2 and the stretch of a cluster; K1 comes with a lower end as well.
-
-Bounds are for one eps, or for the eps that proves most: the one with the smallest K.
+The bounds are K1 (C.5, E.16), K2 (C.4, E.15), K3 (C.3), N1 and N2 (D.2), each a maximum over configurations.
+The results are proven upper bounds of these, from gamma <= sum (|g_i| + |b_i|)^2 and the stretch of
+clusters; K1
+also has a lower end. They are for one eps, or for the eps with the smallest K.
 
 Two formulas of the report do not do what they claim, and are replaced:
 
@@ -28,9 +29,10 @@ k > K21 + (sigma2 + sigma3) gamma / A suffices, and K2 here is that sum.
 
 N2 = max -v^T A v / |H^T v|^2 over F1(eps) equals max gamma lambda_max(L1 L1^T - L0 L0^T), which is infinite
 since beta_ij may vanish. It cannot be saved: k > N2 would make every critical point in F1(eps) a minimum,
-against Proposition C.4. Non-degeneracy is therefore not proven by this route. Convergence from almost
-every start does not need it: by C.4 every other critical point has a direction of negative curvature,
-and the set attracted by such strict saddles has measure zero, degenerate or not.
+against Proposition C.4. So non-degeneracy is not proven by this route. Convergence from almost every start
+does
+not need it: by C.4 every other critical point has a direction of negative curvature, and the set attracted by
+such strict saddles has measure zero, degenerate or not.
 """
 
 from __future__ import annotations
@@ -50,11 +52,11 @@ LARGEST_ENUMERATION = 12
 
 @dataclass(frozen=True)
 class Family:
-    """S clusters at once. With `enumerated` false, row n - 1 stands for all clusters of n robots.
+    """S clusters. If not `enumerated`, row n - 1 bounds all clusters of n robots.
 
     radii: (S, p) m, members first, largest first, nan for the rest; spread: (S,) m, sum of |g_ij| over the
-    pairs (a lower bound for rows that stand for several); norms: (S,) m, sum of |g_i| (an upper bound for
-    such rows); members: (S, p), None when rows stand for several.
+    pairs (a lower bound for bounding rows); norms: (S,) m, sum of |g_i| (an upper bound for such rows);
+    members: (S, p), None for bounding rows.
     """
 
     sizes: NDArray[np.int64]
@@ -69,12 +71,12 @@ class Family:
         return self.members is not None
 
     def names(self, row: int) -> tuple[int, ...] | None:
-        """Robot indices of one cluster, None when the row stands for several."""
+        """Robot indices of one cluster, None for a bounding row."""
         return None if self.members is None else tuple(int(i) for i in np.flatnonzero(self.members[row]))
 
 
 def family(problem: FleetProblem) -> Family:
-    """All non-empty subsets of up to 12 robots, or one bounding row per size beyond that."""
+    """All non-empty subsets of up to 12 robots, or one bounding row per size."""
     return _every(problem) if problem.p <= LARGEST_ENUMERATION else _bounds(problem)
 
 
@@ -108,8 +110,9 @@ def _bounds(problem: FleetProblem) -> Family:
 class Stretch:
     """Lambda' and Lambda'' of each cluster of a family, and the largest ||v||^2 and distance.
 
-    All (S,); lengths in m, `circulation` in m^2. `exact` tells where the values are attained by a straight
-    chain (given room for the other robots beside it); elsewhere they are proven upper bounds.
+    All (S,); lengths in m, `circulation` in m^2. `exact`: the values are attained by a straight chain
+    (with room
+    for the other robots beside it); otherwise they are proven upper bounds.
     """
 
     first: Array
@@ -147,7 +150,7 @@ def stretch(problem: FleetProblem, clusters: Family, eps: float) -> Stretch:
 
 
 def smallest_contact(problem: FleetProblem) -> float:
-    """rho' = min over Q of rho_ij, over all robots, m; a lone robot's diameter, which nothing uses."""
+    """rho' = min over Q of rho_ij, over all robots, m; for one robot its diameter, which is not used."""
     return float(np.sort(problem.radii)[:2].sum()) if problem.p > 1 else 2.0 * float(problem.radii[0])
 
 
@@ -159,14 +162,14 @@ def chain(radii: Array, eps: float) -> Array:
 
 
 def first_objective(points: Array, spacing: float) -> float:
-    """What (7) maximises, at one cluster's centres (n, 2): sum of delta_ij + (2n - 2)/rho' ||v||^2, m."""
+    """Objective of (7) at one cluster's centres (n, 2): sum of delta_ij + (2n - 2)/rho' ||v||^2, m."""
     n = len(points)
     distances = np.linalg.norm(points[:, None] - points[None], axis=2)
     return float(distances.sum() / 2.0 + (2 * n - 2) / spacing * ((points - points.mean(axis=0)) ** 2).sum())
 
 
 def heavy_middle(radii: Array) -> Array:
-    """The same radii ordered for a long chain: smallest at the ends, largest in the middle."""
+    """The radii ordered for a long chain: smallest at the ends, largest in the middle."""
     ordered = np.sort(radii)
     return np.concatenate([ordered[::2], ordered[1::2][::-1]])
 
@@ -176,12 +179,12 @@ Status = Literal["holds", "violated", "not shown"]
 
 @dataclass(frozen=True)
 class Margins:
-    """Left-hand side minus right-hand side for each cluster, m; an assumption holds where it is positive.
+    """Left-hand side minus right-hand side for each cluster, m; an assumption holds if it is positive.
 
     first: Assumption 1, sum of |g_ij| - Lambda'. second: Assumption 2. sides: sqrt(rho''^2 - eps) minus the
     longest distance in the cluster; the proof of Proposition C.3 replaces the weights 1 + alpha_0n by 1,
     which needs every single term |b_z'| - delta_nz' to be non-negative, not only their sum.
-    Assumption 1 starts at two robots; Proposition C.3 also needs Assumption 2 for single ones.
+    Assumption 1 concerns two or more robots; Proposition C.3 also needs Assumption 2 for single ones.
     """
 
     clusters: Family
@@ -192,7 +195,7 @@ class Margins:
 
     @property
     def hold(self) -> bool:
-        """Whether everything the proofs of Propositions C.3 and C.4 need is shown."""
+        """Whether all that the proofs of Propositions C.3 and C.4 need is shown."""
         margins = (self.first, self.second, self.sides)
         return bool(all((margin > 0.0).all() for margin in margins))
 
@@ -208,9 +211,9 @@ def margins(problem: FleetProblem, eps: float, clusters: Family | None = None) -
 
 
 def largest_eps(problem: FleetProblem, clusters: Family | None = None) -> float | None:
-    """Supremum of the eps at which both assumptions are shown, m^2; None when there is none.
+    """Supremum of the eps at which both assumptions are shown, m^2; None if there is none.
 
-    All margins fall as eps grows, so when they fail at eps = 0 they fail everywhere.
+    All margins decrease as eps grows, so if they fail at eps = 0 they fail everywhere.
     """
     rows = family(problem) if clusters is None else clusters
     if not margins(problem, 0.0, rows).hold:
@@ -223,7 +226,7 @@ def largest_eps(problem: FleetProblem, clusters: Family | None = None) -> float 
 
 
 def first_status(problem: FleetProblem, found: Margins, row: int, eps: float) -> Status:
-    """Assumption 1 for one cluster; "not shown" when only the upper bound of Lambda' exceeds the spread."""
+    """Assumption 1 for one cluster; "not shown" if only the upper bound of Lambda' exceeds the spread."""
     if found.first[row] > 0.0:
         return "holds"
     members = found.clusters.names(row)
@@ -236,7 +239,7 @@ def first_status(problem: FleetProblem, found: Margins, row: int, eps: float) ->
 
 
 def second_status(found: Margins, row: int) -> Status:
-    """Assumption 2 for one cluster; a bounded Lambda'' leaves it open."""
+    """Assumption 2 for one cluster; "not shown" if only the upper bound of Lambda'' fails."""
     if found.second[row] > 0.0:
         return "holds"
     return "violated" if found.stretch.exact[row] else "not shown"
@@ -244,7 +247,7 @@ def second_status(found: Margins, row: int) -> Status:
 
 @dataclass(frozen=True)
 class Interval:
-    """The true maximum over configurations lies in [low, high]."""
+    """Bounds of the true maximum over configurations."""
 
     low: float
     high: float
@@ -252,7 +255,7 @@ class Interval:
 
 @dataclass(frozen=True)
 class Bounds:
-    """At this eps (m^2): phi is polar for k > K. `n2` is infinite, see the module."""
+    """Bounds at this eps (m^2): phi is polar for k > K. `n2` is infinite, as the module explains."""
 
     eps: float
     k1: Interval
@@ -287,7 +290,7 @@ def _pair_reach(problem: FleetProblem, eps: float) -> Array:
 
 
 def _outer_reach(problem: FleetProblem, clusters: Family, eps: float) -> Array:
-    """Sum over Q* of sqrt(rho_ij^2 + eps), (S,) m; over all of Q for rows that stand for several clusters."""
+    """Sum over Q* of sqrt(rho_ij^2 + eps), (S,) m; over all of Q for bounding rows."""
     lengths = _pair_reach(problem, eps)
     total = 0.5 * lengths.sum()
     if clusters.members is None:
@@ -298,7 +301,7 @@ def _outer_reach(problem: FleetProblem, clusters: Family, eps: float) -> Array:
 
 
 def k1(problem: FleetProblem, eps: float) -> Interval:
-    """Proposition C.5. The lower end is attained at the goals turned by half a turn, where they lie in F2."""
+    """Proposition C.5. The goals rotated by half a turn attain the lower end if they lie in F2."""
     slopes = 0.5 * np.sqrt(2.0) * _pair_reach(problem, eps).sum()
     slopes += np.sqrt(np.maximum(problem.reach**2 - eps, 0.0)).sum()
     away = bool((obstacle_functions(problem, problem.goals) > eps).all())
@@ -342,7 +345,7 @@ def k3(problem: FleetProblem, found: Margins, eps: float) -> float:
 
 
 def bounds(problem: FleetProblem, eps: float, clusters: Family | None = None) -> Bounds | None:
-    """All bounds at one eps (m^2); None where Assumptions 1 and 2 are not shown at this eps."""
+    """All bounds at one eps (m^2); None if Assumptions 1 and 2 are not shown there."""
     found = margins(problem, eps, clusters)
     if not found.hold:
         return None
@@ -358,9 +361,9 @@ def bounds(problem: FleetProblem, eps: float, clusters: Family | None = None) ->
 
 
 def best_bounds(problem: FleetProblem) -> Bounds | None:
-    """Bounds at the best eps; None when the assumptions fail for every eps.
+    """Bounds at the best eps; None if the assumptions fail for every eps.
 
-    K falls like 1/eps^2 for small eps and grows without limit where a margin vanishes.
+    K falls as 1/eps^2 for small eps, and grows without limit as a margin vanishes.
     """
     clusters = family(problem)
     limit = largest_eps(problem, clusters)

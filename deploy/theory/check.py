@@ -1,4 +1,4 @@
-"""The report of `disknav check`: the theory for a scenario, and what is seen in practice at the k in use."""
+"""The report of `disknav check` on robots alone in a disk: theory, and the exact flow at this k."""
 
 from __future__ import annotations
 
@@ -9,9 +9,6 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from rich.console import Group, RenderableType
-from rich.table import Table
-from rich.text import Text
 
 from deploy.theory.bounds import Bounds, Margins, Status, best_bounds, first_status, margins, second_status
 from deploy.theory.exact_flow import (
@@ -32,18 +29,20 @@ from world.judge.clearance import Disks
 from world.judge.measures import Goals, tight
 
 LARGEST = 32  # robots
-SEARCHED = 12  # robots up to which equilibria are looked for
+SEARCHED = 12  # largest number of robots for a search of equilibria
 RANDOM_STARTS = 10
 
 
 @dataclass(frozen=True)
 class Practice:
-    """arrived, nrl, rest: from the scenario's own start; the random starts are drawn from its seed.
+    """Behaviour of the exact flow from the scenario's start and from random starts.
 
-    rest: the kind of equilibrium at which that start comes to rest, None when it arrives or nowhere rests.
-
-    equilibria: how many were found of each kind, such as "saddle of index 2", the goal left out; empty
-    when they were not looked for. other_minima: equilibria besides the goal that attract.
+    Attributes:
+        arrived, nrl: from the scenario's start.
+        rest: kind of equilibrium at which that start comes to rest; None if it arrives, or rests nowhere.
+        equilibria: number found of each kind, such as "saddle of index 2", without the goal; empty if not
+            `searched`.
+        other_minima: number of minima besides the goal.
     """
 
     arrived: bool
@@ -57,7 +56,7 @@ class Practice:
 
 
 def practice(problem: FleetProblem, start: Array, seed: int) -> Practice | None:
-    """Follow the flow and look for equilibria; None beyond 32 robots or when start or goal is not free."""
+    """Follow the flow and search for equilibria; None beyond 32 robots, or if start or goal is not free."""
     if problem.p > LARGEST or not (in_free_space(problem, start) and in_free_space(problem, problem.goals)):
         return None
     starts = _random_starts(problem, seed)
@@ -103,7 +102,7 @@ class Free:
 
 @dataclass(frozen=True)
 class Shortfall:
-    """A cluster for which an assumption is not shown. Ids, None when it stands for all clusters of its size.
+    """A cluster for which an assumption is not shown: robot ids, or None for all clusters of its size.
 
     margin: left-hand side minus right-hand side, m, not positive.
     """
@@ -122,12 +121,12 @@ class Assumption:
     worst: float
     clusters: int
     failing: int
-    shortfalls: tuple[Shortfall, ...]  # smallest clusters first, then the widest gap; at most LISTED
+    shortfalls: tuple[Shortfall, ...]  # at most LISTED; smallest clusters first, then smallest margins
 
 
 @dataclass(frozen=True)
 class Certified:
-    """What a stored certificate proves, None when nothing yet, or why it was refused."""
+    """K of a stored certificate, None if it proves nothing yet; or the reason why it was refused."""
 
     file: str
     k: float | None
@@ -136,10 +135,10 @@ class Certified:
 
 @dataclass(frozen=True)
 class CheckReport:
-    """Everything `disknav check` says. Lengths in m, eps in m^2.
+    """Results of `disknav check`. Lengths in m, eps in m^2.
 
-    exact: every cluster was looked at and Lambda', Lambda'' are attained; else they are proven upper bounds.
-    bounds: at the best eps, None where the assumptions are not shown.
+    exact: all clusters were evaluated, and Lambda', Lambda'' are attained; otherwise they are upper bounds.
+    bounds: at the best eps; None if the assumptions are not shown.
     """
 
     scenario: str
@@ -162,12 +161,12 @@ class CheckReport:
 
     @property
     def guaranteed(self) -> bool:
-        """Whether the theory covers the k in use."""
+        """Whether the theory covers this k."""
         return self.bounds is not None and self.k > self.bounds.polar
 
 
 def to_json(found: CheckReport) -> dict[str, Any]:
-    """Plain data; an infinite number becomes None, since JSON has none."""
+    """Plain data, with None for infinite numbers."""
     plain = finite(asdict(found)) | {"guaranteed": found.guaranteed}
     if found.bounds is not None:
         plain["bounds"] |= {"k2": found.bounds.k2, "polar": found.bounds.polar}
@@ -175,7 +174,7 @@ def to_json(found: CheckReport) -> dict[str, Any]:
 
 
 def finite(value: Any) -> Any:
-    """Plain data with None for every number that is not finite."""
+    """Plain data, with None for numbers that are not finite."""
     if isinstance(value, dict):
         return {key: finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -190,10 +189,11 @@ def _orientation(b: Array, triple: tuple[int, int, int]) -> float:
 
 
 def mirrored_triples(problem: FleetProblem, start: Array) -> list[tuple[int, int, int]]:
-    """Triples of robots (indices, from 0) whose goals are unreachable from `start`, whatever the controller.
+    """Triples of robots (indices, from 0) whose goals are unreachable from `start` for any controller.
 
-    To change their orientation three centres must be collinear at some time, and then the disks take
-    2 (rho_i + rho_j + rho_k) of one chord, at most 2 rho_0. So with rho_i + rho_j + rho_k > rho_0 the
+    To change their orientation three centres must be collinear at some time; the disks then take
+    2 (rho_i + rho_j + rho_k) of one chord, which is at most 2 rho_0. So with rho_i + rho_j + rho_k > rho_0
+    the
     orientation of the triple never changes. The condition is sufficient for unreachability, not necessary.
     """
     return sorted(
@@ -204,7 +204,7 @@ def mirrored_triples(problem: FleetProblem, start: Array) -> list[tuple[int, int
 
 
 def _wide_triples(problem: FleetProblem) -> Iterator[tuple[int, int, int]]:
-    """Triples with rho_i + rho_j + rho_k > rho_0; largest first, so that few of many disks are looked at."""
+    """Triples with rho_i + rho_j + rho_k > rho_0, searched from the largest disks."""
     order = [int(i) for i in np.argsort(-problem.radii)]
     radius = problem.radii
     for first in range(problem.p - 2):
@@ -218,13 +218,13 @@ def _wide_triples(problem: FleetProblem) -> Iterator[tuple[int, int, int]]:
                 yield i, j, k
 
 
-LISTED = 5  # shortfalls that are spelled out
+LISTED = 5  # shortfalls in a report
 
 
 def report(scenario: Scenario, certificate: Certified | None = None) -> CheckReport:
     """Evaluate the theory for a valid scenario, and follow the exact flow from some starts.
 
-    Takes from milliseconds to a few seconds; the part about practice is left out beyond 32 robots.
+    Takes from milliseconds to a few seconds; beyond 32 robots `practice` is left out.
     """
     problem, start, ids = _problem(scenario)
     found = margins(problem, 0.0)
@@ -253,7 +253,7 @@ def report(scenario: Scenario, certificate: Certified | None = None) -> CheckRep
 
 
 def _problem(scenario: Scenario) -> tuple[FleetProblem, Array, tuple[int, ...]]:
-    """The problem, the start, and robot ids, all in order of id."""
+    """Problem, start and robot ids, in order of id."""
     specs = [scenario.spec(robot) for robot in scenario.ids]
     radii = np.array([spec.radius for spec in specs])
     workspace, k = scenario.workspace.disk_radius, scenario.control.k
@@ -294,189 +294,3 @@ def _assumption(
 def _names(ids: tuple[int, ...], found: Margins, row: int) -> tuple[int, ...] | None:
     members = found.clusters.names(row)
     return None if members is None else tuple(ids[i] for i in members)
-
-
-CAVEAT = (
-    "The conditions are sufficient and very conservative; the paper's own simulations never check them. "
-    "Where they fail the theory says nothing about arrival."
-)
-
-
-def scope(scenario: Scenario) -> list[str]:
-    """Which of these statements hold for another law than the paper's, and what external bases rely on."""
-    law, said = scenario.control.law, []
-    if law == "external":
-        said.append(
-            "The law is external: bounds on k do not concern it, and arrival depends on the planners."
-        )
-    elif law != "gradient":
-        said.append(f"Bounds on k concern the law gradient; that {law} arrives is not proven for any k.")
-    if scenario.is_external and scenario.control.filter != "none":
-        said += [
-            "",
-            "External bases: no collision, as long as these stated bounds hold; nothing here measures them.",
-            *_stated(scenario),
-        ]
-    return said
-
-
-def _stated(scenario: Scenario) -> Iterator[str]:
-    """Times of external bases, one line for all robots that share them."""
-    robots: dict[str, list[str]] = {}
-    for robot in scenario.ids:
-        body, base = scenario.body_of(robot), scenario.base_of(robot)
-        if base is not None:
-            stands = scenario.world.lease + body.hold + body.speed / body.acceleration
-            age = base.age + base.latency
-            text = (
-                f"goes on for {base.patience:g} s after a tick without the next, for {base.timeout:g} s "
-                f"without its process; messages take at most {base.latency:g} s; odometry is at most "
-                f"{age:g} s old; stands at most {stands:.2g} s after its newest confirmed command"
-            )
-            robots.setdefault(text, []).append(str(robot))
-    for text, ids in robots.items():
-        yield f"robot {', '.join(ids)}: {text}"
-
-
-def render(found: CheckReport) -> RenderableType:
-    """Tables and sentences for the terminal."""
-    parts: list[RenderableType] = [_facts(found), Text()]
-    parts += [
-        Text(line) for line in _assumption_text("Assumption 1 (goals far enough apart)", found.assumption_1)
-    ]
-    parts += [
-        Text(line) for line in _assumption_text("Assumption 2 (goals off the boundary)", found.assumption_2)
-    ]
-    parts += [Text(_method(found), style="dim"), Text()]
-    if found.bounds is not None:
-        parts += [_bounds(found), Text()]
-    parts += [Text(line) for line in (*_verdict(found), CAVEAT, *_certificate(found), "", *_practice(found))]
-    return Group(*parts)
-
-
-def _facts(found: CheckReport) -> Table:
-    table = Table(title=found.scenario, show_header=False, title_justify="left")
-    table.add_row("robots", f"{found.robots}, covering {found.density:.0%} of the workspace")
-    table.add_row("start", _free_text(found.start))
-    table.add_row("goals", _free_text(found.goal))
-    table.add_row("tight", "not defined" if found.tight is None else f"{found.tight:.2f}")
-    rule = f"auto gives {found.automatic_k:.4g}"
-    table.add_row("k in use", f"{found.k:.4g} (auto)" if found.automatic else f"{found.k:.4g} ({rule})")
-    return table
-
-
-def _free_text(state: Free) -> str:
-    word = "in free space" if state.free else "NOT in free space"
-    return f"{word}, smallest clearance {state.clearance:.4f} m"
-
-
-def _assumption_text(name: str, found: Assumption) -> list[str]:
-    if found.status == "holds":
-        least = f", by {found.worst:.4f} m or more" if found.clusters else ""
-        return [f"{name}: holds for all clusters{least}"]
-    head = f"{name}: {found.status}, for {found.failing} of {found.clusters} clusters"
-    more = found.failing - len(found.shortfalls)
-    tail = [f"  ... and {more} more"] if more > 0 else []
-    return [head, *(_shortfall(entry) for entry in found.shortfalls), *tail]
-
-
-def _shortfall(entry: Shortfall) -> str:
-    if entry.robots is None:
-        robots = f"some {entry.size} robots"
-    else:
-        robots = "robots " + ", ".join(map(str, entry.robots))
-    return f"  {robots}: {entry.status}, short by {-entry.margin:.4f} m"
-
-
-def _method(found: CheckReport) -> str:
-    if not found.every_cluster:
-        return "More than 12 robots: bounded per cluster size; Lambda', Lambda'' are proven upper bounds."
-    how = "exact" if found.exact else "proven upper bounds, not always attained"
-    return f"All subsets of two or more robots; Lambda' and Lambda'' are {how}."
-
-
-def _bounds(found: CheckReport) -> Table:
-    bounds = found.bounds
-    assert bounds is not None
-    table = Table(title=f"Bounds on k at the best eps = {bounds.eps:.3g} m²", title_justify="left")
-    for column in ("bound", "value", "what k above it gives"):
-        table.add_column(column)
-    table.add_row("K1", f"{bounds.k1.low:.4g} to {bounds.k1.high:.4g}", "no critical point off all obstacles")
-    table.add_row("K21", f"at most {bounds.k21:.4g}", "clusters repel enough to turn (Lemma E.15)")
-    table.add_row("K2", f"at most {bounds.k2:.4g}", "no minimum where robots are close (K22 corrected)")
-    table.add_row("K3", f"at most {bounds.k3:.4g}", "no critical point near the outer boundary")
-    table.add_row("K", f"{bounds.polar:.4g}", "the goal is the only minimum (Proposition 3.1)")
-    table.add_row("N1", str(bounds.n1), "first part of Proposition D.2")
-    table.add_row("N2", "infinite", "Proposition D.2 cannot hold where saddles exist")
-    return table
-
-
-def _verdict(found: CheckReport) -> list[str]:
-    if found.unreachable:
-        triples = "; ".join(", ".join(map(str, triple)) for triple in found.unreachable)
-        return [
-            f"UNREACHABLE by any controller: robots {triples} can never stand in a line, so they cannot "
-            "change their orientation, and start and goal differ in it."
-        ]
-    if found.bounds is None and found.assumption_1.status == found.assumption_2.status == "holds":
-        return [
-            "Arrival is not proven for any k: Proposition C.3 also needs goals and clusters well off the rim."
-        ]
-    if found.bounds is None:
-        return ["Arrival is not proven for any k, since the assumptions are not shown."]
-    reach = "is above it: guaranteed" if found.guaranteed else "is below it: not covered"
-    return [
-        f"Proven: for k > {found.bounds.polar:.4g} the goal is the only minimum and almost every start leads "
-        f"there. k = {found.k:.4g} {reach}.",
-        "Not proven: that phi is Morse. Almost every start needs only that every other equilibrium has a "
-        "direction of descent, which K2 gives.",
-    ]
-
-
-def _certificate(found: CheckReport) -> list[str]:
-    stored = found.certificate
-    if stored is None:
-        return ["No certificate: `disknav certify` proves a k for these goals by computation."]
-    if stored.refused is not None:
-        return [f"Certificate refused: {stored.refused}"]
-    if stored.k is None:
-        return [f"{stored.file} proves nothing yet: the same `disknav certify` goes on with it."]
-    use = "is covered" if found.k >= stored.k else "is not covered"
-    return [
-        f"Certified by computation ({stored.file}): for every k >= {stored.k:.4g} the goal is the only "
-        f"minimum and every other critical point has a direction of descent. k = {found.k:.4g} {use}."
-    ]
-
-
-def _practice(found: CheckReport) -> list[str]:
-    seen = found.practice
-    if seen is None:
-        return ["In practice: not tried (more than 32 robots, or start or goal is not free)."]
-    own = f"arrives, nrl {seen.nrl:.2f}" if seen.arrived else _rest_text(seen.rest)
-    lines = [
-        f"In practice at k = {found.k:.4g}, exact flow: the scenario's start {own}; "
-        f"{seen.random_arrived} of {seen.random_starts} random starts arrive."
-    ]
-    if seen.searched:
-        kinds = ", ".join(_counted(count, kind) for kind, count in sorted(seen.equilibria.items()))
-        lines.append(f"Equilibria found besides the goal: {kinds or 'none'}; more may exist.")
-    if seen.other_minima:
-        lines.append(f"{seen.other_minima} of them attract: the fleet can come to rest there. Raise k.")
-    return lines
-
-
-def _counted(count: int, kind: str) -> str:
-    """`3 saddles of index 1`."""
-    noun, _, rest = kind.partition(" ")
-    plural = {"minimum": "minima"}.get(noun, f"{noun}s")
-    return " ".join(filter(None, (str(count), noun if count == 1 else plural, rest)))
-
-
-def _rest_text(kind: str | None) -> str:
-    if kind is None:
-        return "does NOT arrive"
-    if kind.startswith("saddle"):
-        return (
-            f"comes to rest at a {kind}, from where any disturbance leads on (such starts have measure zero)"
-        )
-    return f"does NOT arrive: it comes to rest at another {kind}"

@@ -1,8 +1,10 @@
-"""The paper's continuous flow b' = -D of all robots, integrated to a tolerance, and where it rests.
+"""The paper's continuous flow b' = -D of all robots, integrated to a tolerance, and its equilibria.
 
-The common factor of grad phi only changes the timing. The repulsive layer is stiff: SciPy's implicit BDF
-method is used. Equilibria are found by nonlinear least squares on D = 0 and classified by the Hessian. Those
-found are real (the residual is checked); that none was missed is not claimed.
+The common factor of grad phi only changes the timing. The repulsive layer is stiff, hence SciPy's implicit
+BDF
+method. Equilibria are found by nonlinear least squares on D = 0 and classified by the Hessian. Each is
+real (its
+residual is checked), but some may be missed.
 """
 
 from __future__ import annotations
@@ -24,10 +26,7 @@ ATTEMPTS = 2000
 
 
 def random_configuration(draw: np.random.Generator, radii: Array, workspace: float) -> Array | None:
-    """(p, 2) centres of disjoint disks, by dart throwing, largest first; None when no free one was found.
-
-    Starts again when a disk finds no place.
-    """
+    """Random centres (p, 2) of disjoint disks, by dart throwing, largest first; None if none was found."""
     order = np.argsort(-radii, kind="stable")
     for _ in range(ATTEMPTS):
         placed = _throw(draw, radii[order], workspace)
@@ -53,10 +52,9 @@ def _throw(draw: np.random.Generator, radii: Array, workspace: float) -> Array |
 
 @dataclass(frozen=True)
 class FlowResult:
-    """Where the flow went.
+    """A trajectory of the flow.
 
-    path: (n, p, 2) m, every accepted step, the last cut where all have arrived; lengths: (p,) m; nrl as
-    in section 4.
+    path: (n, p, 2) m, every accepted step, the last one cut at arrival; lengths: (p,) m; nrl as in section 4.
     """
 
     arrived: bool
@@ -75,8 +73,9 @@ def integrate(
 ) -> FlowResult:
     """Follow the flow from `start` (p, 2) until every robot is within `tolerance` (m) of its goal.
 
-    tolerance: a hundredth of the smallest radius unless given; accuracy: local error per step, relative and
-    in units of the smallest radius. Ends without arrival at another equilibrium or after `max_steps`.
+    tolerance: by default a hundredth of the smallest radius; accuracy: local error per step, relative and
+    in units
+    of the smallest radius. Ends without arrival at another equilibrium or after `max_steps`.
     """
     unit = float(problem.radii.min())
     near = 0.01 * unit if tolerance is None else tolerance
@@ -86,7 +85,7 @@ def integrate(
         return -reduced_gradient(problem, y.reshape(start.shape)).ravel()
 
     def jacobian(t: float, y: Array) -> Array:
-        inside = np.isfinite(velocity(t, y)).all()  # what is tried may not be
+        inside = np.isfinite(velocity(t, y)).all()  # a trial point may leave free space
         return -reduced_jacobian(problem, y.reshape(start.shape) if inside else b)
 
     flow = BDF(velocity, 0.0, start.ravel(), np.inf, jac=jacobian, rtol=accuracy, atol=accuracy * unit)
@@ -104,7 +103,7 @@ def integrate(
 
 
 def _cut(problem: FleetProblem, begin: Array, end: Array, near: float) -> Array:
-    """The first place of the last step, taken as straight, at which every robot is near."""
+    """First point of the last step, taken as straight, at which every robot is near its goal."""
     share = brentq(lambda share: _far(problem, begin + share * (end - begin)) - near, 0.0, 1.0)
     return np.asarray(begin + share * (end - begin))
 
@@ -128,7 +127,7 @@ Kind = Literal["minimum", "saddle", "maximum", "degenerate"]
 class CriticalPoint:
     """An equilibrium of the flow. b: (p, 2) m; index: number of negative eigenvalues (its Morse index).
 
-    spectrum: (2p,) eigenvalues of (1/c) D^2 phi, increasing, without unit: 2 is the curvature of gamma.
+    spectrum: (2p,) eigenvalues of (1/c) D^2 phi, increasing, dimensionless: 2 is the curvature of gamma.
     """
 
     b: Array
@@ -138,9 +137,9 @@ class CriticalPoint:
 
 
 def classify(problem: FleetProblem, b: Array, tolerance: float = 1e-6) -> CriticalPoint:
-    """Kind of a critical point `b` in the interior, where D^2 phi = c dD/db and c > 0 never matters.
+    """Classify a critical point `b` in the interior, where D^2 phi = c dD/db with c > 0.
 
-    An eigenvalue counts as zero below `tolerance`, relative to 2, or below rounding of the largest one.
+    An eigenvalue is zero if below `tolerance`, relative to 2, or below rounding of the largest one.
     """
     jacobian = reduced_jacobian(problem, b)
     spectrum: Array = np.asarray(np.linalg.eigvalsh(0.5 * (jacobian + jacobian.T)), dtype=np.float64)
@@ -162,7 +161,7 @@ _ZERO = 1e-7  # |D| in units of the smallest radius, above rounding in the stiff
 
 
 def find_equilibrium(problem: FleetProblem, start: Array, steps: int = 200) -> Array | None:
-    """An interior zero of D near `start` (p, 2), by SciPy's trust region; None when none is reached.
+    """An interior zero of D near `start` (p, 2), by SciPy's trust region; None if none is reached.
 
     Steps that leave free space (D is nan there) are shortened, so the boundary is never crossed.
     """
@@ -182,10 +181,11 @@ def find_equilibrium(problem: FleetProblem, start: Array, steps: int = 200) -> A
 
 
 def swapped_pairs(problem: FleetProblem) -> list[Array]:
-    """Starts close to the saddles in which two robots block each other and the others stand at their goals.
+    """Starts close to the saddles in which two robots block each other and the others are at their goals.
 
-    The two stand on the line through their goals in reversed order, at the distance at which repulsion
-    and attraction balance; only those in the interior of free space.
+    The two are on the line through their goals in reversed order, at the distance where repulsion and
+    attraction
+    balance; only starts in the interior of free space.
     """
     starts = []
     for i, j in combinations(range(problem.p), 2):
@@ -201,7 +201,7 @@ def swapped_pairs(problem: FleetProblem) -> list[Array]:
 
 
 def equilibria(problem: FleetProblem, starts: Iterable[Array]) -> tuple[CriticalPoint, ...]:
-    """Distinct equilibria reached from the starts, classified, the goal always first."""
+    """Distinct classified equilibria reached from the starts, the goal first."""
     unit = float(problem.radii.min())
     found = [classify(problem, problem.goals)]
     for start in starts:

@@ -1,11 +1,12 @@
-"""What the navigation function phi is made of, the reduced gradient D, and their derivatives.
+"""The navigation function phi, its reduced gradient D, and their derivatives.
 
 Karagoz, Bozma, Koditschek, equations (1)-(5), (9). gamma^k and beta differ by hundreds of orders of
-magnitude and leave the range of a double, so neither is ever formed: D = grad phi / c needs only their
-logarithms' derivatives.
+magnitude and
+exceed the range of a double, so neither is computed: D = grad phi / c needs only the derivatives of their
+logarithms.
 
-Outside free space phi is not defined: D is nan there. A negative beta is never clamped, since that would hide
-a collision.
+Outside free space phi is undefined and D is nan. A negative beta is never clamped, since that would hide a
+collision.
 
 Second derivatives are (2p, 2p) matrices in robot-major order: row 2i + a is axis a of robot i.
 """

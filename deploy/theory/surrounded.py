@@ -1,4 +1,4 @@
-"""The report of `disknav check` on robots among obstacles, or in a room with straight walls."""
+"""The report of `disknav check` on robots among obstacles, or in a polygonal workspace."""
 
 from __future__ import annotations
 
@@ -28,12 +28,11 @@ Theorem = Literal["Karagoz-Bozma-Koditschek", "Koditschek-Rimon"]
 
 
 def theorem_for(scenario: Scenario) -> tuple[Theorem | None, tuple[str, ...]]:
-    """The theorem whose world a scenario is, and if there is none, why not.
+    """The theorem that covers a scenario; if there is none, the reasons.
 
     - Robots alone in a disk: Karagoz, Bozma and Koditschek, Theorem 1.
-    - One robot in a disk among disks that stand apart, so that it passes between any two and between each and
-      the boundary: a sphere world (Koditschek and Rimon, "Robot navigation functions on manifolds with
-      boundary", 1990).
+    - One robot in a disk among disks so far from each other and the boundary that it can pass between them: a
+      sphere world (Koditschek and Rimon, "Robot navigation functions on manifolds with boundary", 1990).
     """
     reasons = []
     if not isinstance(scenario.workspace.shape, Disk):
@@ -54,11 +53,11 @@ def theorem_for(scenario: Scenario) -> tuple[Theorem | None, tuple[str, ...]]:
 
 
 def _not_apart(scenario: Scenario) -> Iterator[str]:
-    """Obstacles that the robot does not pass between."""
+    """Reasons: gaps that are too narrow for the robot."""
     pairs = obstructed(scenario.workspace.shape, scenario.shapes, scenario.robots[0].radius)
     for one, other in pairs:
         between = f"obstacle {other} and the boundary" if one == ROOM else f"obstacles {one} and {other}"
-        yield f"the robot does not pass between {between}"
+        yield f"the robot cannot pass between {between}"
 
 
 def _counted(count: int, noun: str) -> str:
@@ -77,19 +76,19 @@ _SAYS: dict[Theorem | None, str] = {
     None: "Arrival is not proven for any k.",
 }
 _LAW = {
-    True: "In a sphere world the law pulls straight, as in the theorem.",
+    True: "In a sphere world the attraction is straight, as in the theorem.",
     False: "The law follows the shortest way around the obstacles; arrival is tested, not proven.",
 }
 _ORDER = {
     True: "Parts can reach their goals one after another; arrival is tested, not proven.",
-    False: "No order of the parts leads all to their goals: some must be put aside first.",
+    False: "No order of the parts leads all to their goals: some must be moved out of the way first.",
 }
 
 
-class BarredWay(NamedTuple):
-    """Obstacles that separate a robot's goal from its start, other robots and all parts away.
+class BlockedPath(NamedTuple):
+    """Obstacles that separate a robot's goal from its start, without the other robots and all parts.
 
-    Of all ways there the widest is `width` (m) wide where it is narrowest, at (x, y), m.
+    Of all paths, the widest has a width of `width` (m) at its narrowest point (x, y), m.
     """
 
     robot: int
@@ -98,8 +97,8 @@ class BarredWay(NamedTuple):
     y: float
 
 
-def barriers(scenario: Scenario) -> list[BarredWay]:
-    """Robots whose goals no controller reaches while all obstacles stand; an exact decision."""
+def barriers(scenario: Scenario) -> list[BlockedPath]:
+    """Robots whose goals no controller can reach among these obstacles; an exact decision."""
     room, obstacles = scenario.workspace.shape, [obstacle.shape for obstacle in scenario.obstacles]
     found = []
     near = passages(room, obstacles, 2.0 * max(spec.radius for spec in scenario.robots))
@@ -107,7 +106,7 @@ def barriers(scenario: Scenario) -> list[BarredWay]:
         closed = [gap for gap in near if gap.width < 2.0 * spec.radius]
         gap = separating(obstacles, closed, spec.start, spec.goal)
         if gap is not None:
-            found.append(BarredWay(spec.id, gap.width, *_middle(gap.begin, gap.end)))
+            found.append(BlockedPath(spec.id, gap.width, *_middle(gap.begin, gap.end)))
     return found
 
 
@@ -117,15 +116,16 @@ def _middle(a: Vector, b: Vector) -> Vector:
 
 @dataclass(frozen=True)
 class Surrounded:
-    """Everything that is said. Lengths in m.
+    """Results of `disknav check` among obstacles. Lengths in m.
 
-    theorem: which one speaks of this world; `reasons`, why not where there is none.
-    density: area of robots and obstacles over that of the workspace.
-    start, goal: the smallest clearance there.
-    unreachable: robots that no controller brings to their goals, all other robots away.
-    no_way: robots whose goals can be reached, but for which the law finds no way.
-    doors: passages before which the k in use is too small for a robot.
-    order: whether one part after another finds its way to its goal; None without parts.
+    Attributes:
+        theorem: the one that covers the scenario, if any; `reasons` otherwise.
+        density: area of robots and obstacles over that of the workspace.
+        start, goal: smallest clearance.
+        unreachable: robots whose goals no controller can reach, even without other robots.
+        no_way: robots for which the law finds no path, although one exists.
+        doors: passages that need a larger k for a robot.
+        order: whether parts can reach their goals one after another; None without parts.
     """
 
     scenario: str
@@ -139,14 +139,14 @@ class Surrounded:
     goal: float
     theorem: Theorem | None
     reasons: tuple[str, ...]
-    unreachable: tuple[BarredWay, ...]
+    unreachable: tuple[BlockedPath, ...]
     no_way: tuple[int, ...]
     doors: tuple[Door, ...]
     parts: int = 0
     order: bool | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data; an infinite number becomes None, since JSON has none."""
+        """Plain data, with None for infinite numbers."""
         return dict(finite(asdict(self)))
 
     def render(self) -> RenderableType:
@@ -163,10 +163,10 @@ class Surrounded:
             *_inapplicable(self.reasons),
             _SAYS[self.theorem],
             _LAW[self.theorem is not None] if self.order is None else _ORDER[self.order],
-            "Collision avoidance does not depend on any of this (docs/safety.md).",
-            *(_barred(each) for each in self.unreachable),
+            "Collision avoidance is independent of these results (docs/safety.md).",
+            *(_blocked(each) for each in self.unreachable),
             *(
-                f"NO WAY FOUND for robot {robot}, although one exists: the law pulls it straight to its goal."
+                f"NO PATH FOUND for robot {robot}, although one exists: its attraction is straight."
                 for robot in self.no_way
             ),
             *(_held(each, self.k, self.automatic_k) for each in self.doors),
@@ -175,7 +175,7 @@ class Surrounded:
 
 
 def surrounded(scenario: Scenario) -> Surrounded:
-    """The report on a valid scenario whose k is a number."""
+    """Report on a valid scenario whose k is a number."""
     theorem, reasons = theorem_for(scenario)
     radii, workspace = crowd(scenario)
     unreachable = barriers(scenario)
@@ -216,7 +216,7 @@ def _has_order(scenario: Scenario) -> bool:
 
 
 def _without_way(scenario: Scenario, unreachable: set[int]) -> list[int]:
-    """Robots that the law pulls straight at what is in between."""
+    """Robots whose attraction leads straight into obstacles."""
     room, shapes = scenario.workspace.shape, list(scenario.shapes.values())
     specs = [scenario.spec(robot) for robot in scenario.ids if robot not in unreachable]
     pulls = {spec.radius: Attraction(room, spec.radius, alone=len(scenario.robots) == 1) for spec in specs}
@@ -228,9 +228,9 @@ def _inapplicable(reasons: Sequence[str]) -> list[str]:
     return [f"{theorem}: {'; '.join(reasons)}."] if reasons else []
 
 
-def _barred(found: BarredWay) -> str:
+def _blocked(found: BlockedPath) -> str:
     return (
-        f"UNREACHABLE: obstacles bar every way of robot {found.robot}; the widest one is {found.width:.4g} m "
+        f"UNREACHABLE: obstacles block every path of robot {found.robot}; the widest is {found.width:.4g} m "
         f"wide at ({found.x:.4g}, {found.y:.4g})."
     )
 

@@ -1,1 +1,1 @@
-"""Certificates: proofs by computation that for every k from K on the goal is the only minimum of phi."""
+"""Computer-assisted proofs that for every k from K on the goal is the only minimum of phi."""

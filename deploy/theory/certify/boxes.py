@@ -1,4 +1,5 @@
-"""Intervals, and the boxes in (b, lambda, kappa) that are searched, with the enclosures derived from one.
+"""Interval arithmetic, and the boxes in (b, lambda, kappa) that are searched, with enclosures derived from
+them.
 
 With y = b - g, gamma = |y|^2, kappa = 1/k and lambda_q = kappa gamma / beta_q, the critical points of
 phi are the solutions of y_i = sum_j lambda_ij (b_i - b_j) - lambda_0i b_i. At kappa = 0 these are the
@@ -7,10 +8,11 @@ conditions of Karush, Kuhn and Tucker of projecting g on the free space, so kapp
 Row 2i + a of a box is axis a of robot i, row 2p + q is lambda_q (pairs row by row, then walls), the
 last row is kappa; columns are lower and upper bound.
 
-Every bound of an interval (low, high) is moved to a representable number beyond the exact one, by
-multiplication: that rests on IEEE 754 round-to-nearest only, not on a rounding mode that a compiler may
-ignore. A bound may be infinite; no operation below forms inf - inf or 0 * inf from bounds that its docstring
-allows. All inner loops of the search are compiled by numba (extra `certify`).
+Every bound of an interval (low, high) is moved to a representable number beyond the exact one by
+multiplication.
+That needs only IEEE 754 round-to-nearest, not a rounding mode, which compilers may ignore. A bound may be
+infinite; no operation forms inf - inf or 0 * inf from bounds that its docstring allows. Numba compiles all
+inner loops of the search (extra `certify`).
 """
 
 from __future__ import annotations
@@ -35,7 +37,7 @@ F = TypeVar("F", bound=Callable[..., object])
 
 
 def compiled(function: F) -> F:
-    """The same function as machine code, kept on disk; strictly IEEE, nothing is reassociated or flushed."""
+    """The function as cached machine code, strictly IEEE: nothing is reassociated or flushed to zero."""
     return cast("F", njit(cache=True, error_model="numpy", fastmath=False)(function))
 
 
@@ -96,13 +98,13 @@ def square(a: Interval) -> Interval:
 
 @compiled
 def root_below(x: float) -> float:
-    """A double not above the square root of x; 0 for x <= 0."""
+    """A double at most the square root of x; 0 for x <= 0."""
     return max(0.0, down(math.sqrt(x))) if x > 0.0 else 0.0
 
 
 @compiled
 def root_above(x: float) -> float:
-    """A double not below the square root of x; 0 for x <= 0."""
+    """A double at least the square root of x; 0 for x <= 0."""
     return up(math.sqrt(x)) if x > 0.0 else 0.0
 
 
@@ -151,7 +153,7 @@ class Derived(NamedTuple):
 
 
 def scene_of(problem: FleetProblem) -> Scene:
-    """The scene of a goal set; the problem's k does not matter."""
+    """The scene of a goal set, which is independent of k."""
     p = problem.p
     pairs = list(combinations(range(p), 2))
     first = np.array([i for i, _ in pairs] + list(range(p)), dtype=np.int64)
@@ -169,7 +171,7 @@ def scene_of(problem: FleetProblem) -> Scene:
 
 
 def derived(scene: Scene) -> Derived:
-    """Room for the enclosures of one box."""
+    """Uninitialised enclosures of one box."""
     n, factors = len(scene.goals), len(scene.first)
     return Derived(
         np.zeros((factors, 2, 2)),
@@ -181,7 +183,7 @@ def derived(scene: Scene) -> Derived:
 
 
 def whole(scene: Scene, kappa: tuple[float, float]) -> Box:
-    """The box that holds every free configuration, every lambda, and these kappa."""
+    """The box that contains every free configuration, every lambda, and these kappa."""
     n, factors = len(scene.goals), len(scene.first)
     box = np.empty((n + factors + 1, 2))
     for q, i in enumerate(scene.first):
@@ -195,33 +197,33 @@ def whole(scene: Scene, kappa: tuple[float, float]) -> Box:
 
 @compiled
 def lower(array: NDArray[np.float64], row: int, bound: float) -> None:
-    """Raise a lower bound; nan changes nothing, and what overflowed stands for the largest double."""
+    """Raise a lower bound; nan is ignored, and overflow becomes the largest double."""
     if bound > array[row, 0]:
         array[row, 0] = min(bound, _LARGEST)
 
 
 @compiled
 def upper(array: NDArray[np.float64], row: int, bound: float) -> None:
-    """Lower an upper bound, likewise."""
+    """Lower an upper bound, as `lower`."""
     if bound < array[row, 1]:
         array[row, 1] = max(bound, -_LARGEST)
 
 
 @compiled
 def inverted(box: Box, rows: int) -> bool:
-    """Whether one of the first rows is empty."""
+    """Whether one of the first `rows` rows is empty."""
     found = False
     for row in range(rows):
         found = found or box[row, 0] > box[row, 1]
     return found
 
 
-_HUGE = 1e100  # an inverse with such entries is of no use, and its products might overflow
+_HUGE = 1e100  # an inverse with such entries is useless, and its products may overflow
 
 
 @compiled
 def lowest(matrix: Array, vector: Array) -> float:
-    """Smallest eigenvalue of a symmetric matrix, and its vector; +inf where an entry is not finite."""
+    """Smallest eigenvalue of a symmetric matrix, and its vector; +inf if an entry is not finite."""
     if not np.isfinite(matrix).all():
         return np.inf
     values, vectors = np.linalg.eigh(matrix)
@@ -231,11 +233,11 @@ def lowest(matrix: Array, vector: Array) -> float:
 
 @compiled
 def solve_into(matrix: Array, inverse: Array) -> bool:
-    """The inverse. False: singular, or as good as."""
+    """Invert a matrix; False if it is singular or nearly so."""
     if not np.isfinite(matrix).all():
         return False
     try:
         inverse[:] = np.linalg.inv(matrix)
-    except Exception:  # noqa: BLE001  compiled code tells no more of it
+    except Exception:  # noqa: BLE001  compiled code knows no other type
         return False
     return bool((np.abs(inverse) < _HUGE).all())

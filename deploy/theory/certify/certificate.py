@@ -1,10 +1,11 @@
-"""The certificate and its file: goals, and for each range of k the branching that proves it.
+"""Certificates and their JSON files: goals, and the branching that proves each range of k.
 
-A JSON document. `slabs` go from large k downwards: the first covers every k from its own on, each other
-one those from its own up to the one before. `branching` is base64 of zlib of one byte a node in preorder:
-255 the box cannot hold a minimum, 254 one direction descends all over it, else the row that was halved.
-`digest` guards the file against damage, not against forgery: what it claims is for
-`deploy.theory.certify.replay` to check.
+`slabs` go from large k downwards: the first covers every k from its own on, each other one those from its
+own up
+to the one before. `branching` is base64 of zlib of one byte per node in preorder: 255 the box contains no
+minimum, 254 one direction descends all over it, otherwise the row that was halved. `digest` detects
+damage, not
+forgery: `deploy.theory.certify.replay` verifies the proof.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from protocol.errors import DocumentError, UsageError
 from protocol.errors import Problem as Fault
 from protocol.scenario.model import Scenario
 
-EMPTY, FALLS = 255, 254  # leaves of the branching; every other byte is the row of the box that was halved
+EMPTY, FALLS = 255, 254  # leaves of the branching; other bytes are halved rows
 
 
 FORMAT = "disknav certificate 2"
@@ -38,7 +39,7 @@ class ProofError(DocumentError):
 
 
 class GoalSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What is certified, in order of robot id; m."""
+    """The certified goals, radii and workspace, by robot id, m."""
 
     goals: tuple[tuple[float, float], ...]
     radii: tuple[float, ...]
@@ -49,17 +50,17 @@ class GoalSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         """The goals of a scenario.
 
         Raises:
-            UsageError: obstacles stand in it, or its workspace is a polygon.
+            UsageError: it has obstacles, or its workspace is a polygon.
         """
         if scenario.obstacles:
-            raise UsageError("certificates are for robots alone, not among obstacles")
+            raise UsageError("no certificates for scenarios with obstacles: remove them")
         specs = [scenario.spec(robot) for robot in scenario.ids]
         goals = tuple((float(spec.goal[0]), float(spec.goal[1])) for spec in specs)
         return cls(goals, tuple(float(spec.radius) for spec in specs), float(scenario.workspace.disk_radius))
 
     @property
     def problem(self) -> FleetProblem:
-        """As the mathematics takes it; k does not matter."""
+        """The problem for `deploy.theory`, with an arbitrary k."""
         return FleetProblem(np.array(self.goals), np.array(self.radii), self.workspace, 1.0)
 
     @property
@@ -70,7 +71,7 @@ class GoalSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Slab(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Proven: every k from `k` up to the slab before. boxes: nodes of the branching; seconds: it took."""
+    """Proof for every k from `k` to the previous slab. boxes: nodes of the branching; seconds: CPU time."""
 
     k: float
     boxes: int
@@ -79,12 +80,12 @@ class Slab(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def nodes(self) -> bytes:
-        """One byte a node."""
+        """One byte per node."""
         return _unpacked(self.branching)
 
 
 class Document(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """The file."""
+    """Content of the file."""
 
     format: str
     scenario: str
@@ -94,7 +95,7 @@ class Document(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Trial(NamedTuple):
-    """The slab that is being searched: down to k, with this share of it done, after so many boxes."""
+    """The slab that is being searched: its k, the share done, and the number of boxes."""
 
     k: float
     done: float
@@ -103,7 +104,7 @@ class Trial(NamedTuple):
 
 @dataclass
 class Certificate:
-    """What is proven so far for one set of goals, and what is being tried."""
+    """Everything proven so far for one set of goals, and the slab that is being searched."""
 
     goals: GoalSet
     scenario: str = ""
@@ -112,48 +113,50 @@ class Certificate:
 
     @property
     def proven(self) -> float | None:
-        """The smallest K proven: for every k >= K the goal is the only minimum. None: nothing is yet."""
+        """The smallest proven K, for which the goal is the only minimum for every k >= K; None if there is
+        none.
+        """
         return self.slabs[-1].k if self.slabs else None
 
     @property
     def boxes(self) -> int:
-        """Nodes of all finished slabs."""
+        """Number of nodes of all finished slabs."""
         return sum(slab.boxes for slab in self.slabs)
 
     @property
     def time(self) -> float:
-        """Processor seconds that the finished slabs took."""
+        """CPU seconds of the finished slabs."""
         return sum(slab.seconds for slab in self.slabs)
 
     def add(self, k: float, branching: bytes, seconds: float) -> None:
-        """The next slab, down to k, is proven."""
+        """Add the next proven slab, down to k."""
         self.trial = None
         self.slabs.append(Slab(k, len(branching), round(seconds, 3), _packed(branching)))
 
     def kappa(self, k: float) -> tuple[float, float]:
-        """1/k from the slab before down to k, rounded outward."""
+        """Range of 1/k from the previous slab down to k, rounded outward."""
         before = 0.0 if self.proven is None else math.nextafter(1.0 / self.proven, 0.0)
         return before, math.nextafter(1.0 / k, math.inf)
 
 
 def path_for(scenario: str) -> Path:
-    """Where the certificate of a scenario file lies (beside it), or of a library name (here)."""
+    """Path of the certificate: beside a scenario file, or in the working directory for a library name."""
     path = Path(scenario)
     return path.with_name(path.stem + SUFFIX) if path.is_file() else Path(scenario + SUFFIX)
 
 
 def stored(name: str, scenario: Scenario) -> Certificate | None:
-    """The certificate of a scenario that goes by `name`, None when there is none.
+    """The certificate of the scenario `name`, if there is one.
 
     Raises:
-        ProofError: it is damaged, or of other goals.
+        ProofError: it is damaged, or belongs to other goals.
     """
     path = path_for(name)
     return fetch(path, GoalSet.of(scenario)) if path.exists() else None
 
 
 def store(certificate: Certificate, path: Path) -> None:
-    """Write the file at once or not at all."""
+    """Write the file atomically."""
     document = _document(certificate)
     scratch = path.with_name(f".{path.name}.{os.getpid()}")
     try:
@@ -164,7 +167,7 @@ def store(certificate: Certificate, path: Path) -> None:
 
 
 def fetch(path: Path, goals: GoalSet | None = None) -> Certificate:
-    """Read a certificate; with `goals`, only one that is theirs.
+    """Read a certificate, which must belong to `goals` if given.
 
     Raises:
         ProofError: it cannot be read, is damaged, or belongs to other goals.
@@ -179,9 +182,9 @@ def fetch(path: Path, goals: GoalSet | None = None) -> Certificate:
     except OSError as error:
         raise _refused(path, "", f"cannot be read: {error.strerror}") from error
     except (msgspec.MsgspecError, ValueError, zlib.error) as error:
-        raise _refused(path, "", f"is no certificate: {error}") from error
+        raise _refused(path, "", f"is not a certificate: {error}") from error
     if goals is not None and certificate.goals.digest != goals.digest:
-        raise _refused(path, "goals", "are other goals, radii or workspace than the scenario's")
+        raise _refused(path, "goals", "differ from the scenario's goals, radii or workspace")
     return certificate
 
 
@@ -201,9 +204,9 @@ def _digest(document: Document) -> str:
 def _certificate(document: Document) -> Certificate:
     ks = [slab.k for slab in document.slabs]
     if any(not 0.0 < after < before for before, after in zip([math.inf, *ks], ks, strict=False)):
-        raise ValueError("the slabs do not go downwards")
+        raise ValueError("k does not decrease from slab to slab")
     if not document.goals.goals or len(document.goals.goals) != len(document.goals.radii):
-        raise ValueError("as many radii as goals are needed")
+        raise ValueError("the numbers of goals and radii differ")
     return Certificate(document.goals, document.scenario, list(document.slabs))
 
 

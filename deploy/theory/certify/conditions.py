@@ -1,20 +1,19 @@
-"""What every critical point but the goal satisfies, and what a minimum does, asked of a box in Arb.
+"""Necessary conditions of critical points other than the goal, and of minima, checked on a box with Arb.
 
-The equations are those of `deploy.theory.certify.contractors`, written anew from
+The equations are those of `deploy.theory.certify.contractors`, implemented independently from
 docs/theory/propositions.md: the two share notation and the order of rows, but no code.
 
-Intervals whose ends are Arb balls: each operation is enclosed by the library, nothing is rounded here.
-
-An interval (l, h) stands for every x with x >= some number of l and x <= some number of h. Comparisons of
-balls are true only where they hold for all their numbers; each choice below is right in either case.
+Ends of intervals are Arb balls; the library encloses each operation, nothing is rounded here. An interval
+(l, h)
+means every x with x >= some number of l and x <= some number of h. A comparison of balls is true only if
+it holds
+for all their numbers; each branch below is correct in either case.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations
-
-from flint import arb
 
 from deploy.theory.certify.certificate import GoalSet
 from protocol.process.installation import missing_library
@@ -30,7 +29,7 @@ ZERO, ONE, INFINITE = arb(0), arb(1), arb("+inf")
 
 
 def exact(x: float) -> Ends:
-    """A double."""
+    """Interval of a double."""
     return arb(x), arb(x)
 
 
@@ -90,12 +89,12 @@ def over(a: Ends, b: Ends) -> Ends:
 
 
 def ball(a: Ends) -> arb:
-    """One ball that holds a finite interval."""
+    """A ball that contains a finite interval."""
     return a[0].union(a[1])
 
 
 def middle(row: Sequence[arb]) -> float:
-    """Halfway between the ends, more or less."""
+    """Approximate middle of a row."""
     return 0.5 * (float(row[0].mid()) + float(row[1].mid()))
 
 
@@ -125,7 +124,7 @@ Rows = list[list[arb]]
 
 
 class BoxConditions:
-    """One box: rows of (b, lambda, kappa), narrowed in place."""
+    """One box: rows of (b, lambda, kappa), narrowed in place. A method returns False if the box is empty."""
 
     def __init__(self, goals: GoalSet, rows: Rows) -> None:
         self.goals, self.rows = goals, rows
@@ -136,7 +135,7 @@ class BoxConditions:
         self.g = [arb(x) for goal in goals.goals for x in goal]
 
     def b(self, row: int) -> Ends:
-        """A coordinate."""
+        """Interval of a row."""
         low, high = self.rows[row]
         return low, high
 
@@ -145,7 +144,7 @@ class BoxConditions:
         return self.b(self.n + q)
 
     def derive(self) -> bool:
-        """y, gamma, s, d, beta from b; lambda from beta and back. False: nothing in the box."""
+        """Derive y, gamma, s, d, beta from b; narrow lambda by beta, and beta by lambda."""
         self.y = [sub(self.b(row), (g, g)) for row, g in enumerate(self.g)]
         gamma = (ZERO, ZERO)
         for y in self.y:
@@ -286,7 +285,7 @@ class BoxConditions:
         return True
 
     def upright(self) -> bool:
-        """sum b . g >= 0, or turning the whole fleet descends."""
+        """sum b . g >= 0; otherwise rotating the whole fleet descends."""
         tops = [mul(self.b(row), (g, g))[1] for row, g in enumerate(self.g)]
         others = rests([(top, top) for top in tops])
         for row, g in enumerate(self.g):
@@ -298,7 +297,7 @@ class BoxConditions:
         return not _sum([(top, top) for top in tops])[1] < 0
 
     def stiffness(self, q: int) -> arb:
-        """Upper bound of lambda_q / beta_q; infinite where they may touch."""
+        """Upper bound of lambda_q / beta_q; infinite if contact is possible."""
         beta = self.beta[q][0]
         if not beta > 0:
             return INFINITE

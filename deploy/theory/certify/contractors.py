@@ -1,4 +1,4 @@
-"""Contractors: what distances, balance and virtual work leave of a box.
+"""Contractors: reductions of a box by distances, balance and virtual work.
 
 Distances: beta_q >= 0, beta_q = |d_q|^2 - rho_q^2, lambda_q beta_q = kappa gamma.
 
@@ -40,7 +40,7 @@ from deploy.theory.certify.boxes import (
 
 @compiled
 def enclose(scene: Scene, box: Box, out: Derived) -> bool:
-    """Derive y, gamma, s, d_q, beta_q from b and kappa; contract lambda. False: the box holds nothing."""
+    """Derive y, gamma, s, d_q, beta_q from b and kappa; contract lambda. False: the box is empty."""
     n, last = len(scene.goals), len(box) - 1
     gamma = (0.0, 0.0)
     for row in range(n):
@@ -126,7 +126,7 @@ def _inside(members: int, robot: int) -> int:
 
 @compiled
 def _sign(scene: Scene, members: int, q: int) -> int:
-    """With which sign lambda_q d_q acts on the set: 0 when it does not, or acts inside."""
+    """Sign of lambda_q d_q as a force on the set; 0 if it does not act, or acts inside."""
     i, j = scene.first[q], scene.second[q]
     if j < 0:
         return -_inside(members, i)
@@ -141,7 +141,7 @@ def _term(box: Box, out: Derived, n: int, q: int, a: int, sign: int) -> Interval
 
 @compiled
 def _force(scene: Scene, box: Box, out: Derived, members: int, a: int, without: int) -> Interval:
-    """Sum of what acts on the set from outside along one axis, leaving out one factor."""
+    """Sum of the outside forces on the set along one axis, except factor `without`."""
     n, total = len(scene.goals), (0.0, 0.0)
     for q in range(len(scene.first)):
         sign = 0 if q == without else _sign(scene, members, q)
@@ -174,7 +174,7 @@ def contract_balance(scene: Scene, box: Box, out: Derived, members: int) -> bool
 
 @compiled
 def _place(scene: Scene, box: Box, out: Derived, members: int, force: Interval, row: int) -> bool:
-    """Contract one coordinate: y of this robot is the force less the others' y."""
+    """Contract one coordinate: y of this robot is the force minus the others' y."""
     rest = force
     for other in range(row % 2, len(scene.goals), 2):
         if other != row and (members >> (other // 2)) & 1:
@@ -191,7 +191,7 @@ def _place(scene: Scene, box: Box, out: Derived, members: int, force: Interval, 
 def _weight(
     scene: Scene, box: Box, out: Derived, members: int, pull: Interval, q: int, a: int, sign: int
 ) -> bool:
-    """Contract one lambda: its force is y less the other forces."""
+    """Contract one lambda: its force is y minus the other forces."""
     n = len(scene.goals)
     apart = (out.apart[q, a, 0], out.apart[q, a, 1])
     if apart[0] <= 0.0 <= apart[1]:
@@ -274,7 +274,7 @@ def enclose_work(scene: Scene, out: Derived) -> None:
 
 @compiled
 def contract_work(scene: Scene, box: Box, out: Derived) -> bool:
-    """Contract lambda by sum lambda_q w_q = gamma; False also where k = sum w_q / beta_q is out of reach."""
+    """Contract lambda by sum lambda_q w_q = gamma; also False if k = sum w_q / beta_q cannot be reached."""
     n, factors, last = len(scene.goals), len(scene.first), len(box) - 1
     k = 0.0
     for q in range(factors):

@@ -1,10 +1,11 @@
-"""Second order: where one direction lets phi fall all over a box, no critical point in it is a minimum.
+"""Second-order test: if phi decreases along one direction all over a box, no critical point in it is a
+minimum.
 
 A direction v with v . grad beta_q = 0 for every stiff contact has
 v^T H v / 2 = sum_i |v_i|^2 - sum lambda_ij |v_ij|^2 + sum lambda_0i |v_i|^2 - 2 (y . v)^2 / gamma
 + sum_q (lambda_q / beta_q) (grad beta_q . v)^2 / 2, with H = gamma kappa Hess(log phi^) at critical points.
 
-Such directions turn the fleet, or let one robot circle another. In general the midpoint's most negative
+Such directions rotate the fleet, or let one robot circle another. In general the midpoint's most negative
 eigenvector v is corrected to v - W z with interval z so that it is exactly orthogonal to grad beta_q of every
 stiff q, whatever b in the box: z solves (A W) z = A v, A the rows grad beta_q / 2 over the box. The quadratic
 form is then bounded from above over box and z.
@@ -47,7 +48,7 @@ def stiffness(box: Box, out: Derived, n: int, q: int) -> float:
 
 @compiled
 def contract_rotation(scene: Scene, box: Box) -> bool:
-    """v = J b, the whole fleet turns: v^T H v / 2 = sum b_i . g_i, which a minimum has non-negative."""
+    """v = J b, a rotation of the fleet: v^T H v / 2 = sum b_i . g_i, which is not negative at a minimum."""
     n = len(scene.goals)
     total = 0.0
     for row in range(n):
@@ -89,7 +90,7 @@ def circles(scene: Scene, box: Box, out: Derived) -> bool:
 def circle(scene: Scene, box: Box, out: Derived, q: int, robot: int) -> float:
     """Upper bound of v^T H v / 2 for v = J d_q on one robot alone, where grad beta_q . v = 0 exactly.
 
-    +inf, or anything above 0, where it is of no use.
+    +inf, or any value above 0, if it is useless.
     """
     n, gain, bend = len(scene.goals), 1.0, 0.0
     for r in range(len(scene.first)):
@@ -118,15 +119,15 @@ def _square(out: Derived, q: int, a: int) -> Interval:
     return square(_apart(out, q, a))
 
 
-# Choices; none bears on what is proven.
-_FAR = 0.9  # |I - C A W| from which on z counts as unknown; any number below 1
-_STIFF = 1e4  # weight of a stiff contact where the direction is sought
-_SOFT = 0.1  # what a contact may add to the form, by its distance's spread, and still be left uncorrected
+# Heuristic choices, which do not affect the validity of a proof.
+_FAR = 0.9  # |I - C A W| from which z is unknown; any number below 1
+_STIFF = 1e4  # weight of a stiff contact in the search of the direction
+_SOFT = 0.1  # largest addition to the form of a contact that is not corrected
 
 
 @compiled
 def falls(scene: Scene, box: Box, out: Derived) -> bool:
-    """Whether negative curvature is shown for the whole box."""
+    """Whether negative curvature is proven for the whole box."""
     n, factors = len(scene.goals), len(scene.first)
     chosen = np.zeros(factors, dtype=np.int64)
     count = 0
@@ -165,7 +166,7 @@ def _among(stiff: NDArray[np.int64], q: int) -> bool:
 
 @compiled
 def _weight(box: Box, row: int) -> float:
-    """A likely lambda."""
+    """A likely value of lambda."""
     return middle((box[row, 0], box[row, 1])) if box[row, 1] < np.inf else 2.0 * box[row, 0] + 1.0
 
 
@@ -186,7 +187,7 @@ def _gradient(scene: Scene, box: Box, q: int, row: Array) -> None:
 
 @compiled
 def _direction(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v: Array) -> bool:
-    """The most negative eigenvector of the midpoint's H / 2, stiff contacts made much stiffer."""
+    """The most negative eigenvector of the midpoint's H / 2, with stiff contacts made much stiffer."""
     n, factors = len(scene.goals), len(scene.first)
     form = np.zeros((n, n))
     row = np.empty(n)
@@ -229,7 +230,7 @@ def _add_square(form: Array, row: Array, weight: float) -> None:
 
 @compiled
 def corrected(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v: Array, field: Array) -> bool:
-    """Enclose v - W z, W the midpoint's gradients; False when z cannot be enclosed."""
+    """Enclose v - W z, W the midpoint's gradients; False if z cannot be enclosed."""
     n, count = len(scene.goals), len(stiff)
     for row in range(n):
         field[row] = v[row], v[row]
@@ -297,7 +298,7 @@ def _enclose_solution(
                 entry = add(entry, mul((inverse[r, k], inverse[r, k]), (matrix[k, c, 0], matrix[k, c, 1])))
             off = up(off + max(abs(entry[0]), abs(entry[1])))
         spread[r] = value
-        if not off < _FAR:  # nan too
+        if not off < _FAR:  # also nan
             return False
         excess = max(excess, off)
         reach = max(reach, abs(value[0]), abs(value[1]))

@@ -1,4 +1,4 @@
-"""Interval Newton and the curvature test in Arb; proposals come from numpy, proofs from balls."""
+"""Interval Newton and the curvature test in Arb; numpy makes proposals, balls prove them."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from deploy.theory.certify.conditions import (
 
 Array = NDArray[np.float64]
 
-_STIFF, _SOFT = 1e4, 0.1  # choices that bear on success only
+_STIFF, _SOFT = 1e4, 0.1  # heuristic choices
 
 
 def newton(box: BoxConditions) -> bool:
-    """Krawczyk's operator on (b, lambda), where all lambda are bounded. False: no solution in the box."""
+    """Krawczyk's operator on (b, lambda), if all lambda are bounded. False: no solution in the box."""
     size = len(box.rows) - 1
     if any(not row[1] < INFINITE for row in box.rows[:-1]):
         return True
@@ -56,7 +56,7 @@ def newton(box: BoxConditions) -> bool:
 
 
 def _system(box: BoxConditions, at: list[arb]) -> tuple[arb_mat, arb_mat]:
-    """F at a point for all kappa of the box, and slopes from it to any other point of the box."""
+    """F at a point for all kappa of the box, and slopes from there to any other point of the box."""
     n, size = box.n, len(at)
     kappa = ball((box.rows[-1][0], box.rows[-1][1]))
     value = [at[row] - box.g[row] for row in range(n)]
@@ -93,7 +93,7 @@ def _system(box: BoxConditions, at: list[arb]) -> tuple[arb_mat, arb_mat]:
 
 
 def descends(box: BoxConditions) -> bool:
-    """Whether a direction, kept orthogonal to stiff contacts, has negative curvature all over the box."""
+    """Whether a direction, orthogonal to stiff contacts, has negative curvature all over the box."""
     stiff = _stiff(box)
     v = _proposal(box, stiff)
     if v is None:
@@ -128,7 +128,9 @@ def _gradient(box: BoxConditions, q: int) -> Array:
 
 
 def _proposal(box: BoxConditions, stiff: list[int]) -> Array | None:
-    """The lowest eigenvector of the midpoint's form, stiff contacts made stiffer; None: it is positive."""
+    """The lowest eigenvector of the midpoint's form, with stiff contacts made stiffer; None if it is
+    positive.
+    """
     m, weights = np.eye(box.p), []
     for q, (i, j) in enumerate(box.factors):
         row = box.rows[box.n + q]

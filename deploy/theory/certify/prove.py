@@ -1,6 +1,6 @@
-"""`disknav certify`: from large k downwards, slab by slab, until K is reached or time is up.
+"""`disknav certify`: proves slab by slab from large k downwards, until K is reached or time is up.
 
-The same call goes on below the slabs that an earlier one proved.
+The same call continues below the slabs of an earlier one.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ LADDER = (1000.0, 300.0, 100.0, 50.0, 30.0, 20.0, 15.0, 12.0, 10.0, 8.0, 6.0, 5.
 _FINER = 0.9  # ratio below the ladder
 _LOWEST = 1.0
 _TRIAL = 1e-3
-_PORTION = 20_000  # nodes between looks at the clock
+_PORTION = 20_000  # nodes between checks of the clock
 
 
 def ladder(above: float | None, target: float | None) -> Iterator[float]:
-    """The k to prove next, one after the other: below `above`, if given, and down to `target`, if given."""
+    """The values of k to prove in turn: below `above`, down to `target`, if given."""
     for k in _steps():
         if above is not None and k >= above:
             continue
@@ -57,14 +57,14 @@ def prove(
     """Extend a certificate down to `target`, or as far as possible.
 
     Args:
-        tell: is given the certificate whenever something has changed; False stops.
+        tell: called with the certificate after each change; False stops.
 
     Raises:
-        UsageError: two goals overlap or touch, or one is not inside the workspace; or target is not positive.
+        UsageError: goals overlap, touch or are not inside the workspace; or `target` is not positive.
     """
     require_free(certificate.goals)
     scene = scene_of(certificate.goals.problem)
-    Search(scene, (0.0, _TRIAL)).advance(1)  # compiles, outside of the time that counts
+    Search(scene, (0.0, _TRIAL)).advance(1)  # compile outside of the measured time
     proven = certificate.proven
     if target is not None and proven is not None and proven <= target:
         return
@@ -82,11 +82,7 @@ def prove(
 
 
 def require_free(goals: GoalSet) -> None:
-    """Refuse goals that are not in the interior of free space.
-
-    Raises:
-        UsageError: says so.
-    """
+    """Raises UsageError unless the goals are in the interior of free space."""
     problem = goals.problem
     if not (obstacle_functions(problem, problem.goals) > 0.0).all():
         raise UsageError("goals that touch, overlap or are not inside the workspace have no certificate")
@@ -94,7 +90,7 @@ def require_free(goals: GoalSet) -> None:
 
 @dataclass(frozen=True)
 class ProofRequest:
-    """What is asked for. target: K, None for as far down as `minutes` reach."""
+    """Options of a proof. target: K; None for as far down as `minutes` allow."""
 
     name: str
     target: float | None
@@ -104,13 +100,13 @@ class ProofRequest:
 
     @property
     def path(self) -> Path:
-        """Of the certificate."""
+        """Path of the certificate."""
         return self.file or path_for(self.name)
 
 
 @dataclass(frozen=True)
 class ProofOutcome:
-    """The certificate as it is now; interrupted: by Ctrl-C."""
+    """The present certificate; interrupted: by Ctrl-C."""
 
     certificate: Certificate
     path: Path
@@ -119,16 +115,16 @@ class ProofOutcome:
 
     @property
     def proven(self) -> bool:
-        """Whether what was asked for is proven: K, or without one anything."""
+        """Whether the requested K, or without one any K, is proven."""
         found = self.certificate.proven
         return found is not None and (self.target is None or found <= self.target)
 
 
 def certify(scenario: Scenario, request: ProofRequest) -> ProofOutcome:
-    """Extend the certificate of a scenario's goals, until what was asked for is proven or time is up.
+    """Extend the certificate of a scenario's goals until the request is met or time is up.
 
     Raises:
-        ProofError: the file is damaged, or of other goals.
+        ProofError: the file is damaged, or belongs to other goals.
         UsageError: the goals cannot have a certificate.
     """
     goals = GoalSet.of(scenario)
@@ -139,7 +135,7 @@ def certify(scenario: Scenario, request: ProofRequest) -> ProofOutcome:
 
 
 class _Keeper:
-    """Writes the file after each slab and at the end, shows a bar, and says when time is up."""
+    """Writes the file after each slab and at the end, shows a progress bar, and watches the time."""
 
     def __init__(self, certificate: Certificate, request: ProofRequest) -> None:
         self._certificate, self._path = certificate, request.path
@@ -166,7 +162,7 @@ class _Keeper:
         store(self._certificate, self._path)
 
     def tell(self, certificate: Certificate) -> bool:
-        """Whether there is time left, and no signal asks this process to end."""
+        """Update file and bar; False once time is up, or after a signal."""
         trial = certificate.trial
         done, boxes = (1.0, 0) if trial is None else (trial.done, trial.boxes)
         proven = "" if certificate.proven is None else f"k ≥ {certificate.proven:g} proven"
@@ -179,7 +175,6 @@ class _Keeper:
 
 
 def to_json(outcome: ProofOutcome) -> dict[str, Any]:
-    """Plain data."""
     found = outcome.certificate
     return {
         "scenario": found.scenario,

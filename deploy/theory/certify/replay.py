@@ -1,7 +1,7 @@
-"""Replays a certificate's branching: each node is narrowed, refuted, shown to descend, or halved as it says.
+"""Verifies a certificate: each node of its branching is narrowed, refuted, shown to descend, or halved.
 
-The stored branching only advises which row to halve and where to stop. What is proven is proven here: where
-it stops too early for these bounds, the box is halved further on.
+The stored branching is only advice on which row to halve and where to stop; the proof is made here. Where it
+stops too early for these bounds, the box is halved further.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ from protocol.process.signals import STOP, Stopped
 _ROUNDS = 8
 _WORTH = 0.9
 _NEWTON_BELOW = 0.75
-_FURTHER = 500  # boxes into which one stored leaf may be halved before it is given up
+_FURTHER = 500  # boxes into which one stored leaf may be halved
 
 
 @dataclass(frozen=True)
 class Replay:
-    """proven: the smallest K verified, None when not even the first slab is. boxes: looked at."""
+    """Result of a verification. proven: the smallest verified K, if any; boxes: number of boxes."""
 
     scenario: str
     claimed: float | None
@@ -38,12 +38,11 @@ class Replay:
     interrupted: bool
 
     def enough(self, k: float | None) -> bool:
-        """Whether `k`, or without one all that the file claims, is verified."""
+        """Whether `k`, or without one the whole claim of the file, is verified."""
         wanted = self.claimed if k is None else k
         return self.proven is not None and wanted is not None and self.proven <= wanted
 
     def to_json(self) -> dict[str, object]:
-        """Plain data."""
         return {
             "scenario": self.scenario,
             "claimed": self.claimed,
@@ -55,11 +54,11 @@ class Replay:
 
 
 class _StoppedError(Exception):
-    """No slab beyond this point is verified; says why."""
+    """No further slab is verified; the text gives the reason."""
 
 
 def replay(certificate: Certificate, minutes: float, quiet: bool = True) -> Replay:
-    """Verify slab after slab, from large k downwards, for as long as it takes or `minutes` allow."""
+    """Verify slab by slab, from large k downwards, for at most `minutes`."""
     until = time.monotonic() + 60.0 * minutes
     total, boxes = max(1, certificate.boxes), 0
     proven, failed, interrupted = None, None, False
@@ -91,7 +90,7 @@ def replay(certificate: Certificate, minutes: float, quiet: bool = True) -> Repl
 
 @dataclass(frozen=True)
 class _Pending:
-    """A box to look at. stored: the branching has a node for it."""
+    """A box to check. stored: the branching has a node for it."""
 
     rows: Rows
     stored: bool
@@ -110,15 +109,15 @@ class Walk:
         self._unit = goals.radii[0] + goals.radii[1] if p > 1 else goals.workspace - goals.radii[0]
 
     def run(self, rows: Rows) -> None:
-        """Raises _StoppedError where a box is neither refuted nor shown to descend."""
+        """Raises _StoppedError if a box is neither refuted nor shown to descend."""
         stack = [_Pending(rows, stored=True)]
         while stack:
             stack.extend(reversed(self._node(stack.pop())))
         if self._at != len(self._nodes):
-            raise _StoppedError("the branching goes on beyond its last node: the certificate is damaged")
+            raise _StoppedError("the branching has nodes after its last one: the certificate is damaged")
 
     def _node(self, pending: _Pending) -> list[_Pending]:
-        """Nothing if the box is settled, else its halves."""
+        """Halves of the box, or nothing if it is decided."""
         self.boxes += 1
         if self.boxes % 100 == 0:
             self._look(self._at)
@@ -131,7 +130,7 @@ class Walk:
         leaf = advice is None or advice >= self._leaf
         self._further = 0 if pending.stored else self._further + 1
         if self._further > _FURTHER:
-            raise _StoppedError("a box could not be verified however often it was halved")
+            raise _StoppedError("a box was not verified after many halvings")
         row = self._widest(box) if leaf or advice is None else advice
         cut = arb(middle(box.rows[row]))
         left, right = [[*each] for each in box.rows], [[*each] for each in box.rows]
@@ -145,7 +144,7 @@ class Walk:
         return self._nodes[self._at - 1]
 
     def _skip(self, advice: int) -> None:
-        """Pass over the stored nodes below one that is already settled here."""
+        """Skip the stored nodes below a box that is decided here."""
         pending = 0 if advice >= self._leaf else 2
         while pending:
             pending += -1 if self._next() >= self._leaf else 1
@@ -156,7 +155,7 @@ class Walk:
         return 2 * p + p * (p + 1) // 2 + 1
 
     def settled(self, box: BoxConditions) -> bool:
-        """Narrow a box in place; whether no minimum can be in it."""
+        """Narrow a box in place; whether it contains no minimum."""
         if not box.upright() or not self.narrowed(box):
             return True
         span = max(_width(box, row) for row in range(box.n))
@@ -165,7 +164,7 @@ class Walk:
         return box.circling() or descends(box)
 
     def narrowed(self, box: BoxConditions) -> bool:
-        """Narrow a box to where critical points may be. False: there are none."""
+        """Narrow a box around its critical points. False: there are none."""
         for _ in range(_ROUNDS):
             before = _size(box)
             if not (box.derive() and box.distances() and box.work()):
@@ -178,7 +177,7 @@ class Walk:
         return box.derive()
 
     def _widest(self, box: BoxConditions) -> int:
-        """A row of b or kappa."""
+        """The widest row of b or kappa."""
         kappa = _width(box, len(box.rows) - 1) / float(box.rows[-1][1].mid()) * 0.1 * self._unit
         widths = {row: _width(box, row) for row in range(box.n)} | {len(box.rows) - 1: kappa}
         return max(widths, key=lambda row: widths[row])

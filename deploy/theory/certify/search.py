@@ -1,12 +1,12 @@
 """Branch and bound, depth first: every box is emptied, certified by curvature, or halved.
 
-Interval Newton is that of Hansen and Sengupta in (b, lambda), with kappa as a parameter that is an interval.
+Interval Newton is that of Hansen and Sengupta in (b, lambda), with kappa as an interval parameter.
 Equations, with b0, lambda0 the midpoint: F_i = b_i - g_i - sum lambda_ij d_ij + lambda_0i b_i and
 F_q = lambda_q beta_q - kappa gamma. For every (b, lambda) in the box F(b, lambda) - F(b0, lambda0) =
 S (b - b0, lambda - lambda0), where the rows of S hold M(lambda0), d_q over the box, lambda0 (d + d0), beta_q
 over the box, and kappa (y + y0). That is tighter than a Jacobian over the box, and exact at contact.
 
-The dense linear algebra is NumPy's: what it finds is a proposal, never a bound.
+NumPy's dense linear algebra makes proposals only, never bounds.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ from deploy.theory.certify.contractors import (
 )
 from deploy.theory.certify.curvature import circles, contract_rotation, falls
 
-_UNBOUNDED = 1e50  # multipliers beyond might overflow below
+_UNBOUNDED = 1e50  # larger multipliers may overflow
 
 
 @compiled
@@ -120,7 +120,7 @@ def _system(scene: Scene, box: Box, out: Derived, at: Array, value: Array, slope
 
 @compiled
 def contract_newton(scene: Scene, box: Box, out: Derived) -> bool:
-    """Contract (b, lambda); nothing happens where a lambda is huge or the midpoint's S singular."""
+    """Contract (b, lambda); unchanged if a lambda is huge or the midpoint's S singular."""
     size = len(box) - 1
     for row in range(size):
         if not box[row, 1] < _UNBOUNDED:
@@ -170,20 +170,20 @@ def _newton_row(box: Box, at: Array, value: Array, slope: Array, inverse: Array,
 
 OPEN = -1
 
-# Choices that measurements made; none bears on what is proven.
+# Choices by measurement, which do not affect the validity of a proof.
 _ROUNDS = 8
 _WORTH = 0.9  # contract again while the box shrinks below this share
-_NEWTON_BELOW = 0.75  # contact distances that b may span for interval Newton to be tried
-_KAPPA_WIDTH = 0.5  # contact distances that the whole range of kappa counts for when the widest row is sought
+_NEWTON_BELOW = 0.75  # largest span of b for interval Newton, contact distances
+_KAPPA_WIDTH = 0.5  # width of the whole range of kappa, contact distances
 _DEEPEST = 500
 
 
 class Search:
-    """Branch and bound over one range of 1/k, a portion at a time.
+    """Branch and bound over one range of 1/k, in portions.
 
     Attributes:
-        nodes: boxes that were looked at.
-        stuck: one box was halved so often that no more halving can help.
+        nodes: number of boxes processed.
+        stuck: a box was halved to the depth limit.
     """
 
     def __init__(self, scene: Scene, kappa: tuple[float, float]) -> None:
@@ -197,21 +197,21 @@ class Search:
 
     @property
     def open(self) -> NDArray[np.float64]:
-        """Boxes that are still to be looked at."""
+        """Boxes still to be processed."""
         return self._stack[: self._height]
 
     @property
     def done(self) -> float:
-        """Share of the whole that is done, from 0 to 1, each halving counting a half."""
+        """Share of the whole that is done, 0 to 1, by halvings."""
         return 1.0 - float((0.5 ** self._level[: self._height]).sum())
 
     @property
     def branching(self) -> bytes:
-        """One byte a node in preorder; complete when no box is open."""
+        """One byte per node in preorder; complete when no box is open."""
         return b"".join(self._tape)
 
     def advance(self, nodes: int) -> bool:
-        """Look at so many more boxes at most; whether that leads on."""
+        """Process at most `nodes` boxes; False at the end."""
         tape = np.empty(nodes, dtype=np.uint8)
         state = (self._stack, self._level, self._height)
         self._height, written = _advance(self._scene, *state, self._out, tape, self._largest)
@@ -231,7 +231,7 @@ def _advance(
     tape: NDArray[np.uint8],
     kappa: float,
 ) -> tuple[int, int]:
-    """Work on top of the stack until it is empty, or full, or the tape is: (height left, tape written)."""
+    """Process boxes until the stack is empty or full, or the tape is full: (height left, tape written)."""
     written = 0
     while 0 < height < len(stack) and written < len(tape):
         box = stack[height - 1]
@@ -255,7 +255,7 @@ def _advance(
 
 @compiled
 def settle(scene: Scene, box: Box, out: Derived) -> int:
-    """Contract a box in place to what may be a minimum: EMPTY, FALLS, or OPEN when neither could be shown."""
+    """Contract a box in place around its minima: EMPTY, FALLS, or OPEN if undecided."""
     if not contract_rotation(scene, box) or not contract(scene, box, out):
         return EMPTY
     if _span(scene, box) < _NEWTON_BELOW * np.sqrt(scene.contact[0, 0]) and not (
@@ -288,7 +288,7 @@ def contract(scene: Scene, box: Box, out: Derived) -> bool:
 
 @compiled
 def _size(scene: Scene, box: Box) -> float:
-    """Falls when a contraction was worth it."""
+    """Weighted sum of widths, which decreases with worthwhile contractions."""
     n, total = len(scene.goals), 0.0
     for row in range(n):
         total += box[row, 1] - box[row, 0]
@@ -308,7 +308,7 @@ def _span(scene: Scene, box: Box) -> float:
 
 @compiled
 def widest(scene: Scene, box: Box, kappa: float) -> int:
-    """The row to halve: of b or, when its share of [0, kappa] is wide, kappa."""
+    """The row to halve: of b or, if its share of [0, kappa] is wide, kappa."""
     last = len(box) - 1
     unit = np.sqrt(scene.contact[0, 0])
     best, row = _KAPPA_WIDTH * unit * (box[last, 1] - box[last, 0]) / kappa, last

@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from rich.console import Console
 
 from deploy.library.load import load, read
-from deploy.theory.check import CheckReport, mirrored_triples, render, report, scope, to_json
+from deploy.theory.check import CheckReport, mirrored_triples, report, to_json
+from deploy.theory.check_text import render, scope
 from deploy.theory.function import FleetProblem
 from deploy.theory.surrounded import surrounded, theorem_for
 from protocol.scenario.model import Control, RobotSpec, Scenario, Workspace
@@ -178,7 +179,7 @@ def test_a_mirror_image_is_unreachable_for_exactly_the_wide_triples(
 def test_of_another_law_and_of_external_bases_it_says_what_holds() -> None:
     fleet = load("turtlebots-2", ["world.plant=external", "control.law=reciprocal", "world.lease=0.8"])
     law, _, general, bases = scope(fleet)
-    assert "reciprocal arrives is not proven" in law
+    assert "arrival with reciprocal is not proven" in law
     assert "stated bounds" in general
-    assert bases.startswith("robot 1, 2: goes on for 0.1 s after a tick")
+    assert bases.startswith("robot 1, 2: continues for 0.1 s without ticks")
     assert scope(load("figure-1")) == []
