@@ -1,6 +1,8 @@
-"""The safety kernel: which disks are bound to each other, what each robot obeys, and where each may be.
+"""The safety kernel: bindings between disks, the lines that robots obey, and the regions that they may be in.
 
-`ledger` is the coordinator's half, `robot` the half of each robot, `pair` the protocol of one line between
-two lives, `records` their common data types. No rule looks into a place, a region or a line: geometry
-answers a few questions about them.
+`ledger` is the coordinator's part, `robot` the part of each robot, `pair` the protocol of one line between
+two
+lives, `records` their common data types. The rules treat places, regions and lines as opaque: geometry
+answers
+a few questions about them. docs/safety.md explains them.
 """

@@ -1,6 +1,7 @@
-"""The coordinator's half of the kernel: the disks, the regions each may be in, the pairs that are bound.
+"""The coordinator's part of the kernel: disks, the regions that they hold, and bindings.
 
-Of any two disks that are present, all that they hold is apart, or a binding of the two counts, or both stand.
+Invariant: for any two present disks, all that they hold is disjoint, or a binding of the two is in force, or
+both are static.
 """
 
 from __future__ import annotations
@@ -30,11 +31,11 @@ from protocol.kernel.records import (
 
 @mypyc_attr(allow_interpreted_subclasses=True)
 class Pair(Generic[L]):
-    """What binds two disks.
+    """Bindings of two disks.
 
     Attributes:
-        living: a binding of the present lives of both.
-        static: one of the present life of one to the place where the other stands.
+        living: between the present lives of both.
+        static: between the present life of one and the place of the other, which is static.
     """
 
     def __init__(self) -> None:
@@ -44,11 +45,11 @@ class Pair(Generic[L]):
 
 @mypyc_attr(allow_interpreted_subclasses=True)
 class Ledger(Generic[R, L]):
-    """All disks, and what binds them.
+    """All disks, and their bindings.
 
     Args:
-        version: of an epoch that no earlier ledger of these robots has reached.
-        places: where disks are as it begins, by id; no life is there yet.
+        version: above all versions of earlier ledgers of these robots.
+        places: initial places of the disks, all static, by id.
         geometry: of regions and lines.
     """
 
@@ -63,14 +64,14 @@ class Ledger(Generic[R, L]):
     # -- lives
 
     def rejoin(self, disk: DiskRecord[R]) -> None:
-        """A life begins in a disk that stands, only after the one before it is over."""
+        """Begin a life of a static disk, after the end of the previous one."""
         require(disk.phase == PRESENT, "rejoin: the disk is present")
         require(disk.life == NO, "rejoin: the life before it is over")
         self.version += 1
         disk.life = self.version
 
     def fence(self, disk: DiskRecord[R], place: R) -> None:
-        """A life is over. To be called only once the body stands: from now on it holds that place alone."""
+        """End a life, once its body stands: the disk then holds that place alone."""
         moved = not disk.still
         if moved:
             require(self._geometry.within(place, disk.held), "fence: the place is in a region that it holds")
@@ -84,20 +85,20 @@ class Ledger(Generic[R, L]):
             self._end(pair, disk, moved)
 
     def _end(self, pair: Pair[L], disk: DiskRecord[R], moved: bool) -> None:
-        """A life of the disk is over: its line with a peer is one towards the place where it stands."""
+        """Make a binding of the ended life one towards its static place."""
         living, static = pair.living, pair.static
         pair.living = None
         if static is not None:
             if static.end(disk.name).dead == NO:
                 pair.static = None  # both ends are dead
             elif not moved and static.told != NO:
-                return  # the peer has kept off that place since an earlier life
+                return  # the peer obeys a binding towards that place already
         if living is not None and (living.told != NO or living.asked != disk.name):
             living.end(disk.name).dead = self.version
             pair.static = living
 
     def settle(self, disk: DiskRecord[R], place: R) -> None:
-        """It is known better where a disk without a life stands: it holds that place alone."""
+        """Replace the place of a static disk by a smaller one inside it."""
         require(disk.life == NO, "settle: the disk has no life")
         require(self._geometry.within(place, disk.held), "settle: the place is in the one that it holds")
         self.version += 1
@@ -105,14 +106,16 @@ class Ledger(Generic[R, L]):
         self._geometry.note(disk)
 
     def obeys(self, disk: DiskRecord[R], life: int) -> bool:
-        """Whether the base of a disk does what this life commands."""
+        """Whether the base of a disk executes commands of this life."""
         return disk.phase == PRESENT and disk.life == life
 
     # -- regions
 
     def tied(self, disk: DiskRecord[R], other: DiskRecord[R]) -> bool:
-        """Whether a binding counts that the present life of a disk obeys or takes before its next region,
-        and the other disk obeys it too, or stands."""
+        """Whether a binding is in force that the disk's present life obeys, or adopts before its next region,
+        and that the
+        other disk obeys, too, unless it is static.
+        """
         pair = self.pairs[disk.name].get(other.name)
         if pair is None:
             return False
@@ -122,7 +125,7 @@ class Ledger(Generic[R, L]):
         return static is not None and static.told != NO and static.end(disk.name).dead == NO
 
     def grant(self, disk: DiskRecord[R], region: R) -> None:
-        """A live disk may be in a region as well. With its first one a life stands no longer."""
+        """Grant a further region to a life. With the first one its disk is no longer static."""
         require(disk.life != NO, "grant: the disk has a life")
         begins = disk.still
         for name in self._geometry.around(disk, region):
@@ -142,7 +145,7 @@ class Ledger(Generic[R, L]):
                 self._begin(pair, disk)
 
     def _begin(self, pair: Pair[L], disk: DiskRecord[R]) -> None:
-        """The disk stands no longer: what a peer kept only towards its place is over."""
+        """End bindings of peers towards the static place of the disk."""
         living, static = pair.living, pair.static
         if static is not None and static.end(disk.name).dead != NO:
             pair.static = None
@@ -150,7 +153,7 @@ class Ledger(Generic[R, L]):
             pair.living = None
 
     def acknowledge(self, disk: DiskRecord[R], number: int) -> None:
-        """A Command says that a life obeys the region of this number; those of earlier lives are no news."""
+        """Record by a Command that the life obeys the region of this number; older numbers are refused."""
         require(number > disk.held.acknowledged, "acknowledge: it is news")
         require(number <= disk.held.granted, "acknowledge: it was granted")
         disk.held.acknowledge(number)
@@ -159,8 +162,9 @@ class Ledger(Generic[R, L]):
     # -- bindings
 
     def introduce(self, one: DiskRecord[R], other: DiskRecord[R], line: L) -> None:
-        """Bind two disks by a line with all that the one holds on one side, and all the other holds on the
-        other."""
+        """Bind two disks by a line with all regions of `one` on its low side, those of `other` on its high
+        side.
+        """
         require(one.name < other.name, "introduce: the low end comes first")
         require(one.phase != GONE, "introduce: the one is there")
         require(other.phase != GONE, "introduce: the other is there")
@@ -169,7 +173,7 @@ class Ledger(Generic[R, L]):
         self._bind(one, other, NO, line)
 
     def ask(self, disk: DiskRecord[R], other: DiskRecord[R]) -> None:
-        """Ask a live disk for the first line towards one that stands, waits as a new life or is announced."""
+        """Ask a life for the first line towards a disk that is static, announced, or waits as a new life."""
         require(disk.life != NO, "ask: the disk has a life")
         require(other.phase != GONE, "ask: the other is there")
         require(other.still, "ask: the other stands")
@@ -199,14 +203,16 @@ class Ledger(Generic[R, L]):
             pair.static = binding
 
     def answer(self, binding: Binding[L], line: L) -> None:
-        """A Command says that a life obeys this first line of a binding in force, for which it was asked. No
-        other life has heard of it."""
+        """Record by a Command that a life obeys the first line of a binding for which it was asked. No other
+        life knows
+        that line yet.
+        """
         require(binding.told == NO, "answer: it is news")
         self.version += 1
         binding.first, binding.told = line, self.version
 
     def part(self, one: DiskRecord[R], other: DiskRecord[R]) -> None:
-        """End what binds two disks, while all that they hold is apart."""
+        """End the bindings of two disks, when all that they hold is disjoint."""
         require(self._geometry.apart(one.held, other.held), "part: what they hold is apart")
         self.version += 1
         self._release(one, other)
@@ -218,7 +224,7 @@ class Ledger(Generic[R, L]):
     # -- disks
 
     def announce(self, name: int, place: R) -> DiskRecord[R]:
-        """A disk is to appear at a place; nothing is there yet."""
+        """Announce a disk that is to appear at a place."""
         disk = self.disks.get(name)
         require(disk is None or disk.phase == GONE, "announce: the disk is not there")
         self.version += 1
@@ -228,7 +234,7 @@ class Ledger(Generic[R, L]):
         return found
 
     def appear(self, news: Iterable[DiskRecord[R]], instead: Iterable[DiskRecord[R]] = ()) -> None:
-        """Disks that were announced are there, in place of others that stand and have no life."""
+        """Make announced disks present, in place of static ones without a life."""
         gone, come = list(instead), list(news)
         for disk in gone:
             require(disk.life == NO, "appear: what goes has no life")
@@ -246,8 +252,7 @@ class Ledger(Generic[R, L]):
             disk.phase = PRESENT
 
     def remove(self, disk: DiskRecord[R]) -> None:
-        """A disk that has no life is taken away, does not appear after all, or is a part within the body that
-        a life has commanded to be."""
+        """Remove a static disk, an announced disk, or a part that has become part of a robot's body."""
         require(disk.phase != GONE, "remove: the disk is there")
         require(disk.life == NO, "remove: the disk has no life")
         self.version += 1
@@ -262,7 +267,7 @@ class Ledger(Generic[R, L]):
     # -- grants
 
     def told(self, disk: DiskRecord[R]) -> Told[R, L]:
-        """Everything that concerns the present life of a disk, as a whole."""
+        """All that concerns the present life of a disk, complete."""
         listed: list[Listed[R, L]] = []
         for peer, pair in self.pairs[disk.name].items():
             for binding in (pair.living, pair.static):

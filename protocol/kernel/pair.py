@@ -1,7 +1,7 @@
-"""The line of one binding: its two ends, each in one life.
+"""The line of one binding: the protocol between its two ends, each in one life.
 
-Number 0 is the first line; both obey it from the beginning. Whatever is lost, late or repeated, the line that
-the follower obeys is one that the owner obeys.
+Number 0 is the first line, which both obey from the beginning. Whatever is lost, late or repeated, the owner
+obeys the line that the follower obeys.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from protocol.kernel.records import L, require
 
 @mypyc_attr(allow_interpreted_subclasses=True)
 class Owner(Generic[L]):
-    """The low end: it alone proposes.
+    """The owner, with the lower id, which proposes lines.
 
     Args:
         first: the first line.
 
     Attributes:
-        held_number, held: the line that the follower is known to have adopted last.
+        held_number, held: the line that the follower adopted last, as far as the owner knows.
         number: of the newest proposal.
-        seen: up to which proposals are known to be answered.
-        open: the others, by number, ascending.
+        seen: highest number known to be answered.
+        open: proposals not yet answered, by ascending number.
     """
 
     def __init__(self, first: L) -> None:
@@ -33,18 +33,20 @@ class Owner(Generic[L]):
         self.open: list[tuple[int, L]] = []
 
     def obeyed(self) -> list[L]:
-        """The line held, and every open proposal."""
+        """The held line, and every open proposal."""
         return [self.held, *[line for _, line in self.open]]
 
     def propose(self, line: L, fits: bool) -> None:
-        """Offer a line that the own body fits, and obey it from now on beside what was obeyed before."""
+        """Propose a line that its own body satisfies, and obey it from now on, beside the others."""
         require(fits, "propose: the body fits the line")
         self.number += 1
         self.open.append((self.number, line))
 
     def on_answer(self, held: int, seen: int) -> None:
-        """The follower has adopted `held` last, and answered all up to `seen`: obey that, and what was
-        proposed after `seen`. Only an answer that has seen more than any before is read."""
+        """Accept an answer: the follower has adopted `held` last, and answered all up to `seen`. The owner
+        then obeys
+        that line and the proposals after `seen`. Only an answer with a higher `seen` is accepted.
+        """
         require(seen > self.seen, "read answer: it has seen more than any before")
         require(seen <= self.number, "read answer: it has seen what was proposed")
         for number, line in self.open:
@@ -56,7 +58,7 @@ class Owner(Generic[L]):
 
 @mypyc_attr(allow_interpreted_subclasses=True)
 class Follower(Generic[L]):
-    """The high end: it answers each number once.
+    """The follower, with the higher id, which answers each proposal once.
 
     Args:
         first: the first line.
@@ -71,11 +73,11 @@ class Follower(Generic[L]):
         self.seen = 0
 
     def obeyed(self) -> list[L]:
-        """The line held."""
+        """The held line."""
         return [self.held]
 
     def on_proposal(self, number: int, line: L, fits: bool) -> None:
-        """Adopt a line that the own body fits, or never."""
+        """Adopt a line that its own body satisfies, or reject it for good."""
         require(number > self.seen, "adopt: each number is answered once")
         self.seen = number
         if fits:

@@ -1,10 +1,12 @@
-"""Data types of the kernel's rules.
+"""Data types of the kernel.
 
-Every change of the ledger has a number, its version. What a change makes (a life, a region, a binding) is
-known by that number, so that no number ever returns. A **region** is a set of points that holds a whole disk:
-the place where a disk stands is one, too. A **line** parts the plane; the lower id of a binding stays on its
-low side, the higher id on its high side. A **body** is all that a robot may cover, now and until no command
-has any effect.
+Every change of the ledger has a number, its version, which also names the life, region or binding that it
+makes;
+no number is used twice. A **region** is a set of points that contains a whole disk; the place of a static
+disk is
+one, too. A **line** divides the plane; the lower id of a binding stays on its low side, the higher id on
+its high
+side. A **body** is all that a robot may cover, now and until no command has any effect.
 """
 
 from __future__ import annotations
@@ -22,39 +24,35 @@ L_contra = TypeVar("L_contra", contravariant=True)
 B = TypeVar("B")  # body
 B_contra = TypeVar("B_contra", contravariant=True)
 
-NO: Final = 0  # of a version: never; of a life: none; of a disk: none
+NO: Final = 0  # no version, no life, no disk
 
 GONE: Final = 0  # not in the workspace
-ANNOUNCED: Final = 1  # is to appear: nothing is there yet
+ANNOUNCED: Final = 1  # to appear, not in the workspace yet
 PRESENT: Final = 2
 
 
 class RefusedError(DisknavError):
-    """A rule of the kernel does not allow what was asked; the text names the rule and its precondition."""
+    """A rule of the kernel refuses a request; the text names the rule and its precondition."""
 
 
 def require(holds: bool, what: str) -> None:
-    """A precondition of a rule.
-
-    Raises:
-        RefusedError: it does not hold.
-    """
+    """Check a precondition of a rule; raises RefusedError."""
     if not holds:
         raise RefusedError(what)
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
 class Held(Generic[R]):
-    """Every region that a disk may be in: those granted since the one that it is known to obey.
+    """The regions that a disk holds: the one confirmed last and all granted since.
 
     Args:
         number: of the first region.
-        region: in which the disk is.
+        region: contains the disk.
 
     Attributes:
-        acknowledged: number of the region that it is known to obey, or of the place where it stands.
-        granted: number of the newest.
-        regions: all from the one to the other, by number, ascending.
+        acknowledged: number of the region confirmed last, or of the static place.
+        granted: number of the newest region.
+        regions: all from the former to the latter, by ascending number.
     """
 
     def __init__(self, number: int, region: R) -> None:
@@ -63,33 +61,33 @@ class Held(Generic[R]):
         self.regions: list[tuple[int, R]] = [(number, region)]
 
     def grant(self, number: int, region: R) -> None:
-        """The disk may be in another region as well."""
+        """Add a region."""
         self.granted = number
         self.regions.append((number, region))
 
     def acknowledge(self, number: int) -> None:
-        """The disk is in the region of this number, or in a later one."""
+        """Drop regions older than this number."""
         self.acknowledged = number
         self.regions = [each for each in self.regions if each[0] >= number]
 
     def stand(self, number: int, place: R) -> None:
-        """The disk stands at a place, and leaves everything else."""
+        """Hold the place of a static disk alone."""
         self.acknowledged = self.granted = number
         self.regions = [(number, place)]
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
 class DiskRecord(Generic[R]):
-    """A robot's disk, an obstacle or a part, as the ledger keeps it.
+    """A robot's disk, an obstacle or a part in the ledger.
 
     Args:
         name: its id; lower ids are on the low sides of lines.
-        held: what it holds.
+        held: the regions that it holds.
 
     Attributes:
         phase: GONE, ANNOUNCED or PRESENT.
         life: the life that may move it, or NO.
-        still: whether it stands, so that all it holds is its place.
+        still: whether it is static, and holds its place alone.
     """
 
     def __init__(self, name: int, held: Held[R], phase: int) -> None:
@@ -103,9 +101,9 @@ class End:
     """One end of a binding in the ledger.
 
     Attributes:
-        disk: to which it belongs.
-        life: that obeys the binding; NO: a place obeys nothing.
-        dead: version since which this life is over, or the end is a place; NO as long as it lives.
+        disk: its disk.
+        life: the life that obeys the binding; NO for a static place.
+        dead: version at which this life ended, or the end became a place; NO while it lives.
     """
 
     def __init__(self, disk: int, life: int, dead: int) -> None:
@@ -114,17 +112,18 @@ class End:
 
 @mypyc_attr(allow_interpreted_subclasses=True)
 class Binding(Generic[L]):
-    """Two disks that are bound to each other: what one end obeys towards the other.
+    """A binding of two disks: the lines that one end obeys towards the other.
 
-    It **counts** from the version on that tells its first line. It needs no acknowledgement: the line parts
-    all that both held then, and whatever is granted later comes with it.
+    It is **in force** from the version that has its first line. That needs no confirmation: the line
+    separates all
+    that both held then, and Ticks list it with every later region.
 
     Attributes:
         number: version that began it.
         low, high: its ends.
-        asked: the disk that was asked for the first line; NO if that was given.
+        asked: the disk that was asked for the first line; NO if the coordinator gave it.
         first: the first line.
-        told: version that tells it; NO as long as it is not known.
+        told: version that has the first line; NO while it is unknown.
     """
 
     def __init__(self, number: int, low: End, high: End, asked: int, first: L | None) -> None:
@@ -133,24 +132,23 @@ class Binding(Generic[L]):
         self.told = NO if first is None else number
 
     def end(self, disk: int) -> End:
-        """The end of one of its disks."""
+        """The end of this disk."""
         return self.low if disk == self.low.disk else self.high
 
     def other(self, disk: int) -> End:
-        """The other end."""
         return self.high if disk == self.low.disk else self.low
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
 class Listed(Generic[R, L]):
-    """One binding, as a Tick tells it to the life of one end.
+    """One binding in a Tick to the life of one end.
 
     Attributes:
         number: of the binding.
         peer: the disk of the other end.
-        first: the first line; None: this end is asked for one.
-        place: where the other end stands, if it does.
-        static: whether it stands for as long as the binding is in force.
+        first: the first line; None if this end is asked for it.
+        place: the other disk's place, if it is static.
+        static: whether it remains static as long as the binding is in force.
     """
 
     def __init__(self, number: int, peer: int, first: L | None, place: R | None, static: bool) -> None:
@@ -160,13 +158,13 @@ class Listed(Generic[R, L]):
 
 @mypyc_attr(allow_interpreted_subclasses=True)
 class Told(Generic[R, L]):
-    """Everything that the ledger has to say to one life, as a whole, at one version.
+    """Everything in the ledger that concerns one life, at one version.
 
     Attributes:
-        life: that is addressed.
+        life: the addressee.
         version: of the ledger.
         number, region: newest region granted to it.
-        bindings: all that are in force and concern it.
+        bindings: all of its bindings.
     """
 
     def __init__(self, life: int, version: int, number: int, region: R, bindings: list[Listed[R, L]]) -> None:
@@ -175,23 +173,25 @@ class Told(Generic[R, L]):
 
 
 class LedgerGeometry(Protocol[R, L_contra]):
-    """What the ledger has to know of regions and lines."""
+    """Geometric questions of the ledger."""
 
     def note(self, disk: DiskRecord[R]) -> None:
-        """What a disk holds, or whether it is there, has changed."""
+        """Note a change of the regions that a disk holds, or of its presence."""
 
     def around(self, disk: DiskRecord[R], region: R) -> Iterable[int]:
-        """Names of all disks, perhaps but for some that are gone or hold nothing that meets the region, or
-        what the disk holds, as it was noted."""
+        """Names of all disks, possibly without some that are gone, or that hold only regions disjoint from
+        this one and
+        from all that the disk holds.
+        """
 
     def apart(self, one: Held[R], other: Held[R]) -> bool:
-        """Whether no region that the one holds meets one that the other holds."""
+        """Whether all regions of the two are disjoint."""
 
     def clear(self, held: Held[R], region: R) -> bool:
-        """Whether no region held meets this one."""
+        """Whether all held regions are disjoint from this one."""
 
     def beside(self, held: Held[R], line: L_contra, low: bool) -> bool:
-        """Whether all regions held are on one side of a line."""
+        """Whether all held regions are on one side of a line."""
 
     def within(self, place: R, held: Held[R]) -> bool:
-        """Whether a place is in a region that is held."""
+        """Whether a place is inside a held region."""

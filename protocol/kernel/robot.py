@@ -1,7 +1,8 @@
-"""A robot's half of the kernel: what one life obeys.
+"""A robot's part of the kernel: the constraints that one life obeys.
 
-That is its region, and for each binding that it has taken and that is not over the lines of the pair, or one
-half-plane towards the place where the other stands. Nothing else.
+These are its region, and for each adopted binding the lines of the pair, or one half-plane towards the
+place of a
+static disk.
 """
 
 from __future__ import annotations
@@ -13,24 +14,24 @@ from mypy_extensions import mypyc_attr
 from protocol.kernel.pair import Follower, Owner
 from protocol.kernel.records import NO, B, B_contra, L, Listed, R, Told, require
 
-ASKED: Final = 0  # for the first line: nothing is obeyed yet
-LINES: Final = 1  # those of the pair are obeyed
-HALF: Final = 2  # one half-plane is, in their place
+ASKED: Final = 0  # asked for the first line, none is obeyed yet
+LINES: Final = 1  # obeys the lines of the pair
+HALF: Final = 2  # obeys one half-plane in place of them
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
 class Bound(Generic[R, L]):
-    """The own end of one binding.
+    """This robot's end of one binding.
 
     Attributes:
         number: of the binding.
         peer: the disk of the other end.
-        low: whether this is the low end.
+        low: whether this robot is the owner.
         state: ASKED, LINES or HALF.
-        lines: the protocol's end, once there is a first line.
-        half: half-plane towards where the other end stands.
-        place: where that is, if it stands.
-        static: whether it stands as long as the binding is in force.
+        lines: end of the pair's protocol, once there is a first line.
+        half: half-plane towards the place of the other disk.
+        place: that place, if the other disk is static.
+        static: whether it remains static as long as the binding is in force.
     """
 
     def __init__(self, listed: Listed[R, L], low: bool) -> None:
@@ -43,7 +44,7 @@ class Bound(Generic[R, L]):
             self.begin(listed.first)
 
     def begin(self, first: L) -> None:
-        """The first line is known, and obeyed from now on."""
+        """Obey the first line from now on."""
         self.state, self.lines = LINES, Owner(first) if self.low else Follower(first)
 
     def turn(self, half: L) -> None:
@@ -52,14 +53,14 @@ class Bound(Generic[R, L]):
 
     @property
     def obeyed(self) -> list[L]:
-        """All lines to obey."""
+        """All lines that are obeyed."""
         if self.state == HALF and self.half is not None:
             return [self.half]
         return [] if self.lines is None else self.lines.obeyed()
 
 
 class RobotGeometry(Protocol[R, L, B_contra]):
-    """What a robot has to know of its body."""
+    """Geometric questions of a robot."""
 
     def inside(self, body: B_contra, region: R) -> bool:
         """Whether a body is in a region."""
@@ -71,28 +72,29 @@ class RobotGeometry(Protocol[R, L, B_contra]):
         """Whether a place is on one side of a line."""
 
     def keeps(self, body: B_contra, bound: Bound[R, L]) -> bool:
-        """Whether a body is on the own side of everything that is obeyed of a binding."""
+        """Whether a body is on the own side of all obeyed lines of a binding."""
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
 class RobotLife(Generic[R, L, B]):
-    """What one life of a robot obeys.
+    """The constraints that one life of a robot obeys.
 
     Args:
-        name: own id.
-        life: own life.
-        body: what it covers as it begins.
+        name: its id.
+        life: number of its life.
+        body: its body at the beginning.
         geometry: of bodies.
 
     Attributes:
-        version: newest version of the ledger that was taken in.
-        number, region: of the region that is obeyed; NO and None before the first.
-        offered_number, offered: newest region that was granted.
+        version: newest version of the ledger that was accepted.
+        number, region: the obeyed region; NO and None before the first.
+        offered_number, offered: the newest granted region.
         body: all that it covers now and until no command has any effect, with a part that it carries or
-            reaches for.
+            reaches
+            for.
         own: the same without that part.
         part: the disk of the part that it reaches for or puts down, or NO.
-        bound: own ends, by number of the binding.
+        bound: its ends of bindings, by number of the binding.
     """
 
     def __init__(self, name: int, life: int, body: B, geometry: RobotGeometry[R, L, B]) -> None:
@@ -105,7 +107,7 @@ class RobotLife(Generic[R, L, B]):
         self._geometry = geometry
 
     def body_towards(self, bound: Bound[R, L]) -> B:
-        """What keeps off the other end."""
+        """The body that a binding constrains."""
         return self.own if bound.peer == self.part else self.body
 
     def fits(self, bound: Bound[R, L], line: L) -> bool:
@@ -113,8 +115,7 @@ class RobotLife(Generic[R, L, B]):
         return self._geometry.fits(self.body_towards(bound), line, bound.low)
 
     def hear(self, told: Told[R, L]) -> None:
-        """Take in a Tick. What has begun by its version and is not listed is over; all that is listed is
-        taken before its region."""
+        """Accept a Tick. Bindings that it does not list are over; it adopts listed ones before its region."""
         require(told.life == self.life, "hear: it is told to this life")
         require(told.version > self.version, "hear: it is newer than any before")
         known, self.bound = self.bound, {}
@@ -129,7 +130,7 @@ class RobotLife(Generic[R, L, B]):
         self.offered_number, self.offered = told.number, told.region
 
     def freeze(self, bound: Bound[R, L], line: L) -> None:
-        """The end was asked for a first line: obey this one from now on, and say so."""
+        """Obey this first line, for which the robot was asked, and announce it."""
         require(bound.state == ASKED, "freeze: there is no first line")
         require(bound.place is not None, "freeze: the other end stands")
         require(self.fits(bound, line), "freeze: the body fits the line")
@@ -137,7 +138,7 @@ class RobotLife(Generic[R, L, B]):
         bound.begin(line)
 
     def turn(self, bound: Bound[R, L], line: L) -> None:
-        """Keep off the place where the other end stands by one half-plane, in place of all obeyed before."""
+        """Obey one half-plane towards the place of a static disk, in place of all lines obeyed before."""
         require(bound.state != ASKED, "turn: a first line is obeyed")
         require(bound.static, "turn: the other end stands for good")
         require(self.fits(bound, line), "turn: the body fits the line")
@@ -148,7 +149,7 @@ class RobotLife(Generic[R, L, B]):
         return bound.place is not None and self._geometry.behind(bound.place, line, not bound.low)
 
     def adopt(self) -> None:
-        """Obey the newest region that was granted, once the body is inside."""
+        """Obey the newest granted region, once the body is inside."""
         offered = self.offered
         require(self.offered_number > self.life, "adopt region: it was granted to this life")
         require(self.offered_number > self.number, "adopt region: it is newer than the one obeyed")
@@ -159,17 +160,18 @@ class RobotLife(Generic[R, L, B]):
         self.number, self.region = self.offered_number, offered
 
     def locate(self, body: B, own: B) -> None:
-        """It is certain where the body is, and what the last command still leads to: no more than `command`
-        said."""
+        """Replace the body by a smaller one that is known from measurements, within that of the last
+        `command`.
+        """
         self.body, self.own = body, own
 
     def command(self, body: B, own: B, part: int = NO) -> None:
-        """Command a motion, or to be another disk.
+        """Command a motion, or another shape of the body.
 
         Args:
             body: all that is covered now and until no command has any effect.
             own: the same without the part that the robot carries or reaches for.
-            part: the disk of a part that it reaches for or puts down: the own body alone keeps off that.
+            part: the disk of a part that it reaches for or puts down, which constrains `own` only.
         """
         region = self.region
         require(region is not None, "command: a region was adopted")
