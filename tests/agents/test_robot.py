@@ -77,7 +77,7 @@ def test_a_later_life_begins_as_the_disk_that_its_earlier_one_was() -> None:
 
 
 def test_a_missing_life_holds_up_no_robot() -> None:
-    """Anybody may say so on an open network: what the true one says is no news then, but it is there."""
+    """On an open network any process may say so: the true world's message is then no news, but arrives."""
     robot = robots()[1][OWN]
     (first, states, _), (second, later, _) = said()[:2]
     robot.begin(first)

@@ -166,7 +166,7 @@ class Walk:
 
     def process(self) -> Process:
         if not self.processes:
-            raise RefusedError("nobody is there")
+            raise RefusedError("no disk is present")
         lives = [each for each in self.processes if self.current(each)]
         return self.random.choice(lives if lives and self.random.random() < 0.8 else self.processes)
 
@@ -175,7 +175,7 @@ class Walk:
 
     def bound(self, process: Process) -> Bound[Span, Line]:
         if not process.robot.bound:
-            raise RefusedError("nobody is bound")
+            raise RefusedError("no disk is bound")
         return self.random.choice(list(process.robot.bound.values()))
 
     def line(self, robot: RobotLife[Span, Line, Span], bound: Bound[Span, Line]) -> Line:
@@ -261,7 +261,7 @@ class Walk:
         if self.carrier:
             disk = self.ledger.disks[self.carrier]
             if disk.life == NO:
-                raise RefusedError("nobody puts it down")
+                raise RefusedError("no robot puts it down")
             end = self.truth[self.carrier][1]
             place = (end - 1, end)
         self.ledger.announce(PART, place)
@@ -289,7 +289,7 @@ class Walk:
         process, part = self.process(), self.ledger.disks[PART]
         robot = process.robot
         if robot.part != PART or part.phase != PRESENT or not self.current(process) or self.carrier:
-            raise RefusedError("nobody reaches for it")
+            raise RefusedError("no robot reaches for it")
         if not Track().inside(self.truth[PART], robot.body):
             raise RefusedError("it is not in reach")
         self.ledger.remove(part)
@@ -313,7 +313,7 @@ class Walk:
     def do_tell(self) -> None:
         disk = self.disk()
         if disk.life == NO:
-            raise RefusedError("nobody listens")
+            raise RefusedError("no life is listening")
         self.told.append((disk.name, self.ledger.told(disk)))
 
     def do_hear(self) -> None:

@@ -100,7 +100,7 @@ RADIUS, FAR = 0.03, 0.4
 
 
 def _swap(count: int, heard: int) -> list[Encounter]:
-    """Whom the robot at (-FAR, 0) meets of `count` on a circle, if it hears `heard` on each side."""
+    """Peers that the robot at (-FAR, 0) meets of `count` on a circle, receiving `heard` on each side."""
     met = []
     for index in [*range(1, heard + 1), *range(-heard, 0)]:
         angle = math.pi + 2.0 * math.pi * index / count

@@ -47,7 +47,7 @@ MUTANTS = (
     ),
     without(
         "stands-at-its-size",
-        "the roster says how large the disk is before anybody can be told that it stands",
+        "the roster has the size of the disk before any robot learns that it stands",
         Edit(
             _PARTS,
             "self._lives.roster.alter(robot, radius=self._scenario.loaded_radius(robot, place.part))",

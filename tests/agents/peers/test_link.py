@@ -1,4 +1,4 @@
-"""Injected link faults: when a State is heard, how often, and by whom; and the radios of a network."""
+"""Injected link faults: delay, repetition and loss of States, and radio ranges."""
 
 from __future__ import annotations
 

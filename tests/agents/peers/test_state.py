@@ -1,4 +1,4 @@
-"""What a robot reads of a peer's State: the same as anybody would, but for lines of other pairs."""
+"""Reading a peer's State: a robot gets the same as any other, except lines of other pairs."""
 
 from __future__ import annotations
 

@@ -144,7 +144,7 @@ def test_a_process_that_lost_its_seat_while_the_scenario_held_it_still_goes_on()
 def test_no_two_processes_live_and_no_life_twice(events: list[tuple[str, str]]) -> None:
     """Processes a, b, c ask, hear or miss the reply, live, show a token, go, in any order."""
     desk = Desk()
-    lives: dict[str, int] = {}  # of whom the process has begun and not ended it
+    lives: dict[str, int] = {}  # processes that have started and not ended
     last: dict[str, int] = {}  # the life that it has ended
     begun: set[int] = set()
     token = ""

@@ -18,7 +18,7 @@ GATHERING, PATIENCE, GRACE = 20.0, 5.0, 3.0
 
 
 class Watch:
-    """A failure detector of a run of two robots, and what it told whom."""
+    """A failure detector of a run of two robots, and the notices that it sent to each."""
 
     def __init__(self, *, grace: float = 0.0, restarts: int = 0, lockstep: bool = True) -> None:
         self.clock, self.told, self.said = Stopwatch(), list[dict[int, Tick]](), list[str]()

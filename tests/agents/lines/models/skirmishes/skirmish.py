@@ -46,7 +46,7 @@ class Skirmish:
         self.world = product.World(self.scenario)
         self.processes: dict[int, _Process] = {}
         self.former: list[_Process] = []
-        self.under_way: list[tuple[int, State, int]] = []  # tick of arrival, what, to whom
+        self.under_way: list[tuple[int, State, int]] = []  # tick of arrival, State, receiver
         self.late: list[Command] = []
         self.trouble = rng.choice((0.0, 0.02, 0.05, 0.1))  # share of ticks in which a process fails
         self.loss = rng.choice((0.0, 0.1, 0.3, 0.6))
