@@ -252,7 +252,6 @@ def statements(found: MeasuredBounds) -> str:
 
 
 def _up(value: float) -> str:
-    """Round up to two digits."""
     return _digits(value, math.ceil)
 
 

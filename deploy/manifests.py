@@ -212,7 +212,6 @@ def _service(plan: Plan, role: str, arguments: Sequence[str], restart: str, more
 
 
 def _home(plan: Plan) -> str:
-    """Hide home folders, except those with the software."""
     there = [path for path in plan.software if path.startswith(_HOMES)]
     if not there:
         return "ProtectHome=yes"
@@ -220,7 +219,6 @@ def _home(plan: Plan) -> str:
 
 
 def _quoted(path: str) -> str:
-    """A path quoted as one word for systemd."""
     escaped = path.replace("\\", "\\\\").replace('"', '\\"').replace("%", "%%")
     return f'"{escaped}"' if escaped != path or set(path) & set(" :") else path
 
@@ -269,9 +267,7 @@ Orchestrator = Literal["compose", "kubernetes", "systemd"]
 
 def write(folder: Path, orchestrator: Orchestrator, plan: Plan, days: float = 30.0) -> None:
     """Create `folder` with all files for `orchestrator`, whole or not at all, readable by its owner only.
-
-    Raises:
-        UsageError: the folder is not empty, or a library is missing.
+    Raises UsageError if the folder is not empty, or a library is missing.
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise UsageError(f"{folder} exists and is not empty: name another folder")

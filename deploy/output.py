@@ -19,11 +19,8 @@ _PATIENCE = 2.0  # s before the bar appears
 
 
 def check_target(target: Path, what: str) -> None:
-    """Check that `what` (a verb phrase, such as "write JSON") is possible with `target`, which stays
-    unchanged.
-
-    Raises:
-        UsageError: it is not.
+    """Raise UsageError if `what` (a verb phrase, such as "write JSON") is impossible with `target`, which
+    stays unchanged.
     """
     if target.is_fifo():  # opening one would wait for its reader
         return
@@ -41,9 +38,7 @@ def check_target(target: Path, what: str) -> None:
 @contextmanager
 def writing(target: Path, what: str) -> Iterator[None]:
     """Context in which `what` (a verb phrase) is written to `target`; a new file is removed after an error.
-
-    Raises:
-        UsageError: writing fails.
+    Raises UsageError if writing fails.
     """
     existed = target.exists()
     try:
@@ -65,20 +60,14 @@ def is_standard_output(target: Path | None) -> bool:
 
 
 def check_json(target: Path | None) -> None:
-    """Check before the work that `target` can be written.
-
-    Raises:
-        UsageError: it cannot.
-    """
+    """Raise UsageError before the work if `target` cannot be written."""
     if target is not None and not is_standard_output(target):
         check_target(target, _JSON)
 
 
 def write_json(document: object, target: Path | None) -> None:
     """Write `document` into the file `target`, to standard output for '-', nowhere for None.
-
-    Raises:
-        UsageError: `target` cannot be written.
+    Raises UsageError if `target` cannot be written.
     """
     if target is None:
         return

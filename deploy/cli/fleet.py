@@ -281,7 +281,6 @@ def _operation(asked: dict[str, Any]) -> Operation:
 
 
 def _done(operator: Operator, operation: Operation) -> Reply:
-    """Have an operation carried out. A refusal ends the command with status 1."""
     reply = operator.operate(operation)
     if not reply.accepted:
         print(f"refused: {reply.text}")
@@ -290,7 +289,6 @@ def _done(operator: Operator, operation: Operation) -> Reply:
 
 
 def _pairs(numbers: Sequence[float]) -> list[list[float]]:
-    """Points of a command line, m; raises UsageError if a number is missing."""
     if len(numbers) % 2:
         raise UsageError("points are pairs of x and y: a number is missing, or there is one too many")
     return [list(pair) for pair in zip(numbers[::2], numbers[1::2], strict=True)]

@@ -56,7 +56,6 @@ def check(
 
 
 def _certificate(name: str, scenario: Scenario) -> Certified | None:
-    """Certificate beside the scenario file."""
     from deploy.theory.certify.certificate import ProofError, path_for, stored
     from deploy.theory.check import Certified
 

@@ -13,7 +13,6 @@ from protocol.errors import UsageError
 
 
 def _names(typed: str) -> list[tuple[str, str]]:
-    """Library names and scenario files for the shell's completion."""
     from deploy.library.load import catalogue
 
     found = [(entry.name.removesuffix("N"), entry.text) for entry in catalogue()]

@@ -130,7 +130,6 @@ def run(
 
 
 def _check_options(given: Mapping[str, Any]) -> None:
-    """Refuse options that do not apply."""
     if given["record"] is None:
         options.refuse({"--rotate": given["rotate"]}, "nothing is recorded: add --record")
     if given["mode"] == "realtime":

@@ -241,7 +241,6 @@ def doctor(json_file: options.Json = None) -> None:
 
 
 def _are_fit(hosts: Sequence[Host]) -> bool:
-    """Check all hosts at once, and print the findings."""
     from concurrent.futures import ThreadPoolExecutor
 
     from rich.console import Console
@@ -264,7 +263,6 @@ def _are_fit(hosts: Sequence[Host]) -> bool:
 
 
 def _trial() -> Finding:
-    """Run two robots as real processes for some ticks."""
     from deploy.library.load import load
     from deploy.run.fleet import Fleet
     from deploy.run.options import RunOptions
@@ -284,7 +282,6 @@ def _trial() -> Finding:
 
 
 def _print(found: list[Finding]) -> None:
-    """Print unwrapped lines, so that commands can be copied."""
     from rich.console import Console
     from rich.text import Text
 

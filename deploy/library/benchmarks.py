@@ -110,7 +110,6 @@ def _document(
 
 
 def _box(x: float, y: float, wide: float, high: float) -> list[Point]:
-    """Corners of a rectangle with this centre, m."""
     u, v = 0.5 * wide, 0.5 * high
     return [(x - u, y - v), (x + u, y - v), (x + u, y + v), (x - u, y + v)]
 

@@ -78,9 +78,7 @@ def head_on(seed: int = 0) -> Scenario:
 
 def turtlebots(count: int, seed: int = 0) -> Scenario:
     """TurtleBots on a circle, each with the opposite point as goal, in random headings.
-
-    Raises:
-        UsageError: `count` is below 2 or above 100.
+    Raises UsageError if `count` is not in 2 to 100.
     """
     if not 2 <= count <= 100:
         raise UsageError(f"{count} robots cannot swap on wheels: choose between 2 and 100")
@@ -108,7 +106,6 @@ def turtlebots(count: int, seed: int = 0) -> Scenario:
 def _opposite(
     places: list[Point], radius: float, jitter: float = 0.0, seed: int = 0
 ) -> tuple[RobotSpec, ...]:
-    """Robots that start within `jitter`, m, of these places and go to the opposite ones."""
     draws = generator(seed, Purpose.SCENARIO).uniform(size=(len(places), 2))
     robots = []
     for n, (x, y) in enumerate(places):
@@ -119,7 +116,6 @@ def _opposite(
 
 
 def _circle(count: int, radius: float) -> list[Point]:
-    """Evenly spaced points; with an even count, opposite ones are exact mirror images."""
     angles = [math.tau * n / count for n in range(count // 2 if count % 2 == 0 else count)]
     points = [(round(radius * math.cos(a), 12) + 0.0, round(radius * math.sin(a), 12) + 0.0) for a in angles]
     return points if count % 2 else points + [(0.0 - x, 0.0 - y) for x, y in points]
@@ -175,9 +171,7 @@ def boxes(count: int, seed: int = 0) -> Scenario:
 
 def blocks(count: int, seed: int = 0) -> Scenario:
     """Four groups cross between four square blocks (RVO2, Blocks: 25 each); here each robot has its own goal.
-
-    Raises:
-        UsageError: `count` is not a multiple of 4 up to 100.
+    Raises UsageError if `count` is not a multiple of 4 up to 100.
     """
     if count % 4 or not 4 <= count <= 100:
         raise UsageError(f"{count} robots are not four groups of up to 25: choose a multiple of 4 up to 100")

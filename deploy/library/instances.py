@@ -99,11 +99,7 @@ def tightness(goals: Sequence[Point], radii: Sequence[float]) -> float:
 
 
 def figure_3(letter: str, seed: int = 0) -> Scenario:
-    """Goal set `letter` ("a" to "e") with random starts by seed.
-
-    Raises:
-        UsageError: there is no such goal set.
-    """
+    """Goal set `letter` ("a" to "e", else UsageError) with random starts by seed."""
     if letter not in GOAL_SETS:
         raise UsageError(f"no goal set {letter!r}; there are {', '.join(GOAL_SETS)}")
     starts = random_starts([RADIUS] * 6, WORKSPACE, seed)
@@ -253,13 +249,11 @@ def _thrown(random: np.random.Generator, radii: Array, workspace: float) -> Arra
 
 
 def _uniform(random: np.random.Generator, radius: float) -> Array:
-    """A point uniform in a disk around the origin."""
     angle, reach = random.uniform(0.0, 2.0 * np.pi), radius * np.sqrt(random.uniform())
     return np.array([reach * np.cos(angle), reach * np.sin(angle)])
 
 
 def _relaxed(points: Array, radii: Array, workspace: float) -> Array | None:
-    """Push disks apart until none are too close; None if that fails."""
     apart = (radii[:, None] + radii[None, :]) * (1.0 + _GAP)
     np.fill_diagonal(apart, 0.0)
     enough = apart * (1.0 + 0.5 * _GAP) / (1.0 + _GAP)
@@ -285,10 +279,8 @@ _MOST = 40
 def parts(count: int, seed: int = 0, robots: int = 3, density: float = DENSITY) -> Scenario:
     """Random parts with random goals, and robots that carry them, at this density.
 
-    Robots end at their starts. No part's goal overlaps a robot's.
-
-    Raises:
-        UsageError: `count` is not in 1 to 40.
+    Robots end at their starts. No part's goal overlaps a robot's. Raises UsageError if `count` is not in 1
+    to 40.
     """
     if not 1 <= count <= _MOST:
         raise UsageError(f"{count} parts: choose between 1 and {_MOST}")

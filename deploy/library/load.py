@@ -132,9 +132,7 @@ def suggestions(name: str) -> str:
 
 def build(name: str, seed: int | None = None) -> Scenario:
     """The library's scenario of this name; `seed` (default 0) determines all random values.
-
-    Raises:
-        UsageError: there is no such name, or the seed is invalid.
+    Raises UsageError if the name is unknown or the seed is invalid.
     """
     seed = DEFAULT_SEED if seed is None else checked_seed(seed)
     if name in _FIXED:
@@ -224,7 +222,6 @@ def try_out(scenario: Scenario) -> None:
 
 
 def _neighbours(scenario: Scenario, robot: int) -> Neighbours:
-    """All others, as known in the first tick."""
     others = [spec for spec in scenario.robots if spec.id != robot]
     heard = Neighbours({spec.id: spec.radius for spec in others})
     for spec in others:
@@ -271,11 +268,7 @@ def read(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Sc
 
 
 def resolved(scenario: Scenario) -> Scenario:
-    """The scenario with a number in place of k = "auto".
-
-    Raises:
-        UsageError: k is "certified", which needs a file or library name.
-    """
+    """The scenario with a number in place of k = "auto"; raises UsageError for "certified"."""
     if scenario.control.k == "certified":
         raise UsageError(
             'control.k = "certified" is for scenario files and names of the library, which '

@@ -119,7 +119,6 @@ def _head(path: Path) -> _Head:
 
 
 def _pixels(path: Path) -> NDArray[np.uint8]:
-    """Brightness, 0 to 255, the last row of the picture first."""
     try:
         from PIL import Image
     except ModuleNotFoundError as error:

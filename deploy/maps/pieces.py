@@ -142,7 +142,6 @@ def _piece(points: list[_Corner], forbidden: _Forbidden) -> _Piece:
 
 
 def _around(rows: Ints, columns: Ints, forbidden: _Forbidden) -> _Piece:
-    """Hull of cells."""
     base = rows.min()
     left = np.full(rows.max() - base + 2, np.iinfo(np.intp).max)  # of the corners at each height
     right = np.full(len(left), -1)
@@ -169,7 +168,6 @@ def _split(rows: Ints, columns: Ints, forbidden: _Forbidden) -> Iterator[_Piece]
 
 
 def _best_cut(rows: Ints, columns: Ints, forbidden: _Forbidden) -> list[tuple[Ints, Ints, _Piece]]:
-    """Both sides of the cut that leaves least forbidden."""
     best: list[tuple[Ints, Ints, _Piece]] = []
     least = math.inf
     for along in (rows, columns) if len(rows) <= _MANY else (max(rows, columns, key=np.ptp),):
@@ -186,7 +184,6 @@ def _best_cut(rows: Ints, columns: Ints, forbidden: _Forbidden) -> list[tuple[In
 
 
 def _cuts(along: Ints) -> Iterator[Mask]:
-    """Cells on the low side of each cut across one axis."""
     middle = (int(along.min()) + int(along.max())) // 2
     others = np.quantile(along, _CUTS).astype(np.intp).tolist() if len(along) <= _MANY else []
     for place in sorted({middle, *others}):
@@ -196,7 +193,6 @@ def _cuts(along: Ints) -> Iterator[Mask]:
 
 
 def _joined(pieces: list[_Piece], forbidden: _Forbidden) -> list[_Piece]:
-    """The pieces, with neighbours joined if their common hull is accepted."""
     pieces, there = list(pieces), np.ones(len(pieces), dtype=bool)
     low = np.array([np.min(each.hull, axis=0) for each in pieces])
     high = np.array([np.max(each.hull, axis=0) for each in pieces])

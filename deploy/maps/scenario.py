@@ -22,11 +22,7 @@ _ERROR = FloorPlan("").error
 
 
 def map_scenario(file: Path, count: int, radius: float, seed: int, folder: Path, error: float) -> Scenario:
-    """A checked scenario with the map `file`, to be written into `folder`.
-
-    Raises:
-        MapError, UsageError: as `on_map`.
-    """
+    """A checked scenario with the map `file`, to be written into `folder`; raises as `on_map`."""
     document = on_map(file, count, radius, seed, error=error)
     parse_document(expanded(document, folder, document["name"]), document["name"])
     document["map"]["file"] = relpath(file, folder)
@@ -37,12 +33,9 @@ def on_map(
     file: Path, count: int, radius: float, seed: int, *, speed: float = 0.5, error: float = _ERROR
 ) -> Document:
     """Document of a scenario with the map `file`: `count` robots of `radius` (m), with obstacles that reach
-    at most
-    `error` (m) into free space.
+    at most `error` (m) into free space.
 
-    Raises:
-        MapError: the file describes no map.
-        UsageError: the robots have no room.
+    Raises MapError if the file describes no map, UsageError if the robots have no room.
     """
     grid = read_map(file)
     room = _room(grid, (radius + 2.0 * error) / grid.resolution)
@@ -82,7 +75,6 @@ def _room(grid: Occupancy, clear: float) -> Mask:
 
 
 def _places(grid: Occupancy, room: Mask, count: int, apart: float, draw: np.random.Generator) -> list[Point]:
-    """Centres of free cells at least `apart` from each other, m."""
     cells, found = np.argwhere(room), list[Point]()
     for index in draw.integers(len(cells), size=_TRIES).tolist():
         row, column = cells[index].tolist()

@@ -275,7 +275,6 @@ class _Server:
             self._tell(Exited(life, code, cpu, usage.ru_maxrss / unit))
 
     def _relay_last(self, life: int) -> None:
-        """Relay the last reports of a process before its end."""
         for descriptor, (owner, pipe) in list(self._reports.items()):
             while owner == life and descriptor in self._reports and pipe.poll():
                 self._relay(descriptor)

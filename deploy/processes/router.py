@@ -79,9 +79,7 @@ def reserved(endpoint: Endpoint) -> Iterator[None]:
     """Keep an endpoint's port free for its router while that restarts.
 
     A bound UDP socket, which no router uses, marks the port for other processes of this software.
-
-    Raises:
-        OSError: another process has reserved it.
+    Raises OSError if another process has reserved it.
     """
     address = endpoint.address
     assert address is not None, "only routers on a network have ports"

@@ -186,7 +186,6 @@ class Spawner:
     def _serve(
         self, theirs: socket.socket, modules: Sequence[str], run: str, logs: Path | None
     ) -> subprocess.Popen[bytes]:
-        """Start the fork server at the other end of the channel."""
         code = (
             f"import sys; sys.path[:] = {sys.path!r}; "
             "from deploy.processes.fork_server import main; "

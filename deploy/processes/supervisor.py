@@ -318,7 +318,6 @@ class Supervisor:
                 self._again(life)
 
     def _waits(self) -> list[float]:
-        """Remaining delays of scheduled restarts, s."""
         now = time.monotonic()
         return [max(0.0, life.due - now) for life in self._lives.values() if life.due is not None]
 

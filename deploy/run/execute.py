@@ -61,10 +61,8 @@ def linger(link: str) -> None:
 
 @contextmanager
 def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[str]:
-    """Serve a page that shows `fleet`, and print its address to standard error. The address permits steering.
-
-    Raises:
-        UsageError: the libraries of the extra `web` are not installed.
+    """Serve a page that shows `fleet`, and print its address, which permits steering, to standard error.
+    Raises UsageError if the libraries of the extra `web` are not installed.
     """
     from deploy.telemetry.monitor.web import serve_in_thread
 
@@ -160,7 +158,6 @@ def execute(
 
 
 def _check(extras: Extras) -> None:
-    """Find problems with output files before the run."""
     check_json(extras.json)
     if extras.record is not None:
         check_target(extras.record, "record")
@@ -169,7 +166,6 @@ def _check(extras: Extras) -> None:
 
 
 def _recording_path(extras: Extras, stack: ExitStack) -> Path | None:
-    """File to record to: as requested, or a temporary one for the plot."""
     if extras.record is not None or extras.plot is None:
         return extras.record
     return Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "run.mcap"

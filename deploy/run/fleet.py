@@ -154,10 +154,8 @@ class Fleet:
         return [] if self._assembly.result is None else self._supervisor.heard(table.RECORDER)
 
     def record(self, result: Mapping[str, Any]) -> None:
-        """Finish the recording, if there is one, with the complete result.
-
-        Raises:
-            RecordingError: the recorder failed.
+        """Finish the recording, if there is one, with the result; raises RecordingError if the recorder
+        failed.
         """
         if self._assembly.result is None:
             return
@@ -240,7 +238,6 @@ class Fleet:
         return self._clock is not None and self._clock.tick > 0
 
     def _await_last_words(self) -> None:
-        """Wait for the world's report, unless a second signal arrives."""
         self._poll()
         if self._options.restarts:
             self._leaving = 0.0  # robots would wait for a restarted world
@@ -257,5 +254,4 @@ class Fleet:
 
 
 def _row(usage: Usage, host: str | None) -> dict[str, Any]:
-    """A process's row of the result; with its host, if there are several."""
     return usage._asdict() if host is None else {**usage._asdict(), "host": host}

@@ -273,11 +273,7 @@ class LocalFleet:
         return self.report
 
     def _run(self, finished: Callable[[], bool]) -> None:
-        """Run the network. A robot that is refused after the start ends alone, as its process would.
-
-        Raises:
-            JoinError: a robot is refused before the start.
-        """
+        """Run the network; raises JoinError if a robot is refused before the start. Later, it ends alone."""
         while not finished():
             try:
                 self.network.run(finished)
@@ -316,5 +312,4 @@ class _Follower:
 
 
 def _warn(robot: int, text: str) -> None:
-    """Log the warning of a robot's process."""
     LOG.warning(f"robot-{robot}: {text}")

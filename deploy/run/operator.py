@@ -50,9 +50,7 @@ class Operator:
         halted if
         all are, and all robots that move.
 
-        Raises:
-            BusError: no world of this run answers.
-            MessageError: the answer is of another version.
+        Raises BusError without an answer, MessageError if the answer is of another version.
         """
         request = b"" if operation is None else msgspec.msgpack.encode(operation)
         try:
@@ -77,11 +75,7 @@ class Operator:
         self._wishes[robot](encode(Wish(robot, velocity)))
 
     def reach(self, within: float) -> None:
-        """Wait until the first tick of this run is over, at most `within` s.
-
-        Raises:
-            BusError: no world of this run answers in time.
-        """
+        """Wait until the first tick of this run is over; raises BusError after `within` s."""
         deadline = time.monotonic() + within
         while True:
             try:
@@ -97,9 +91,7 @@ class Operator:
 
     def appeared(self, robot: int, within: float) -> Member:
         """Wait until the disk of an added robot is present.
-
-        Raises:
-            BusError: another robot still occupies its place after `within` s.
+        Raises BusError if another robot still occupies its place after `within` s.
         """
 
         def found(reply: Reply) -> Member | None:
@@ -110,9 +102,7 @@ class Operator:
 
     def stands(self, number: int, within: float) -> PlacedObstacle:
         """Wait until an accepted obstacle is present.
-
-        Raises:
-            BusError: a robot still occupies its place after `within` s, or it was removed.
+        Raises BusError if a robot still occupies its place after `within` s, or the obstacle was removed.
         """
 
         def found(reply: Reply) -> PlacedObstacle | None:
@@ -148,9 +138,7 @@ class Operator:
 
     def outcome(self, robot: int, number: int, within: float) -> GoalStatus:
         """Wait until a goal is reached, cancelled, given up, or followed by another; returns its status.
-
-        Raises:
-            BusError: not within `within` s, or there is no such robot.
+        Raises BusError after `within` s, or if there is no such robot.
         """
         self._bus.subscribe(robot_key(self._run, robot, "goalstatus"))
         deadline = time.monotonic() + within
@@ -172,9 +160,7 @@ class Operator:
 @contextmanager
 def operating(connection: Connection, run: str, within: float = ANSWER) -> Iterator[Operator]:
     """An operator with its own session.
-
-    Raises:
-        BusError: no router is reached at the endpoint of `connection` within `within` s.
+    Raises BusError if no router is reached at the endpoint of `connection` within `within` s.
     """
     bus = ZenohBus(replace(connection, timeout=within))
     try:
@@ -185,9 +171,7 @@ def operating(connection: Connection, run: str, within: float = ANSWER) -> Itera
 
 def probed_key(run: str, role: str) -> str:
     """Key of a stream that a live process publishes regularly: a robot's health, the world's clock.
-
-    Raises:
-        UsageError: the role has no such stream.
+    Raises UsageError for a role without such a stream.
     """
     if role == WORLD:
         return world_key(run, "clock")
@@ -198,11 +182,7 @@ def probed_key(run: str, role: str) -> str:
 
 
 def probe(connection: Connection, run: str, role: str, within: float) -> None:
-    """Return once a message of `role` arrives.
-
-    Raises:
-        BusError: none arrives within `within` s, or the router cannot be reached.
-    """
+    """Return once a message of `role` arrives; raises BusError after `within` s or without a router."""
     key = probed_key(run, role)
     with closing(ZenohBus(connection)) as bus:
         bus.subscribe(key)

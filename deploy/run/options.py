@@ -24,11 +24,7 @@ def fresh_run_name() -> str:
 
 
 def restarts(policy: str) -> int:
-    """Number of restarts by the policy `never` or `on-failure[:N]`.
-
-    Raises:
-        UsageError: it is neither.
-    """
+    """Number of restarts by the policy `never` or `on-failure[:N]`; raises UsageError for any other."""
     found = _POLICY.fullmatch(policy)
     if found is None:
         raise UsageError(f"--restart {policy!r}: give never, on-failure, or on-failure:N with N from 1 on")

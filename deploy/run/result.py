@@ -36,11 +36,7 @@ _STYLES = {"arrived": "bold green", "collision": "bold red", "interrupted": "yel
 
 
 def read_report(text: str) -> Report:
-    """Parse the report of a world's process.
-
-    Raises:
-        MessageError: it is not JSON, or fields are missing.
-    """
+    """Parse the report of a world's process; raises MessageError if it is not JSON, or fields are missing."""
     try:
         report = json.loads(text)
     except (ValueError, RecursionError) as error:

@@ -201,7 +201,6 @@ def _fill(directory: Path, roster: KeyRoster, hosts: Sequence[str], days: float)
 
 
 def _write(path: Path, content: bytes, mode: int) -> None:
-    """Write a new file with `mode` from the beginning, whatever the umask."""
     descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
     with os.fdopen(descriptor, "wb") as file:
         os.fchmod(descriptor, mode)
@@ -210,9 +209,7 @@ def _write(path: Path, content: bytes, mode: int) -> None:
 
 def inspect(credentials: Credentials, role: str) -> None:
     """Check that the certificate is for `role`, by this authority, valid now, and belongs to the key.
-
-    Raises:
-        CertificateError: names the check that fails.
+    Raises CertificateError that names the failed check.
     """
     authority = _read(credentials.authority)
     certificate = _read(credentials.certificate)
@@ -241,10 +238,8 @@ def _check_validity(certificate: x509.Certificate, path: str) -> None:
 
 
 def end_of(authority: str) -> datetime.datetime:
-    """End of the validity of an authority, and so of all its certificates.
-
-    Raises:
-        CertificateError: it cannot be read.
+    """End of the validity of an authority, and so of all its certificates; raises CertificateError if
+    unreadable.
     """
     return _read(authority).not_valid_after_utc
 

@@ -39,9 +39,7 @@ class KeyRing:
 
     def run(self, asked: str | None) -> str | None:
         """Name of the run: as given, else the roster's, else None.
-
-        Raises:
-            CertificateError: the keys are for a run with another name.
+        Raises CertificateError if the keys are for a run with another name.
         """
         roster = self.roster()
         if roster is None:
@@ -71,9 +69,8 @@ class KeyRing:
     def client(self, role: str, routers: Sequence[str], *, timeout: float = 20.0) -> Connection:
         """Connection of `role` to the first router of `routers` that answers.
 
-        Raises:
-            CertificateError: the files of this role are missing, readable by others, or do not fit together.
-            UsageError: an endpoint is invalid, or of the other kind of network.
+        Raises CertificateError if the files of this role are missing, readable by others, or do not match;
+        UsageError if an endpoint is invalid, or of the other kind of network.
         """
         return Connection(
             connect=tuple(map(self.endpoint, routers)), timeout=timeout, credentials=self._credentials(role)
@@ -125,9 +122,7 @@ class KeyRing:
 
     def endpoint(self, text: str) -> Endpoint:
         """An endpoint of this network, whose protocol may be left out.
-
-        Raises:
-            UsageError: it is invalid, or of the other kind of network.
+        Raises UsageError if it is invalid, or of the other kind of network.
         """
         endpoint = Endpoint(text, self.protocol)
         if endpoint.protocol == "tls" and self.directory is None:

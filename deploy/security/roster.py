@@ -66,11 +66,7 @@ class KeyRoster:
         return (*self.routers, WORLD, MONITOR, OPERATOR, *map(robot_role, self.robots))
 
     def behind(self, host: str) -> tuple[str, ...]:
-        """Roles of the clients of the router of `host`.
-
-        Raises:
-            CertificateError: the run has no such host.
-        """
+        """Roles of the clients of the router of `host`; raises CertificateError if there is none."""
         if host not in self.homes:
             raise CertificateError(
                 f"the keys of the run {self.run} are not for a host {host!r}, "
@@ -96,11 +92,7 @@ def encoded(roster: KeyRoster) -> bytes:
 
 
 def read(directory: Path) -> KeyRoster:
-    """The roster of a directory of keys.
-
-    Raises:
-        CertificateError: it is missing or invalid.
-    """
+    """The roster of a directory of keys; raises CertificateError if it is missing or invalid."""
     path = directory / ROSTER
     try:
         roster = msgspec.json.decode(path.read_bytes(), type=KeyRoster)
@@ -129,12 +121,9 @@ _ADMIN = "@/*/router/**"  # zenoh's admin space of a router, if enabled
 
 
 def access_control(roster: KeyRoster, host: str = "") -> dict[str, Any]:
-    """zenoh's `access_control` for the router of `host`, or for the only one.
+    """zenoh's `access_control` for the router of `host` (CertificateError if unknown), or for the only one.
 
     Subjects are common names of certificates.
-
-    Raises:
-        CertificateError: the run has no such host.
     """
     run = roster.run
     rules = {rule["id"]: rule for role in roster.roles for rule in _rules(run, role)}
@@ -220,7 +209,6 @@ def _questions(asker: str) -> list[str]:
 
 
 def _key(run: str, name: str, robot: int | None = None) -> str:
-    """Key of a stream or query: of the world, of one robot, or of all."""
     if name not in ROBOT_STREAMS:
         return world_key(run, name)
     return every_robot(run, name) if robot is None else robot_key(run, robot, name)

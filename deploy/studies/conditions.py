@@ -146,7 +146,6 @@ def delayed(build: Build, pace: Pace, late: float, seed: int) -> Scenario:
 
 
 def _with_times(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
-    """The usual figures, with times by seed, s, of the runs that arrived."""
     times = {str(result["seed"]): result["sim_time"] for result in arrived(results)}
     return {**labels, **figures(results), "times": times}
 

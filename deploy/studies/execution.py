@@ -203,7 +203,6 @@ def execute(
 
 
 def _executed(study: Study, runs: Sequence[StudyRun], jobs: int) -> Iterator[tuple[StudyRun, Result]]:
-    """Runs with their results as they end, until a signal arrives."""
     waiting: dict[Future[Result], StudyRun] = {}
     with _workers(min(jobs, max(1, len(runs)))) as pool:
         try:

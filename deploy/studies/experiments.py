@@ -80,7 +80,6 @@ def _row(
     labels: Mapping[str, Any],
     results: Sequence[Result],
 ) -> Row:
-    """Adds the values of the paper and the exact flow."""
     x = labels[axis]
     return {**labels, **figures(results), "paper": printed.get(x), "exact": exact.get(x)}
 

@@ -167,7 +167,6 @@ def perform(request: StudyRequest) -> int:
 
 
 def _check(request: StudyRequest, study: Study) -> None:
-    """Find invalid settings and files before the runs."""
     if request.file is not None and not request.file.parent.is_dir():
         raise UsageError(f"{request.file}: the folder {request.file.parent} does not exist")
     check_json(request.target)

@@ -108,7 +108,6 @@ class Drawing:
     def _piece(
         self, robot: int, line: messages.Line, places: Mapping[int, messages.Vector]
     ) -> tuple[Json, ...]:
-        """Segment of a robot's line between it and the peer; empty if they are far apart."""
         peer, nx, ny, limit = line
         if peer not in places:
             return ()
@@ -127,7 +126,6 @@ class Drawing:
 
 
 def _entity(stamp: Json, frame_id: str, name: str, **primitives: list[Json]) -> Json:
-    """One named entity, in the frame with which it moves."""
     kinds = ("cylinders", "lines", "triangles", "texts", "metadata", "arrows", "cubes", "spheres", "models")
     return {
         "timestamp": stamp,

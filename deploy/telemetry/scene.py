@@ -297,7 +297,6 @@ class FleetScene:
         return [topic for topic, new in zip(("/scene/robots", "/scene/room"), changed, strict=True) if new]
 
     def _on_truth(self, truth: Truth) -> list[str]:
-        """Topics that change or are due."""
         now = round(truth.tick * self._scenario.time.step * 1e9)
         if now >= _LATEST:
             return []
@@ -347,7 +346,6 @@ class FleetScene:
         return self._moving.message(self._now, self._cast.places.values())
 
     def _robots(self) -> Json:
-        """All present robots, in place of all drawn before."""
         draw, stamp = self._drawing.robot, self._stamp
         there = [draw(stamp, robot, down=robot in self._down) for robot in self._cast.places]
         return update(there, stamp)

@@ -283,7 +283,6 @@ def largest_gamma(problem: FleetProblem, eps: float) -> float:
 
 
 def _pair_reach(problem: FleetProblem, eps: float) -> Array:
-    """sqrt(rho_ij^2 + eps), (p, p) m, zero on the diagonal."""
     lengths = np.sqrt(problem.contact**2 + eps)
     np.fill_diagonal(lengths, 0.0)
     return np.asarray(lengths)

@@ -81,7 +81,6 @@ def _random_starts(problem: FleetProblem, seed: int) -> list[Array]:
 
 
 def _kinds(problem: FleetProblem, flows: list[FlowResult], starts: list[Array]) -> Counter[str]:
-    """Equilibria reached from the ends of failed flows, from blocked pairs and from the random starts."""
     ends = [flow.path[-1] for flow in flows if not flow.arrived]
     refined = [b for end in ends if (b := find_equilibrium(problem, end)) is not None]
     found = equilibria(problem, [*refined, *swapped_pairs(problem), *starts])[1:]
@@ -253,7 +252,6 @@ def report(scenario: Scenario, certificate: Certified | None = None) -> CheckRep
 
 
 def _problem(scenario: Scenario) -> tuple[FleetProblem, Array, tuple[int, ...]]:
-    """Problem, start and robot ids, in order of id."""
     specs = [scenario.spec(robot) for robot in scenario.ids]
     radii = np.array([spec.radius for spec in specs])
     workspace, k = scenario.workspace.disk_radius, scenario.control.k

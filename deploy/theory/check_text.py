@@ -34,7 +34,6 @@ def scope(scenario: Scenario) -> list[str]:
 
 
 def _stated(scenario: Scenario) -> Iterator[str]:
-    """Bounds of external bases, one line for all robots with the same."""
     robots: dict[str, list[str]] = {}
     for robot in scenario.ids:
         body, base = scenario.body_of(robot), scenario.base_of(robot)
@@ -179,7 +178,6 @@ def _practice(found: CheckReport) -> list[str]:
 
 
 def _counted(count: int, kind: str) -> str:
-    """`3 saddles of index 1`."""
     noun, _, rest = kind.partition(" ")
     plural = {"minimum": "minima"}.get(noun, f"{noun}s")
     return " ".join(filter(None, (str(count), noun if count == 1 else plural, rest)))

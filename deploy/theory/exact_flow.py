@@ -109,7 +109,6 @@ def _cut(problem: FleetProblem, begin: Array, end: Array, near: float) -> Array:
 
 
 def _far(problem: FleetProblem, b: Array) -> float:
-    """Largest distance of a robot from its goal, m."""
     return float(np.hypot(*(b - problem.goals).T).max())
 
 

@@ -114,7 +114,6 @@ def _laplacian(weights: Array) -> Array:
 
 
 def _flat(blocks: Array) -> Array:
-    """(p, p, 2, 2) blocks to (2p, 2p)."""
     p = len(blocks)
     return np.asarray(blocks.transpose(0, 2, 1, 3).reshape(2 * p, 2 * p))
 

@@ -53,7 +53,6 @@ def theorem_for(scenario: Scenario) -> tuple[Theorem | None, tuple[str, ...]]:
 
 
 def _not_apart(scenario: Scenario) -> Iterator[str]:
-    """Reasons: gaps that are too narrow for the robot."""
     pairs = obstructed(scenario.workspace.shape, scenario.shapes, scenario.robots[0].radius)
     for one, other in pairs:
         between = f"obstacle {other} and the boundary" if one == ROOM else f"obstacles {one} and {other}"
@@ -205,7 +204,6 @@ def _clearance(scenario: Scenario, which: str) -> float:
 
 
 def _has_order(scenario: Scenario) -> bool:
-    """Whether robots could bring one part after another to its goal."""
     layout = Layout(
         {number: part.start for number, part in enumerate(scenario.parts, 1)},
         tuple(obstacle.shape for obstacle in scenario.obstacles),

@@ -118,7 +118,6 @@ def _clock(process: subprocess.Popen[bytes]) -> Finding:
 
 
 def _offset(process: subprocess.Popen[bytes]) -> tuple[float, float]:
-    """Offset of its clock, and the error of that, s."""
     assert process.stdin is not None
     looks = []
     for _ in range(_LOOKS):

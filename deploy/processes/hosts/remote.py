@@ -62,7 +62,6 @@ def main(modules: Sequence[str] = MODULES, patience: float = _PATIENCE, run: str
 
 
 def _store(folder: Path, file: Store) -> None:
-    """Write a new file with mode 0600; an existing one is not changed."""
     path = folder / Path(file.name).name
     if path.exists():
         return

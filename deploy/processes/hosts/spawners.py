@@ -131,7 +131,6 @@ class HostSpawners:
         return next((f"host {name}" for name, each in self._there.items() if each is spawner), "this host")
 
     def _lose(self, spawner: Spawner, error: ProcessError) -> None:
-        """Report the processes of a lost host as ended."""
         if spawner is self._here:
             raise error
         LOG.error(error)

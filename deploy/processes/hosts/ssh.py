@@ -69,9 +69,8 @@ class FramedMessages:
     def read(self, timeout: float) -> Iterator[bytes]:
         """Messages that have arrived; waits at most `timeout` s for the first.
 
-        Raises:
-            EOFError: the connection has ended.
-            ValueError: a message is invalid or incomplete for too long.
+        Raises EOFError at the end of the connection, ValueError if a message is invalid or incomplete for
+        too long.
         """
         for _ in range(_AT_ONCE):
             message = self._complete()
@@ -88,7 +87,6 @@ class FramedMessages:
         self._check_patience()
 
     def _complete(self) -> bytes | None:
-        """First complete message of the buffer."""
         if len(self._buffer) < _HEAD.size:
             return None
         (length,) = _HEAD.unpack_from(self._buffer)
@@ -120,9 +118,7 @@ class Relay:
     """Relays the standard error of one host's processes, shell and ssh to log and terminal.
 
     Each line is labelled with the host's name, without terminal control sequences.
-
-    Raises:
-        UsageError: `folder` cannot be written.
+    Raises UsageError if `folder` cannot be written.
     """
 
     def __init__(self, host: str, run: str, folder: Path | None) -> None:
@@ -192,9 +188,7 @@ class SshSpawner(Spawner):
     """The fork server on another host. The constructor does not wait for it; `greet` does.
 
     Text from the host is relayed to the terminal, and to its file in `logs`.
-
-    Raises:
-        ProcessError: this machine has no ssh; or, from any method, the host is gone.
+    Raises ProcessError if this machine has no ssh; any method raises it once the host is lost.
     """
 
     def __init__(
@@ -213,10 +207,8 @@ class SshSpawner(Spawner):
             ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, struct.pack("ll", int(_STALL), 0))
 
     def greet(self, timeout: float) -> None:
-        """Wait for the host's greeting.
-
-        Raises:
-            ProcessError: it does not arrive, or the host runs another version; the text names the host.
+        """Wait for the host's greeting; raises ProcessError if it does not arrive, or comes from another
+        version.
         """
         deadline = time.monotonic() + timeout
         while not self.folder:

@@ -48,10 +48,8 @@ class HostsTable:
         return next((host for host in self.hosts if host.name == self.world), self.hosts[0])
 
     def host_of(self, robot: int) -> Host:
-        """Host that runs a robot.
-
-        Raises:
-            UsageError: none, as for a robot that was added to the fleet.
+        """Host that runs a robot; raises UsageError if there is none, as for a robot that was added to the
+        fleet.
         """
         for host in self.hosts:
             if robot in host.robots:
@@ -64,19 +62,13 @@ class HostsTable:
 
 def read_hosts(path: Path, robots: Sequence[int], newcomers: Sequence[int] = ()) -> HostsTable:
     """Read the table of hosts for a scenario with these robots, and with newcomers that its orders add.
-
-    Raises:
-        HostsError: lists every problem, in the order of the file.
+    Raises HostsError with every problem, in the order of the file.
     """
     return parse_hosts(read_toml(path, HostsError), robots, str(path), newcomers)
 
 
 def read_any_hosts(path: Path) -> HostsTable:
-    """Read a table without a scenario: all robots that it names are valid.
-
-    Raises:
-        HostsError: as `read_hosts`.
-    """
+    """Read a table without a scenario: all robots that it names are valid. Raises as `read_hosts`."""
     document = read_toml(path, HostsError)
     entries = document.get("hosts")
     named = (
@@ -108,7 +100,6 @@ def parse_hosts(
 def _checked(
     table: HostsTable, malformed: Collection[Steps], robots: Sequence[int], newcomers: Sequence[int]
 ) -> Iterator[Finding]:
-    """Checks: unique names and endpoints, valid options, every robot on one host."""
     names: dict[str, int] = {}
     endpoints: dict[tuple[str, int], int] = {}
     homes: dict[int, int] = {}
@@ -158,11 +149,7 @@ def roster_of(run: str, table: HostsTable) -> KeyRoster:
 
 
 def check_fit(roster: KeyRoster, table: HostsTable) -> None:
-    """Check that the keys belong to these hosts, each with these robots.
-
-    Raises:
-        CertificateError: they do not; names the host that differs.
-    """
+    """Raise CertificateError unless the keys are for these hosts, each with these robots."""
     wanted, world = _homes(table), table.world_host.name
     if differing := [
         name

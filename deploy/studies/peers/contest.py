@@ -56,7 +56,6 @@ class Contest(Study):
         return sorted(rows, key=lambda each: order[each["scenario"]])
 
     def _tried(self, results: Mapping[tuple[int, int], Result]) -> dict[tuple[str, str], _Tried]:
-        """All attempts with results, by group and law."""
         tried: defaultdict[tuple[str, str], _Tried] = defaultdict(lambda: defaultdict(list))
         least: dict[tuple[str, int], float] = {}
         for n, cell in enumerate(self.cells):
@@ -167,7 +166,6 @@ def _outcome(rows: Sequence[Row]) -> str:
 
 
 def _beside(rows: Sequence[Row]) -> str:
-    """Number of scenarios in which the reference is better."""
     known = [each for each in rows if each["law"] != REFERENCE and each["time_ratio"] is not None]
     if not known:
         return ""

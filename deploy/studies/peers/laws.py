@@ -131,7 +131,6 @@ class Orca:
         self._own = self._simulator.add_agent((0.0, 0.0))
 
     def _observe(self, peer: int, neighbours: Neighbours, tick: int) -> None:
-        """Place a peer at its extrapolated position."""
         place = neighbours.position(peer)
         if place is None:
             return

@@ -145,7 +145,6 @@ Point = tuple[float, float, float]  # simulated time, s; clearance, m; log_poten
 
 
 def _worst(earlier: Point, later: Point) -> Point:
-    """Two points merged, with the smaller clearance."""
     return later[0], min(earlier[1], later[1]), later[2]
 
 

@@ -41,14 +41,12 @@ def overview(view: FleetView) -> dict[str, Any]:
 
 
 def _outline(shape: Shape) -> dict[str, Any]:
-    """A disk or a polygon, as in a scenario file."""
     if isinstance(shape, Disk):
         return {"center": (shape.x, shape.y), "radius": shape.radius}
     return {"points": shape.points}
 
 
 def _change(obstacle: PlacedObstacle) -> dict[str, Any] | None:
-    """An obstacle that is placed, or None for a removed one."""
     return None if obstacle.status == "gone" else _outline(obstacle.shape) | {"status": obstacle.status}
 
 

@@ -153,7 +153,6 @@ class Watcher(Steerable):
             self._ask_for(Steer())  # changes nothing; the answer has the settings in force
 
     def _meet(self) -> None:
-        """Query the specs of robots that no message describes."""
         reply = self._present()
         if reply is None:
             self._known = False
@@ -308,7 +307,6 @@ class Player(Steerable):
             self.change(partial(_hear, message))
 
     def _wait(self, seconds: float) -> None:
-        """Wait for recorded time to pass at the set speed, by single steps while paused."""
         while seconds > 0.0 and not self._closed:
             began = time.monotonic()
             with self._changed:

@@ -196,7 +196,6 @@ async def _listen(socket: WebSocket, source: Steerable, tasks: asyncio.TaskGroup
 
 
 async def _operate(socket: WebSocket, source: Steerable, operation: Operation) -> None:
-    """Forward an operation, and send its outcome."""
     try:
         async with asyncio.timeout(_ANSWER):
             outcome = await asyncio.wrap_future(source.operate(operation))

@@ -269,7 +269,6 @@ class _WebpWriter(PillowWriter):
 
 
 def _steps(recording: RecordedRun, longest: float) -> Iterator[int]:
-    """Index of the recorded tick of each frame."""
     ticks = recording.truths.ticks
     seconds = ticks[-1] * recording.scenario.time.step
     count = int(min(max(2.0, seconds * _RATE), longest * _RATE))

@@ -61,7 +61,6 @@ def dash(index: int) -> Any:
 
 
 def _legend_disk(*, xdescent: float, ydescent: float, width: float, height: float, **_: object) -> Circle:
-    """Shows a disk in legends in place of a box."""
     return Circle((width / 2 - xdescent, height / 2 - ydescent), 0.75 * height)
 
 

@@ -111,7 +111,6 @@ def _scalar(described: inspect.Type) -> Form:
 
 
 def _named(described: inspect.Metadata) -> Form:
-    """A tuple with names for its elements."""
     names = (described.extra or {}).get("names")
     if names is None or not isinstance(described.type, inspect.TupleType):
         return _of(described.type)
@@ -119,7 +118,6 @@ def _named(described: inspect.Metadata) -> Form:
 
 
 def _tuple(described: inspect.TupleType, names: tuple[str, ...]) -> Form:
-    """A tuple of numbers or strings."""
     name = "_".join(names)
     record = _record(name, dict(zip(names, map(_scalar, described.item_types), strict=True)))
     return record._replace(to_json=lambda value: f"{name}(*{value})")
@@ -146,8 +144,6 @@ def _array(item: Form) -> Form:
 
 
 def _record(name: str, fields: dict[str, Form]) -> Form:
-    """An object with one property per field."""
-
     def to_json(value: str) -> str:
         parts = (field.to_json(f"{value}.{each}") for each, field in fields.items())
         return f"{name}({', '.join(parts)})"

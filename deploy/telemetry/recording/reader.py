@@ -109,7 +109,6 @@ class _RecordedFile:
 
 
 def _look_through(path: Path) -> _RecordedFile:
-    """Read the metadata and the index of the chunks of a file."""
     found = _RecordedFile(path)
     try:
         with path.open("rb") as file:

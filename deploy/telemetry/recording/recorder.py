@@ -134,7 +134,6 @@ class Recorder:
             self._begin(time.monotonic())
 
     def _begin(self, now: float) -> None:
-        """Query the scenario, repeatedly if there is no answer, and start the file."""
         scenario = self._scenario() if self._worlds else None
         if scenario is None:
             if now >= self._overdue:
@@ -182,7 +181,6 @@ class Recorder:
 
 
 def _every_tick(run: str, robots: Iterable[int]) -> Iterator[str]:
-    """Keys of the most frequent messages."""
     for robot in robots:
         for stream in ("tick", "state", "command"):
             yield robot_key(run, robot, stream)

@@ -137,7 +137,6 @@ def trajectory(recording: RecordedRun) -> CheckedTrajectory:
 
 
 def _known(recording: RecordedRun) -> dict[int, _Plane]:
-    """Positions by tick; those of the last tick are also in the result."""
     truths, result = recording.truths, recording.result or {}
     known: dict[int, _Plane] = {}
     for tick, positions in zip(truths.ticks.tolist(), truths.positions, strict=True):

@@ -200,7 +200,6 @@ class RecordingFile:
         return self._channels[key]
 
     def _topic(self, name: str) -> int:
-        """Channel of a topic of the scene."""
         topic = TOPICS[name]
         schema_number = self._schema(topic.schema, lambda: topic.definition, topic.schema_encoding)
         number: int = self._writer.register_channel(name, topic.encoding, schema_number)

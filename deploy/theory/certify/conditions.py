@@ -333,7 +333,6 @@ def _contact(goals: GoalSet, i: int, j: int) -> Ends:
 
 
 def _quotient(s: Ends, by: list[arb]) -> Ends:
-    """s / by for s and by >= 0."""
     low = s[0] / by[1] if by[1] > 0 and by[1] < INFINITE else ZERO
     high = s[1] / by[0] if by[0] > 0 else INFINITE
     return low, high

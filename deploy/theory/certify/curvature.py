@@ -166,13 +166,11 @@ def _among(stiff: NDArray[np.int64], q: int) -> bool:
 
 @compiled
 def _weight(box: Box, row: int) -> float:
-    """A likely value of lambda."""
     return middle((box[row, 0], box[row, 1])) if box[row, 1] < np.inf else 2.0 * box[row, 0] + 1.0
 
 
 @compiled
 def _gradient(scene: Scene, box: Box, q: int, row: Array) -> None:
-    """grad beta_q / 2 at the midpoint."""
     i, j = scene.first[q], scene.second[q]
     row[:] = 0.0
     for a in range(2):
@@ -222,7 +220,6 @@ def _direction(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v
 
 @compiled
 def _add_square(form: Array, row: Array, weight: float) -> None:
-    """form + weight row row^T."""
     for a in range(len(row)):
         for c in range(len(row)):
             form[a, c] += weight * row[a] * row[c]

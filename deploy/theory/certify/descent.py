@@ -114,7 +114,6 @@ def _stiff(box: BoxConditions) -> list[int]:
 
 
 def _gradient(box: BoxConditions, q: int) -> Array:
-    """grad beta_q / 2 at the midpoint."""
     row = np.zeros(box.n)
     i, j = box.factors[q]
     own = np.array([middle(box.rows[2 * i + a]) for a in (0, 1)])
@@ -153,7 +152,6 @@ def _proposal(box: BoxConditions, stiff: list[int]) -> Array | None:
 
 
 def _along(box: BoxConditions, q: int, v: list[Ends]) -> Ends:
-    """(grad beta_q / 2) . v over the box."""
     i, j = box.factors[q]
     total = (ZERO, ZERO)
     for a in (0, 1):
@@ -183,7 +181,6 @@ def _field(box: BoxConditions, stiff: list[int], v: Array) -> list[Ends] | None:
 
 
 def _form(box: BoxConditions, stiff: list[int], v: list[Ends]) -> arb:
-    """Upper bound of v^T H v / 2."""
     total = ZERO
     for x in v:
         total += square(x)[1]

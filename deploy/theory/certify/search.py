@@ -299,7 +299,6 @@ def _size(scene: Scene, box: Box) -> float:
 
 @compiled
 def _span(scene: Scene, box: Box) -> float:
-    """Largest width of b."""
     width = 0.0
     for row in range(len(scene.goals)):
         width = max(width, box[row, 1] - box[row, 0])
