@@ -19,9 +19,7 @@ _PATIENCE = 2.0  # s before the bar appears
 
 
 def check_target(target: Path, what: str) -> None:
-    """Raise UsageError if `what` (a verb phrase, such as "write JSON") is impossible with `target`, which
-    stays unchanged.
-    """
+    """Raise UsageError if `target` does not permit `what` (such as "write JSON"); it stays unchanged."""
     if target.is_fifo():  # opening one would wait for its reader
         return
     try:

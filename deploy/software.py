@@ -1,8 +1,7 @@
 """The installed software and its machine: compiled modules, digest, and findings of `disknav setup doctor`.
 
 Compiled modules (`make compile`, by mypyc, beside their sources) give the same results to the last bit,
-several
-times faster. Without them the sources run.
+several times faster. Without them the sources run.
 """
 
 from __future__ import annotations

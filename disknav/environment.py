@@ -66,7 +66,7 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no types
         simulation: of the current episode.
     """
 
-    metadata: dict[str, Any] = {"name": "disknav_v0", "render_modes": []}  # noqa: RUF012  # as PettingZoo has it
+    metadata: dict[str, Any] = {"name": "disknav_v0", "render_modes": []}  # noqa: RUF012  # as in PettingZoo
     render_mode = None
 
     def __init__(
@@ -103,9 +103,9 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no types
         """Begin an episode.
 
         Args:
-            seed: of everything that is random in it, as `Scenario.seed`. Without one it is the scenario's in
-                the first episode; in later ones it is drawn.
-            options: there are none.
+            seed: of all random values, as `Scenario.seed`; by default the scenario's in the first episode,
+                and drawn in later ones.
+            options: ignored.
 
         Returns:
             Observations and infos of all agents.
@@ -138,7 +138,7 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no types
             Observations, rewards, terminations, truncations and infos of all agents.
 
         Raises:
-            UsageError: there is no such agent, an action is no velocity, or no episode is under way.
+            UsageError: an agent is unknown, an action is no velocity, or no episode is in progress.
         """
         if not self.agents:
             raise UsageError("no episode is under way: call reset")
@@ -165,10 +165,10 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no types
         return self.simulation.positions
 
     def close(self) -> None:
-        """There is nothing to close."""
+        """Do nothing, as the interface requires."""
 
     def _prepared(self, source: Source) -> Scenario:
-        """A scenario with actions in place of its law."""
+        """The scenario, with actions in place of its law."""
         scenario = ready(source, None, None)
         if scenario.is_external or scenario.parts or scenario.orders:
             raise UsageError("an environment has no orders, no parts and no external bases")
@@ -189,10 +189,10 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no types
 
 
 class Observer:
-    """What all robots of a fleet observe, from where they are.
+    """Computes the observations of all robots from their positions.
 
     Args:
-        neighbours: how many others each observes.
+        neighbours: number of others that each robot observes.
 
     Attributes:
         limits: largest size of each number of an observation, shape (4 + 5 neighbours,).
@@ -207,7 +207,7 @@ class Observer:
         self.begin(scenario, np.array([scenario.spec(robot).start for robot in scenario.ids]))
 
     def begin(self, scenario: Scenario, positions: Floats) -> None:
-        """An episode begins with all disks at `positions`, m, shape (p, 2)."""
+        """Begin an episode with all disks at `positions`, m, shape (p, 2)."""
         specs = [scenario.spec(robot) for robot in scenario.ids]
         radii = np.array([spec.radius for spec in specs])
         self._goals = np.array([spec.goal for spec in specs])
@@ -218,7 +218,7 @@ class Observer:
         self._positions, self._velocities = positions, np.zeros_like(positions)
 
     def move(self, positions: Floats) -> None:
-        """A tick later disks are at `positions`, m."""
+        """Set the positions after another tick, m."""
         self._velocities = (positions - self._positions) / self._step
         self._positions = positions
 
@@ -230,7 +230,7 @@ class Observer:
         return there
 
     def observations(self) -> Observation:
-        """Of all robots, shape (p, 4 + 5 neighbours), clipped to `limits`."""
+        """Observations of all robots, shape (p, 4 + 5 neighbours), clipped to `limits`."""
         at = self._positions
         ways = at - at[:, None]
         gaps = np.hypot(ways[..., 0], ways[..., 1]) - self._radii

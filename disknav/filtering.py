@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from protocol.errors import UsageError
 
 Floats = NDArray[np.float64]
-_ROUNDS = 8  # of projections onto all half-planes, before what is left over is scaled away
-_ROOM = 1e-9  # m, that is left to rounding
+_ROUNDS = 8  # projections onto all half-planes; scaling removes the rest
+_ROOM = 1e-9  # m, allowance for rounding
 
 
 def filtered(
@@ -21,25 +21,25 @@ def filtered(
     speed: float = np.inf,
     workspace: float | None = None,
 ) -> Floats:
-    """Velocities near the wishes with which no two disks touch within a period, if all keep to theirs or to
-    any part of them.
+    """Velocities near the desired ones, with which no two disks touch within a period if all follow theirs,
+    or any part of them.
 
     Each pair has the separating line in the middle of its gap, and each disk stays behind its lines: the
-    filter of the fleet where all that robots know of each other is exact and immediate.
+    filter of the fleet for robots with exact and immediate information.
 
     Args:
         positions: of centres, m, (..., n, 2); leading axes count worlds.
         radii: m, (n,) or (..., n).
-        wishes: velocities, m/s, as positions.
-        period: s, for which the velocities are kept.
+        wishes: desired velocities, m/s, shaped as positions.
+        period: time for which the velocities are kept, s.
         speed: limit, m/s.
-        workspace: radius of a disk around the origin that no disk leaves, m; none unless given.
+        workspace: radius of a disk around the origin that no disk leaves, m; none by default.
 
     Returns:
-        Velocities, m/s, as positions. Disks that overlap come no closer.
+        Velocities, m/s, shaped as positions. Overlapping disks come no closer.
 
     Raises:
-        UsageError: a shape does not fit, or a number is not finite or positive.
+        UsageError: a shape does not match, or a number is not finite or not positive.
     """
     at, wish = np.asarray(positions, dtype=np.float64), np.asarray(wishes, dtype=np.float64)
     size = np.asarray(radii, dtype=np.float64)
@@ -69,7 +69,7 @@ def filtered(
 
 
 def _inside(at: Floats, velocity: Floats, room: Floats, period: float) -> Floats:
-    """Shortened to where each centre is within `room` (m) of the origin a period later."""
+    """The velocities, shortened so that each centre is within `room` (m) of the origin after a period."""
     step = period * velocity
     along, square = (
         (at * step).sum(axis=-1),
@@ -82,7 +82,7 @@ def _inside(at: Floats, velocity: Floats, room: Floats, period: float) -> Floats
 
 
 def _half_planes(at: Floats, radii: Floats, period: float, workspace: float | None) -> tuple[Floats, Floats]:
-    """Of every disk: normals (..., n, m, 2) and the speed along each that it must not exceed, m/s."""
+    """Of every disk: normals (..., n, m, 2), and the greatest speed along each, m/s."""
     away = at[..., None, :, :] - at[..., :, None, :]
     distance = np.hypot(away[..., 0], away[..., 1])
     gap = distance - radii[..., None, :] - radii[..., :, None]

@@ -23,9 +23,8 @@ _LONGEST = 1e6  # s
 
 
 def _whole(number: object) -> int:
-    """An id or a number of an order as a program gave it, such as an integer of numpy."""
     try:
-        return index(number)  # type: ignore[arg-type]  # it finds out
+        return index(number)  # type: ignore[arg-type]  # `index` rejects other types
     except TypeError:
         raise UsageError(f"{number!r}: give a whole number") from None
 
@@ -73,14 +72,14 @@ class Orders:
         return self._operate({"goal": goal})
 
     def wish(self, robot: int, velocity: Vector) -> None:
-        """Say how a robot is to move from now on (m/s), if the scenario has `control.law = "external"`.
+        """Set the desired velocity of a robot, m/s, if the scenario has `control.law = "external"`.
 
-        It counts for `control.lifetime`; what is faster than the speed limit is slowed down to that. Nothing
-        answers: what the robot does is what the safety filter leaves of it.
+        It is limited to the speed limit, and valid for `control.lifetime`. There is no reply; the safety
+        filter may reduce it.
 
         Raises:
             UsageError: `robot` is no integer, or `velocity` is not two finite numbers.
-            KeyGrammarError: no robot can have this id.
+            KeyGrammarError: `robot` is not a valid id.
         """
         self._operator.wish(_whole(robot), finite(velocity))
 
@@ -121,7 +120,7 @@ class Orders:
         return {each.number: each.shape for each in there if each.status == "standing"}
 
     def _operate(self, asked: dict[str, Any]) -> int:
-        """Ask for an operation, which is checked as if it had come over the network; its number."""
+        """Request an operation, with the checks of one from the network; returns its number."""
         try:
             operation = read_operation(json.loads(written(asked)))
         except MessageError as error:

@@ -73,17 +73,18 @@ class Simulation:
         return Trajectory.of(self.scenario, Truths.of(map(Said.of, self._truths)))
 
     def join(self) -> None:
-        """Let all robots join the run, which the first `step` does otherwise."""
+        """Let all robots join the run; otherwise the first `step` does."""
         self._fleet.network.run(lambda: STOP.requested or all(each.core for each in self._nodes().values()))
 
     def tell(self, wishes: Mapping[int, Iterable[SupportsFloat]]) -> None:
-        """What robots want from the next tick on, m/s by id, if the scenario has `control.law = "external"`.
+        """Set desired velocities from the next tick on, m/s by id, if the scenario has `control.law =
+        "external"`.
 
-        As `orders.wish`, but without a message, so that no robot has given its next command before; a robot
-        that has not joined, or whose process is down, hears nothing.
+        Like `orders.wish`, but without a message. Robots that have not joined, or whose processes are down,
+        are skipped.
 
         Raises:
-            UsageError: a wish is not two finite numbers.
+            UsageError: a velocity is not two finite numbers.
         """
         nodes = self._nodes()
         for robot, wish in wishes.items():
@@ -91,7 +92,7 @@ class Simulation:
                 core.tell(finite(wish))
 
     def _nodes(self) -> dict[int, RobotNode]:
-        """Of all robots whose processes run."""
+        """Nodes of all robots whose processes run, by id."""
         nodes = {robot: bus.node for robot, bus in self._fleet.robots.items()}
         return {robot: node for robot, node in nodes.items() if isinstance(node, RobotNode)}
 

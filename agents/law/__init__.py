@@ -1,4 +1,4 @@
-"""Control laws: the paper's, with additions, reciprocal velocities, and laws from outside."""
+"""Control laws: the paper's, with additions, reciprocal velocities, and external laws."""
 
 from agents.law.api import Law, View
 from agents.law.choice import GuardedLaw, choose

@@ -1,11 +1,11 @@
-"""The paper's law with additions, each of which `control.additions` may leave out.
+"""The paper's law with additions, each of which `control.additions` may omit.
 
 In the order in which they act in a tick:
-- obstacles: static obstacles and straight walls repel, and the goal pulls along the way around them.
-- jams: a robot that bars the way of others backs off for a while.
-- late-states: peers are foreseen, and gain and speed near the goal are adapted to late States.
-- pace: all robots go at one common scale s, so that the path is the paper's.
-- escape: a robot that makes no progress drifts along the direction of negative curvature.
+- obstacles: static obstacles and straight walls repel, and the attraction follows the path around them.
+- jams: a robot that blocks others backs off for a while.
+- late-states: peers are extrapolated, and gain and speed near the goal adapt to late States.
+- pace: all robots use one common scale s, so that the path is the paper's.
+- escape: a robot without progress drifts along the direction of negative curvature.
 Without any it is `agents.law.gradient.GradientLaw`, to the last bit.
 """
 
@@ -31,8 +31,8 @@ class AugmentedLaw:
     """One robot's slice of the gradient with the additions of the scenario: a `Law`.
 
     Attributes:
-        aim: where the last `look` saw the goal pull, m.
-        straight: how far the way there leads straight on, m; infinite where it does not turn.
+        aim: point of attraction, m, as of the last `look`.
+        straight: length of the straight first part of the path there, m; infinite if it does not turn.
         obstacles: static obstacles then, as disks.
     """
 
@@ -57,7 +57,7 @@ class AugmentedLaw:
         self._yields = False
         self._wanted: Vector = (0.0, 0.0)
         self._slice: Slice | None = None
-        # Of the present tick; see `look`.
+        # Of the present tick, set by `look`.
         self.aim = self._goal = spec.goal
         self.straight = math.inf
         self.obstacles: list[Peer] = []
@@ -66,8 +66,8 @@ class AugmentedLaw:
         self._far = NOTHING
         self._begin = Gradient(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         self._away = self._scale = self._free = 0.0
-        self._latency = 0.0  # s, the age of the oldest State of a peer that moves
-        self._late = 0  # ticks since it was known where far peers are
+        self._latency = 0.0  # s, age of the oldest State of a moving peer
+        self._late = 0  # ticks since the summary of far peers
 
     def velocity(self, view: View) -> Vector:
         """Desired velocity, m/s."""
@@ -77,7 +77,7 @@ class AugmentedLaw:
         return self._wanted if strength == 0.0 else self.flow(view, strength)
 
     def look(self, view: View) -> None:
-        """Take in where all are; before anything else in a tick."""
+        """Update from a tick's view; called first in each tick."""
         x, y = view.position
         attraction = self._attraction
         self.obstacles = [] if attraction is None else attraction.repelling(view.position, view.obstacles)
@@ -87,7 +87,7 @@ class AugmentedLaw:
             oldest = min(oldest, state.tick)
         self._latency = (view.tick - oldest) * self._period
         if view.goal != self._goal and self._progress is not None:
-            self._progress = Progress(self._period, self._progress.lap)  # what was stuck went elsewhere
+            self._progress = Progress(self._period, self._progress.lap)  # the old goal's deadlock is over
         self._goal, self.aim = view.goal, self._aim(view)
         self.straight = math.inf if self._attraction is None else self._attraction.straight
         self._far = view.neighbours.far
@@ -107,7 +107,7 @@ class AugmentedLaw:
         self._free = free if self._away > self._tolerance else 0.0
 
     def _aim(self, view: View) -> Vector:
-        """Where the robot is pulled: to its goal, unless it gives way."""
+        """Point of attraction: the goal, or the place to back off to."""
         if not self._gives_way:
             return self._along(view, view.goal)
         winds = self._winds
@@ -129,12 +129,12 @@ class AugmentedLaw:
         return aim
 
     def _along(self, view: View, goal: Vector) -> Vector:
-        """The goal as it were if the way to it were straight, m."""
+        """The point of attraction for a goal: as far as the goal along the path, straight ahead, m."""
         return goal if self._attraction is None else self._attraction.aim(view.position, goal, view.obstacles)
 
     @property
     def _winds(self) -> bool:
-        """Whether ways lead around obstacles, as of the last `_along`."""
+        """Whether the path leads around obstacles, as of the last `_along`."""
         return self._attraction is not None and self._attraction.winds
 
     def slice_norm(self, position: Vector, goal: Vector) -> float:
@@ -160,7 +160,7 @@ class AugmentedLaw:
         )
 
     def stuck(self, view: View, wanted: Vector) -> float:
-        """How strongly to escape from a deadlock, 0 to 1, if a law last desired `wanted` (m/s)."""
+        """Strength of the escape from a deadlock, 0 to 1, after a desired velocity of `wanted` (m/s)."""
         if self._progress is None:
             return 0.0
         gamma = self._far.gamma
@@ -178,7 +178,7 @@ class AugmentedLaw:
     def _pace(self, slice_norm: float) -> float:
         if not self._common or self._yields:  # a robot that backs off follows no path of the fleet
             return self._max_rate
-        # What is known of far peers is from a while ago: it does not slow anything that moved since.
+        # The summary of far peers is old: reduce it by the motion since then.
         since = self._speed * self._period * self._late
         far = max(0.0, math.sqrt(self._far.largest) - since)
         gamma, slice_norm = max(self._away**2, far * far), max(slice_norm, self._far.slice - 2.0 * since)

@@ -1,4 +1,4 @@
-"""The interface of a control law, and its input in every tick: a library for custom laws."""
+"""The interface of a control law, and its input in each tick, for custom laws."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from protocol.scenario.model import Scenario
 @final
 @mypyc_attr(acyclic=True)
 class View:
-    """One tick as its robot sees it. Nothing in it may be changed, or kept beyond the tick.
+    """Input of a law in one tick. It must not be changed, or kept beyond the tick.
 
     Attributes:
-        tick: that begins.
+        tick: number of the tick.
         position: own, m.
-        goal: own, m; it may be another one in the next tick.
-        displacement: really executed during the last tick, m.
+        goal: own, m; it may change from tick to tick.
+        displacement: executed during the last tick, m.
         neighbours: peers as last received, and static disks.
         obstacles: static obstacles.
     """
@@ -45,19 +45,18 @@ class View:
 
 
 class Law(Protocol):
-    """One law for one life of one robot; the safety filter comes after it.
+    """The law of one life of one robot; the safety filter follows it.
 
-    The goal comes with every call: it may change while the robot drives, and no law keeps it.
+    The goal is part of each call, since it may change during the run.
     """
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         """`robot`: id of the robot to control."""
 
     def velocity(self, view: View) -> Vector:
-        """Desired velocity, m/s, at most the speed limit; once a tick in which the own place is known."""
+        """Desired velocity, m/s, at most the speed limit; called in every tick with a known position."""
         ...
 
     def slice_norm(self, position: Vector, goal: Vector) -> float:
-        """|D_i| at an own position (m) with the peers as of the last `velocity`, m: peers at the common pace
-        go by it. Unless a law knows better, that of the attraction alone."""
+        """|D_i| at a position (m) among the peers of the last `velocity`, m; by default of the attraction."""
         return 2.0 * math.hypot(position[0] - goal[0], position[1] - goal[1])

@@ -1,4 +1,4 @@
-"""Which law a scenario asks for: one of this software, or one from outside, held to what a law may return."""
+"""The law of a scenario: built in, or external, with checks of its results."""
 
 from __future__ import annotations
 
@@ -23,26 +23,25 @@ from protocol.scenario.model import Scenario
 
 
 class ExternalLaw(Law):
-    """The newest wish, at most the speed limit; none once it is older than `control.lifetime`."""
+    """The newest wish, limited to the speed limit; zero once it is older than `control.lifetime`."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         del robot
         self._speed, self._lifetime = scenario.control.speed, scenario.ticks(scenario.control.lifetime)
         self._wish: Vector = (0.0, 0.0)
-        self._until = -1  # tick up to which it counts
+        self._until = -1  # tick up to which the wish is valid
 
     def tell(self, wish: Vector, tick: int) -> None:
-        """Take a wish, m/s, that came during `tick`."""
+        """Take a wish, m/s, received during `tick`."""
         excess = max(1.0, math.hypot(*wish) / self._speed)
         self._wish = wish[0] / excess, wish[1] / excess
         self._until = tick + self._lifetime
 
     def velocity(self, view: View) -> Vector:
-        """Desired velocity, m/s."""
         return self._wish if view.tick <= self._until else (0.0, 0.0)
 
 
-MOST: Final = 1e3  # radii of the workspace: the largest slice that peers are told
+MOST: Final = 1e3  # largest slice sent to peers, radii of the workspace
 GROUP: Final = "disknav.laws"  # of entry points
 ENTRY_POINT: Final = "entry-point"
 _NAME: Final = re.compile(r"(?s)(.+):([^:()]+)(?:\((.*)\))?")  # module, class, arguments
@@ -52,7 +51,7 @@ def choose(scenario: Scenario, robot: int) -> Law:
     """The law of `scenario.control.law` for one robot.
 
     Raises:
-        UsageError: there is no such law, or a library that it needs is not installed.
+        UsageError: there is no such law, or one of its libraries is not installed.
     """
     law = scenario.control.law
     if law == "reciprocal":
@@ -69,18 +68,16 @@ def choose(scenario: Scenario, robot: int) -> Law:
 
 
 class GuardedLaw(Law):
-    """The law that a scenario asks for. One from outside is held to finite numbers, and once it has failed
-    the robot stands.
+    """The scenario's law. An external law must return finite numbers; after a failure the robot stands.
 
-    The slice that peers are told is bounded. A squeezed disk, or a peer with an absurd gamma, makes it larger
-    than any number that a State may hold; at the common pace no slice counts for more than the largest
-    attraction, which is below the bound.
+    The slice sent to peers is bounded: a squeezed disk, or a peer with an absurd gamma, may exceed any number
+    that a State may hold. The common pace limits slices to the largest attraction, which is below this bound.
 
     Attributes:
         failure: names the law and its first failure; "" if it has not failed.
 
     Raises:
-        UsageError: there is no such law, or a library that it needs is not installed.
+        UsageError: there is no such law, or one of its libraries is not installed.
     """
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
@@ -93,12 +90,12 @@ class GuardedLaw(Law):
             self._law = choose(scenario, robot)
 
     def tell(self, wish: Vector, tick: int) -> None:
-        """A wish from outside, m/s, during `tick`; only the law "external" is told."""
+        """Pass a wish, m/s, received during `tick`, to the law "external"; others ignore it."""
         if isinstance(self._law, ExternalLaw):
             self._law.tell(wish, tick)
 
     def velocity(self, view: View) -> Vector:
-        """Desired velocity, m/s, at most the speed limit; 0 once the law has failed."""
+        """Desired velocity, m/s, at most the speed limit; 0 after a failure."""
         if self._law is not None and not self._from_outside:
             return self._law.velocity(view)
         if self._law is not None:
@@ -109,7 +106,7 @@ class GuardedLaw(Law):
         return 0.0, 0.0
 
     def slice_norm(self, position: Vector, goal: Vector) -> float:
-        """|D_i|, m, at most the bound; that of the attraction alone once the law has failed."""
+        """|D_i|, m, at most the bound; that of the attraction alone after a failure."""
         norm = super().slice_norm(position, goal)
         if self._law is not None and not self._from_outside:
             norm = self._law.slice_norm(position, goal)
@@ -120,7 +117,7 @@ class GuardedLaw(Law):
 
     @contextmanager
     def _guarded(self, what: str) -> Iterator[None]:
-        """Keep the failure of a law from outside, which is not called again."""
+        """Record the failure of an external law, which is not called again."""
         try:
             yield
         except Exception as error:
@@ -136,13 +133,13 @@ def _finite(size: float) -> float:
 
 
 def found(name: str) -> tuple[Any, dict[str, Any]]:
-    """The class of a law and its keyword arguments beside scenario and robot.
+    """The class of a law, and its keyword arguments besides scenario and robot.
 
-    `module:Class`, `file.py:Class`, or `entry-point:NAME` of the group `disknav.laws`, each with arguments in
-    parentheses if it takes any, such as `module:Class(gain=2.0)`.
+    `module:Class`, `file.py:Class`, or `entry-point:NAME` of the group `disknav.laws`, with arguments in
+    parentheses if there are any, such as `module:Class(gain=2.0)`.
 
     Raises:
-        UsageError: there is none, or its arguments cannot be read.
+        UsageError: there is no such law, or its arguments are invalid.
     """
     parts = _NAME.fullmatch(name)
     if parts is None:
@@ -173,7 +170,7 @@ def _arguments(name: str, text: str) -> dict[str, Any]:
 
 
 def _from_file(path: Path) -> Any:
-    """The module in a file, loaded once a process."""
+    """The module of a file, loaded once per process."""
     name = f"disknav_law_{path.resolve()}"
     if name not in sys.modules:
         spec = importlib.util.spec_from_file_location(name, path)

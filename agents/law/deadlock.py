@@ -1,10 +1,9 @@
-"""Deadlock: notice that a robot makes no progress, and leave along the direction of negative curvature.
+"""Deadlock: detect that a robot makes no progress, and leave along the direction of negative curvature.
 
-Two causes stop a robot away from its goal: a saddle of phi, where repulsion cancels attraction, and a filter
-that projects the desired velocity to nothing. At a saddle phi falls when all members of a cluster circle its
+A robot stops away from its goal at a saddle of phi, where repulsion cancels attraction, or when a filter
+reduces its desired velocity to zero. At a saddle phi decreases when all members of a cluster circle its
 centroid in one sense, v_i = J (b_i - centroid), J = [[0, 1], [-1, 0]] (Karagoz, Bozma, Koditschek, Prop.
-C.4).
-The escape is a drift within the flow: the other disks and the workspace repel it as ever.
+C.4). The escape is a drift within the flow: the other disks and the workspace still repel the robot.
 """
 
 from __future__ import annotations
@@ -21,36 +20,36 @@ Other = TypeVar("Other", bound=Peer)
 Mean = tuple[Vector, Vector]  # averaged once, averaged twice
 MOTIONLESS: Mean = ((0.0, 0.0), (0.0, 0.0))
 
-# The times below hold where the largest disk needs LAP to move by its radius and is controlled every STEP.
-# All grow in proportion to the lap. A swing takes some periods, so the window has at least eight of them; all
-# other times have at least a quarter of the periods that they have here, and with shorter periods as many.
+# The times below are for a lap of LAP (time for the largest disk to move by its radius) and a period of STEP.
+# They scale with the lap. The window has at least eight periods, since an oscillation takes some periods; the
+# other times have at least a quarter of the periods that they have here.
 LAP: Final = 0.4  # s
 STEP: Final = 0.05  # s
-SLOW: Final = 0.1  # below this fraction of the free speed there is no progress
-WINDOW: Final = 0.4  # s, time constant over which motion is averaged, so that swinging to and fro is none
-SWING: Final = 3.0  # the window grows by this times the latency: late repulsion swings slowly
-STALEST: Final = 2.0  # s; a peer that is cut off for longer does not make the others wait any longer
-PATIENCE: Final = 1.0  # s without progress before the escape begins, with fresh information
-TRIPS: Final = 6.0  # the patience grows by this times the latency: lines give way a round trip at a time
+SLOW: Final = 0.1  # fraction of the free speed below which there is no progress
+WINDOW: Final = 0.4  # s, time constant of the average motion, in which oscillations cancel
+SWING: Final = 3.0  # growth of the window over the latency: late repulsion oscillates slowly
+STALEST: Final = 2.0  # s, largest latency considered, so that a disconnected peer delays no others
+PATIENCE: Final = 1.0  # s without progress before the escape, with fresh States
+TRIPS: Final = 6.0  # growth of the patience over the latency: each change of lines takes a round trip
 RISE: Final = 0.5  # s from no drift to full drift
-BURST: Final = 3.0  # s that an escape lasts at most; then patience again, for a drift can hold a robot too
-RELEASE: Final = 1.0  # s from full drift to none, once there is progress or the burst is over
-FALL: Final = 0.98  # gamma has fallen when it is below this fraction of where it last had
+BURST: Final = 3.0  # s, longest escape before the next patience, since a drift may hold a robot, too
+RELEASE: Final = 1.0  # s from full drift to none, after progress or the end of a burst
+FALL: Final = 0.98  # gamma has decreased when it is below this fraction of the last mark
 ADJACENT: Final = 1.25  # closest neighbours: beta_ij <= eps = ADJACENT rho_ij^2, centres within 1.5 rho_ij
 
 
 @dataclass
 class Progress:
-    """How much one robot is stuck, by its desired and its executed motion.
+    """Detects from desired and executed motion that one robot is stuck.
 
-    The free speed is that of attraction alone, min(speed, 2 s |b_i - g_i|). A robot stalls when it is off its
-    goal and moves along its desired velocity at less than a tenth of the free speed. One that desires less
-    than that may only wait for gamma to fall: it stalls if a disk bars the straight way to its goal, or
-    gamma falls no more.
+    The free speed is that of attraction alone, min(speed, 2 s |b_i - g_i|). A robot stalls if it is away from
+    its goal and moves along its desired velocity at less than a tenth of the free speed. If the desired
+    velocity is that small, it may only wait for gamma to decrease: then it stalls if a disk blocks the
+    straight line to its goal, or if gamma does not decrease.
 
     Args:
         period: control period, s.
-        lap: in which the largest disk of the fleet moves by its radius at full speed, s.
+        lap: time for the fleet's largest disk to move by its radius at full speed, s.
 
     Attributes:
         strength: of the escape, 0 (none) to 1, continuous in time. The drift in the flow is strength * free
@@ -77,16 +76,16 @@ class Progress:
         barred: Callable[[], bool],
         latency: float = 0.0,
     ) -> float:
-        """Take in one tick and return the strength.
+        """Update for one tick, and return the strength.
 
         Args:
-            displacement: really executed during the last tick, m.
-            desired: velocity that the flow asks for, before drift and filter, m/s.
+            displacement: executed during the last tick, m.
+            desired: velocity of the flow before drift and filter, m/s.
             free: free speed, m/s; 0 at the goal.
             gamma: sum of all robots' squared distances to their goals, m^2, as known.
-            barred: `barred` of this tick, evaluated only where it decides.
-            latency: age of the oldest State in use, s. The patience grows with it: a filter that waits for
-                answers holds a robot for some round trips without any deadlock.
+            barred: evaluates `barred` for this tick, if needed.
+            latency: age of the oldest State in use, s. The patience grows with it, since a filter that waits
+                for answers holds a robot for some round trips without any deadlock.
         """
         laps, periods = self.lap / LAP, self.period / STEP
         scale = max(laps, min(periods, 1.0), 0.25 * periods)
@@ -121,7 +120,7 @@ class Progress:
 
 
 def barred(position: Vector, goal: Vector, radius: float, peers: Iterable[Peer]) -> bool:
-    """Whether a peer's disk (as known) bars this disk's straight way from position to goal (m)."""
+    """Whether a peer's disk (as known) blocks this disk's straight line from position to goal (m)."""
     x, y = position
     wx, wy = goal[0] - x, goal[1] - y
     square = wx * wx + wy * wy
@@ -136,7 +135,7 @@ def barred(position: Vector, goal: Vector, radius: float, peers: Iterable[Peer])
 
 
 def cluster(position: Vector, radius: float, peers: Sequence[Other]) -> list[Other]:
-    """The peers in this robot's class of closest neighbours: the transitive closure of beta_ij <= eps."""
+    """Peers in this robot's class of closest neighbours: the transitive closure of beta_ij <= eps."""
     members: list[Other] = []
     rest = list(peers)
     frontier = [(position[0], position[1], radius)]
@@ -155,8 +154,7 @@ def cluster(position: Vector, radius: float, peers: Sequence[Other]) -> list[Oth
 
 
 def circling(position: Vector, goal: Vector, radius: float, peers: Sequence[Peer]) -> Vector:
-    """J (b_i - centroid), scaled so that the cluster's fastest member has length 1; without neighbours around
-    the own goal."""
+    """J (b_i - centroid), divided by its largest length in the cluster; alone, around the own goal."""
     members = [(peer.x, peer.y) for peer in cluster(position, radius, peers)]
     if members:
         members.append(position)
@@ -171,14 +169,14 @@ def circling(position: Vector, goal: Vector, radius: float, peers: Sequence[Peer
 
 def centroid(points: Sequence[Vector]) -> Vector:
     """Mean of the points, m."""
-    x, y = 0.0, 0.0  # not by `sum`, which rounds otherwise from Python 3.12 on
+    x, y = 0.0, 0.0  # `sum` rounds differently from Python 3.12 on
     for px, py in points:
         x, y = x + px, y + py
     return x / len(points), y / len(points)
 
 
 def _average(mean: Mean, value: Vector, weight: float) -> Mean:
-    """Exponential mean of the exponential mean: a swing of angular frequency w fades by (w window)^2."""
+    """The exponential mean of an exponential mean: an oscillation of rate w fades by (w window)^2."""
     first = _toward(mean[0], value, weight)
     return first, _toward(mean[1], first, weight)
 

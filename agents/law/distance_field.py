@@ -1,8 +1,8 @@
-"""Ways among very many obstacles: clearance on a grid, and Dijkstra's distances to a goal over it.
+"""Paths among very many obstacles: clearance on a grid, and Dijkstra's distances to a goal over it.
 
-The visibility graph of `agents.law.obstacles` has an edge for every two corners that see each other: a floor
-plan of thousands of pieces has too many. Here the time to find a way depends on the area. A way leads through
-passages only that are wider than the robot by about one step of the grid.
+The visibility graph of `agents.law.obstacles` has an edge for any two corners in sight of each other, too
+many for a floor plan of thousands of pieces. Here the time to find a path depends on the area. Paths only use
+passages that are wider than the robot by about one grid step.
 """
 
 from __future__ import annotations
@@ -21,17 +21,17 @@ from protocol.messages import Vector
 
 Reals = NDArray[np.float64]
 
-MARGIN: Final = 0.02  # of the own radius, by which ways keep clear of obstacles
-REACH: Final = 8.0  # radii, within which obstacles repel
-_STEP: Final = 0.5  # of the own radius, between points of the grid
+MARGIN: Final = 0.02  # clearance of paths from obstacles, own radii
+REACH: Final = 8.0  # distance within which obstacles repel, own radii
+_STEP: Final = 0.5  # grid step, own radii
 _MOST: Final = 250_000  # points of the grid
-_NEARER: Final = 0.98  # of its clearance, that a robot beside an obstacle may lose on its way
-_BESIDE: Final = 2  # steps, within which a robot that has less clearance than ways do joins one
+_NEARER: Final = 0.98  # share of its clearance that a robot beside an obstacle has to keep
+_BESIDE: Final = 2  # steps within which a robot joins a path
 _INFINITE: Final = math.inf
 
 
 class Clearances:
-    """How far points of a grid are from obstacles and walls, for robots of one radius. Immutable.
+    """Clearance from obstacles and walls on a grid, for robots of one radius. Immutable.
 
     Args:
         room: the workspace.
@@ -66,11 +66,11 @@ class Clearances:
             for column in range(self._bucket(x0 - self.reach), self._bucket(x1 + self.reach) + 1):
                 for row in range(self._bucket(y0 - self.reach), self._bucket(y1 + self.reach) + 1):
                     self._buckets.setdefault((column, row), []).append(entry)
-        clear[[0, -1], :] = clear[:, [0, -1]] = -self.step  # a rim: every other point has eight neighbours
+        clear[[0, -1], :] = clear[:, [0, -1]] = -self.step  # a rim, so that all others have 8 neighbours
         self.clear: list[float] = clear.ravel().tolist()
 
     def near(self, x: float, y: float) -> list[Shape]:
-        """Obstacles within `reach` of (x, y), as far as the disks around them tell."""
+        """Obstacles whose surrounding disks are within `reach` of (x, y)."""
         return [
             shape
             for shape, around, reach in self._buckets.get((self._bucket(x), self._bucket(y)), [])
@@ -81,18 +81,18 @@ class Clearances:
         return math.floor(length / self.reach)
 
     def index(self, x: float, y: float) -> int:
-        """The point of the grid that is nearest to (x, y)."""
+        """Index of the grid point nearest to (x, y)."""
         column = min(max(round((x - self._left) / self.step), 1), self.width - 2)
         row = min(max(round((y - self._low) / self.step), 1), self._height - 2)
         return row * self.width + column
 
     def place(self, index: int) -> Vector:
-        """Where a point of the grid is, m."""
+        """Position of a grid point, m."""
         row, column = divmod(index, self.width)
         return self._left + column * self.step, self._low + row * self.step
 
     def at(self, x: float, y: float) -> float:
-        """Clearance of (x, y), m, between the points of the grid."""
+        """Clearance at (x, y), m, interpolated."""
         u = min(max((x - self._left) / self.step, 0.0), self.width - 1.001)
         v = min(max((y - self._low) / self.step, 0.0), self._height - 1.001)
         i, j = int(u), int(v)
@@ -102,8 +102,9 @@ class Clearances:
         return (1.0 - v) * low + v * ((1.0 - u) * clear[above] + u * clear[above + 1])
 
     def sees(self, begin: Vector, end: Vector, clear: float) -> bool:
-        """Whether the straight way keeps `clear` (m) of everything, or nearly the clearance at its ends. No
-        clearance shrinks faster than the way grows, so spare clearance is skipped."""
+        """Whether the straight line keeps `clear` (m) of everything, or nearly the clearance at its ends.
+        Clearance decreases at most as fast as the line proceeds, so spare clearance is skipped.
+        """
         needed = min(clear, _NEARER * self.at(*begin), _NEARER * self.at(*end))
         (x, y), length, done = begin, math.dist(begin, end), 0.0
         while done < length:
@@ -117,16 +118,16 @@ class Clearances:
 
 @lru_cache(maxsize=16)
 def clearances(room: Shape, shapes: tuple[Shape, ...], radius: float) -> Clearances:
-    """Robots of one size in one process share them."""
+    """The clearances, shared by robots of one size in one process."""
     return Clearances(room, shapes, radius)
 
 
 class FieldRoute:
-    """Short ways to one goal after the other.
+    """Short paths to one goal at a time.
 
     Args:
         map_: of the obstacles.
-        clear: that ways keep of everything, m.
+        clear: clearance of paths, m.
     """
 
     def __init__(self, map_: Clearances, clear: float) -> None:
@@ -139,18 +140,18 @@ class FieldRoute:
             if row or column
         ]
         self._goal: Vector | None = None
-        self._rest: list[float] = []  # of each point to the goal, m
-        self._next: list[int] = []  # the point after it on its way
+        self._rest: list[float] = []  # distance of each point from the goal, m
+        self._next: list[int] = []  # next point of each point's path
         self._settled = bytearray()
         self._open: list[tuple[float, int]] = []
-        self._way: list[int] = []  # that was found last, and how far along it the robot is sent
+        self._way: list[int] = []  # path found last; _sent: index of the point that the robot heads for
         self._sent = 0
-        self._seen: tuple[Vector, Vector, float] | None = None  # from where, what, and the rest of the way, m
+        self._seen: tuple[Vector, Vector, float] | None = None  # from, to, and rest of the path, m
 
     def ahead(self, position: Vector, goal: Vector) -> tuple[Vector, float] | None:
-        """Where the way to the goal leads straight to, and the length of all of it, m.
+        """First corner of the path to the goal, and the path's length, m.
 
-        The goal itself where nothing is in between; None where no way was found.
+        The goal itself if nothing is in between; None if no path was found.
         """
         if goal != self._goal:
             self._begin(goal)
@@ -165,7 +166,7 @@ class FieldRoute:
         return math.dist(position, begin) < 0.5 * step and math.dist(position, corner) > step
 
     def _look(self, position: Vector, goal: Vector) -> tuple[Vector, Vector, float] | None:
-        """The farthest place in sight on the way, and the rest from there, m."""
+        """The farthest visible point of the path, and the rest from there, m."""
         if self._map.sees(position, goal, self._clear):
             return position, goal, 0.0
         if not self._way or not self._map.sees(position, self._map.place(self._way[self._sent]), self._clear):
@@ -187,7 +188,7 @@ class FieldRoute:
             heappush(self._open, (self._rest[index], index))
 
     def _around(self, place: Vector) -> list[int]:
-        """Points that ways pass, near a place and in sight of it."""
+        """Points of paths near a place and in sight of it."""
         centre, reach = self._map.index(*place), range(-_BESIDE, _BESIDE + 1)
         near = [centre + row * self._map.width + column for row in reach for column in reach]
         return [
@@ -199,7 +200,7 @@ class FieldRoute:
         ]
 
     def _join(self, position: Vector) -> int | None:
-        """The point from which the way is shortest; None if none is known."""
+        """The point with the shortest path from `position`, if any."""
         best, shortest = None, _INFINITE
         for index in self._around(position):
             length = self._distance(index) + math.dist(position, self._map.place(index))
@@ -208,7 +209,7 @@ class FieldRoute:
         return best
 
     def _distance(self, wanted: int) -> float:
-        """From a point to the goal, m: goes on with Dijkstra's algorithm until it is known."""
+        """Distance of a point from the goal, m, by continuing Dijkstra's algorithm as far as needed."""
         clear, rest, settled, open_ = self._map.clear, self._rest, self._settled, self._open
         while open_ and not settled[wanted]:
             length, index = heappop(open_)
@@ -229,7 +230,7 @@ class FieldRoute:
         return way
 
     def _advance(self, position: Vector) -> None:
-        """Send the robot as far along its way as it sees, in strides that double while it does."""
+        """Head for the farthest visible point of the path, found with doubling strides."""
         stride, last = 1, len(self._way) - 1
         while self._sent < last and stride:
             to = min(self._sent + stride, last)
@@ -239,7 +240,7 @@ class FieldRoute:
                 stride //= 4
         here = self._map.place(self._way[self._sent])
         if self._sent < last and math.dist(position, here) < 0.5 * self._map.step:
-            self._sent += 1  # between two points that ways pass there may be a little less clearance
+            self._sent += 1  # clearance may be smaller between two grid points
 
 
 def _distances(shape: Shape, x: Reals, y: Reals) -> Reals:

@@ -1,9 +1,10 @@
-"""Desired velocity: the gradient flow integrated over one period, with the peers as last heard.
+"""Desired velocity: the gradient flow integrated over one period, with the peers as last received.
 
-Holding -D for a whole period chatters and collides in the repulsive layer, which is only about gamma/k thin
-and stiff; following y' = -s D(y) inside the period does not. The integrator is the modified Rosenbrock pair
-of Shampine and Reichelt ("The MATLAB ODE suite", 1997, ode23s): L-stable, second order, third-order error
-estimate, with the slice's exact Jacobian. Away from contact a period is one step of three evaluations.
+A constant -D over a whole period oscillates and collides in the repulsive layer, which is stiff and only
+about gamma/k thin; following y' = -s D(y) inside the period does not. The integrator is the modified
+Rosenbrock pair of Shampine and Reichelt ("The MATLAB ODE suite", 1997, ode23s): L-stable, second order,
+third-order error estimate, with the slice's exact Jacobian. Away from contact a period is one step of three
+evaluations.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ from protocol.messages import Vector
 if TYPE_CHECKING:
     from agents.law.gradient import Gradient, Slice
 
-TOLERANCE: Final = 2e-3  # error of one step, as a fraction of the way that the speed limit allows in a period
-MAX_STEPS: Final = 60  # attempted steps per period; what was reached by then is returned
+TOLERANCE: Final = 2e-3  # error of one step, as a fraction of the longest motion in a period
+MAX_STEPS: Final = 60  # attempted steps per period
 _D: Final = 1.0 / (2.0 + math.sqrt(2.0))
 _E32: Final = 6.0 + math.sqrt(2.0)
 
@@ -38,11 +39,11 @@ class Flow:
 def desired_velocity(
     flow: Flow, position: Vector, *, period: float, speed: float, begin: Gradient | None = None
 ) -> Vector:
-    """Mean velocity (m/s) over one period of the flow that starts at `position` (m).
+    """Mean velocity (m/s) over one period of the flow from `position` (m).
 
-    Where the law asks for more than the speed limit the curve is followed at the limit: it ends after
-    `period` (s), or after `speed * period` of arc if that is sooner. The result never exceeds `speed` (m/s).
-    `begin` is the slice's gradient at `position`, if it is known already.
+    Above the speed limit the curve is followed at the limit: it ends after `period` (s), or earlier after an
+    arc of `speed * period`. The result never exceeds `speed` (m/s). `begin` is the slice's gradient at
+    `position`, if known.
     """
     if begin is None:
         begin = flow.slice.gradient(*position)
@@ -53,7 +54,7 @@ def desired_velocity(
 
 
 def _end(flow: Flow, position: Vector, now: Gradient, period: float, max_step: float) -> Vector:
-    """Where the flow is after `period`, or after `max_step` of arc if that is sooner."""
+    """End of the flow after `period`, or earlier after an arc of `max_step`."""
     x, y = position
     left, arc, step = period, max_step, period
     tolerance = TOLERANCE * max_step

@@ -12,11 +12,11 @@ Karagoz, Bozma and Koditschek, with gamma = sum_j |b_j - g_j|^2, and beta the pr
          D_i = 2 (b_i - g_i) - (gamma/k) [ sum_j 2 (b_i - b_j)/beta_ij - 2 b_i/beta_0i ]
          u_i = -s D_i,      s > 0
 
-c is common to all robots; it is dropped because it only re-times the flow and spans hundreds of orders of
-magnitude. No power of gamma and no product of betas is formed, so any k and any number of robots stay finite.
+c is common to all robots; it is omitted because it only changes the timing, and spans hundreds of orders of
+magnitude. No power of gamma and no product of betas is computed, so any k and number of robots stay finite.
 `GradientLaw` is `control.law = "gradient"` with `control.additions = []`; the rest is in `additions.py`.
 
-Plain floats: below about 40 peers a loop beats numpy several times, and at 200 it still keeps its budget.
+Plain floats: below about 40 peers a loop is several times faster than numpy, and fast enough for 200.
 """
 
 from __future__ import annotations
@@ -36,14 +36,14 @@ from protocol.geometry import Disk, Shape
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 
-CONTACT: Final = 1e-9  # of the squared contact distance: below it 1/beta is continued along its tangent
+CONTACT: Final = 1e-9  # squared contact distances of beta below which 1/beta continues along its tangent
 _LIMIT: Final = 1.0 + CONTACT
-_REMOTE: Final = 1e6  # times its size, from a room with straight walls: a boundary that counts for nothing
+_REMOTE: Final = 1e6  # radius of a boundary without effect, sizes of the room
 
 
 @final
 class GradientLaw:
-    """u_i = -s D_i with the largest s, followed within the period: a `Law`."""
+    """u_i = -s D_i with the largest s, integrated over the period: a `Law`."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         spec, control, time = scenario.spec(robot), scenario.control, scenario.time
@@ -54,7 +54,7 @@ class GradientLaw:
         self._slice = Slice(spec.goal, spec.radius, self._workspace, scenario.k, [])
 
     def velocity(self, view: View) -> Vector:
-        """u_i, m/s, as the mean over the period."""
+        """Mean of u_i over the period, m/s."""
         peers = view.neighbours.disks()
         self._slice = Slice(view.goal, self._radius, self._workspace, self._k, peers, view.neighbours.far)
         flow = Flow(self._slice, self._scale)
@@ -81,18 +81,18 @@ class Gradient:
 class Slice:
     """D_i and its Jacobian as functions of the own position, built once per tick.
 
-    At or behind a contact (beta <= 0, possible because peers are known late) phi has no gradient. There the
-    slice continues 1/beta along its tangent at beta = 1e-9 rho^2: `-D_i` then points out of the overlap,
-    outweighs all attraction, and grows with the depth. It is continuously differentiable everywhere. Two
-    coincident centres exert no push.
+    At or beyond contact (beta <= 0, possible since States are late) phi has no gradient. There the slice
+    continues 1/beta along its tangent at beta = 1e-9 rho^2: `-D_i` then points out of the overlap, exceeds
+    all attraction, and grows with the depth. It is continuously differentiable everywhere. Coincident centres
+    exert no force.
 
     Args:
         goal: own goal, m.
         radius: own radius, m.
         workspace: radius of the workspace, m; larger than `radius`.
         k: the navigation function's exponent.
-        peers: all that are known closely.
-        far: what all others add.
+        peers: near peers.
+        far: contribution of all others.
 
     Attributes:
         goal: own goal, m; may be changed.
@@ -124,8 +124,7 @@ class Slice:
         return self._others + (x - self.goal[0]) ** 2 + (y - self.goal[1]) ** 2
 
     def __call__(self, x: float, y: float) -> tuple[float, float]:
-        """D_i at (x, y), m: as in `gradient`, in 0.6 of its time, as a step needs it once without
-        Jacobian."""
+        """D_i at (x, y), m, without Jacobian, in 0.6 of the time of `gradient`."""
         far = self._far
         px, py = x - far.x, y - far.y
         log_x = far.log_x + far.xx * px + far.xy * py  # of half the gradient of log beta
@@ -197,7 +196,7 @@ class Slice:
         )
 
     def norm(self, x: float, y: float) -> float:
-        """|D_i| at (x, y), m, which States carry for the common pace."""
+        """|D_i| at (x, y), m, for the common pace."""
         return math.hypot(*self(x, y))
 
     def _edge_inverse(self, x: float, y: float) -> tuple[float, float]:
@@ -210,12 +209,12 @@ class Slice:
 
 
 def _beyond(beta: float, contact: float) -> tuple[float, float]:
-    """The tangent of 1/beta at beta = contact, followed to `beta`, and its slope."""
+    """The tangent of 1/beta at beta = contact, evaluated at `beta`, and its slope."""
     return (2.0 - beta / contact) / contact, -1.0 / (contact * contact)
 
 
 def boundary_radius(room: Shape) -> float:
-    """Radius of the boundary that the slice takes for beta_0i, m."""
+    """Radius of the boundary in beta_0i, m."""
     if isinstance(room, Disk):
         return room.radius
     (left, low), (right, high) = room.box

@@ -1,13 +1,11 @@
-"""Jams: which robots back off for a while, so that others get through.
+"""Jams: robots that back off for a while, so that others get through.
 
-In passages that leave room for one only, two robots keep each other from their goals (`RightOfWay`): one goes
-first; the others go back the way they came, to where they can be passed, and wait until those ahead have
-passed, or for a while.
+In passages with room for one robot only, two robots block each other (`RightOfWay`): one goes first; the
+others go back along their paths to a place where it can pass, and wait until it has passed, or for a while.
 
-Where nothing is narrow (`Dispersal`), a crowd whose goals are on its far side presses itself together, and no
-robot in it can move before another does. So all but one spread from the jam's centroid to twice the distance,
-stand there a while, and go on one after the other. A robot at its goal steps aside in the same manner for one
-that has been standing beside it.
+In open space (`Dispersal`), a crowd whose goals are on its far side presses itself together, and no robot can
+move before another does. So all but one spread from the jam's centroid to twice the distance, pause, and
+continue one after the other. A robot at its goal moves aside likewise for one that stands beside it.
 """
 
 from __future__ import annotations
@@ -21,28 +19,28 @@ from agents.peers.state import PeerState
 from protocol.geometry import Shape
 from protocol.messages import Vector
 
-# Laps:
-JAM: Final = 16.0  # without coming nearer to the goal by a radius
-TURN: Final = 64.0  # until another goes first
-WAIT: Final = 24.0  # that the second in line backs off and stands
-QUEUE: Final = 8.0  # that each after it waits longer where it is narrow,
-QUEUE_WIDE: Final = 2.0  # and elsewhere
-# Radii:
-NEAR: Final = 2.0  # from its goal, within which a robot gets in no other's way to get there
-ASIDE: Final = 3.0  # from an obstacle to the centre of a robot that another can pass there
-APART: Final = 4.0  # from the others of the jam
-STANDING: Final = 0.5  # by which a robot that stands moves at most while it is watched
-CROWD: Final = 8  # robots, from which on a jam does not resolve itself
+# In laps:
+JAM: Final = 16.0  # time without progress by a radius
+TURN: Final = 64.0  # time until another robot goes first
+WAIT: Final = 24.0  # time of backing off and standing of the second in line
+QUEUE: Final = 8.0  # additional time of each further one in narrow passages,
+QUEUE_WIDE: Final = 2.0  # and in open space
+# In radii:
+NEAR: Final = 2.0  # distance from its goal within which a robot blocks no others
+ASIDE: Final = 3.0  # distance of a robot from an obstacle at which another can pass between
+APART: Final = 4.0  # distance from the others of the jam
+STANDING: Final = 0.5  # largest motion of a standing robot between two looks
+CROWD: Final = 8  # robots from which a jam does not resolve itself
 _CRUMBS: Final = 4096
 
 
 class GivingWay:
-    """One robot's part in jams; subclasses say what a jam is, and where to back off to.
+    """One robot's behaviour in jams; subclasses define a jam and the place to back off to.
 
     Args:
         robot: own id.
         radius: own, m.
-        lap: time in which the largest disk moves by its radius at full speed, s.
+        lap: time for the largest disk to move by its radius at full speed, s.
         period: control period, s.
     """
 
@@ -55,7 +53,7 @@ class GivingWay:
         self._until = 0
 
     def yielding(self, tick: int, goal: Vector) -> Vector | None:
-        """Where the robot backs off to, m, while it gives way; None when it may go on to `goal` (m)."""
+        """Place to back off to, m, while the robot gives way; None if it may continue to `goal` (m)."""
         if goal != self._goal:
             self._goal, self._back = goal, None
             self._nearest, self._since = math.inf, tick
@@ -67,7 +65,7 @@ class GivingWay:
         self._back, self._until = place, tick + math.ceil(laps * self._lap)
 
     def _is_held(self, tick: int, left: float) -> bool:
-        """Whether the robot, `left` m from its goal, has not come nearer for long; then the time is reset."""
+        """Whether the robot, `left` m from its goal, has made no progress for long; resets the time if so."""
         if left < self._nearest - self._radius:
             self._nearest, self._since = left, tick
         if tick - self._since < JAM * self._lap:
@@ -76,36 +74,38 @@ class GivingWay:
         return True
 
     def _wants(self, peer: PeerState) -> bool:
-        """Whether a peer is still on its way to its goal."""
+        """Whether a peer is on its way to its goal."""
         return peer.placed and peer.gamma > (NEAR * self._radius) ** 2
 
     def _before(self, tick: int, jam: Iterable[PeerState]) -> list[PeerState]:
-        """Those of these that go before this robot, by ids and the tick, which all of a jam know. After a
-        while another robot is first, as the first may be the one that cannot move."""
+        """Members of a jam that go before this robot, by ids and tick, which are common knowledge. The order
+        changes after a while, since the first may be unable to move.
+        """
         turn = int(tick // (TURN * self._lap))
         own = _order(self._robot, turn)
         return [peer for peer in jam if _order(peer.robot, turn) < own]
 
 
 def _order(robot: int, turn: int) -> int:
-    """A permutation of ids that is another one in every turn."""
+    """A permutation of ids that differs from turn to turn."""
     return (robot * 7919 + turn * 104_729 * robot) % 1_000_003
 
 
 @final
 class RightOfWay(GivingWay):
-    """One robot's part in jams where obstacles leave little room."""
+    """One robot's behaviour in jams in narrow passages."""
 
     def __init__(self, robot: int, radius: float, lap: float, period: float) -> None:
         super().__init__(robot, radius, lap, period)
         self._trail: list[Vector] = []
-        self._awaited: dict[int, float] = {}  # peers that go first, and how far from their goals they were, m
+        self._awaited: dict[int, float] = {}  # peers that go first -> distance from their goals then, m
 
     def look(
         self, tick: int, position: Vector, left: float, peers: Sequence[PeerState], obstacles: Sequence[Shape]
     ) -> None:
-        """Update in a tick in which the robot may go on, at `position` and `left` m from its goal, among
-        moving peers."""
+        """Update in a tick in which the robot may continue, at `position` and `left` m from its goal, among
+        moving peers.
+        """
         self._leave_trail(position)
         if not self._is_held(tick, left):
             return
@@ -116,8 +116,7 @@ class RightOfWay(GivingWay):
             self._back_off(tick, self._siding(position, peers, obstacles), WAIT + QUEUE * len(before))
 
     def let_pass(self, tick: int, position: Vector, peers: Sequence[PeerState]) -> None:
-        """Go on from this tick if all moving peers that the robot gives way to have passed, or are at their
-        goals."""
+        """Continue if all moving peers that the robot gives way to have passed, or are at their goals."""
         if self._back is None:
             return
         for peer in peers:
@@ -126,7 +125,7 @@ class RightOfWay(GivingWay):
         self._until = tick
 
     def _has_passed(self, position: Vector, peer: PeerState) -> bool:
-        """Whether a peer is at its goal, or well on its way to it, and away from this robot."""
+        """Whether a peer is at its goal, or far on its way there, and moving away from this robot."""
         if not self._wants(peer):
             return peer.placed
         dx, dy = peer.x - position[0], peer.y - position[1]
@@ -135,7 +134,7 @@ class RightOfWay(GivingWay):
         return clear and on_its_way and dx * peer.vx + dy * peer.vy > 0.0
 
     def _siding(self, position: Vector, peers: Sequence[PeerState], obstacles: Sequence[Shape]) -> Vector:
-        """The last place on the own way where the others can pass, or else its beginning, m."""
+        """The last place of the own path where the others can pass; otherwise its beginning, m."""
         near = (ASIDE + APART) * self._radius
         jam = [(p.x, p.y) for p in peers if p.placed and math.dist(position, (p.x, p.y)) < near + p.radius]
         for crumb in reversed(self._trail):
@@ -145,7 +144,7 @@ class RightOfWay(GivingWay):
         return self._trail[0]
 
     def _leave_trail(self, position: Vector) -> None:
-        """Remember the way, without its loops."""
+        """Record the path, without its loops."""
         for index, crumb in enumerate(self._trail):
             if math.dist(position, crumb) < self._radius:
                 del self._trail[index + 1 :]
@@ -156,11 +155,11 @@ class RightOfWay(GivingWay):
 
 @final
 class Dispersal(GivingWay):
-    """One robot's part in jams where nothing is narrow."""
+    """One robot's behaviour in jams in open space."""
 
     def __init__(self, robot: int, radius: float, lap: float, period: float) -> None:
         super().__init__(robot, radius, lap, period)
-        self._beside: dict[int, Vector] = {}  # peers that wanted to pass, and where, at the last look, m
+        self._beside: dict[int, Vector] = {}  # peers that wanted to pass -> position at the last look, m
 
     def look(
         self, tick: int, position: Vector, left: float, peers: Sequence[PeerState], *, stuck: bool
@@ -180,7 +179,7 @@ class Dispersal(GivingWay):
             self._back_off(tick, _spread(position, jam), WAIT + QUEUE_WIDE * rank)
 
     def _look_beside(self, tick: int, position: Vector, peers: Sequence[PeerState]) -> None:
-        """At the goal: step aside if a peer on its way has stood beside this robot since the last look."""
+        """At the goal: move aside if a peer on its way has stood beside this robot since the last look."""
         self._nearest = math.inf
         if tick - self._since < JAM * self._lap:
             return
@@ -199,6 +198,6 @@ def _jam(position: Vector, radius: float, peers: Sequence[PeerState]) -> list[Pe
 
 
 def _spread(position: Vector, jam: Sequence[PeerState]) -> Vector:
-    """Twice as far from the centroid of the robot and its jam, m."""
+    """Point twice as far from the centroid of the robot and its jam, m."""
     x, y = centroid([*[(peer.x, peer.y) for peer in jam], position])
     return 2.0 * position[0] - x, 2.0 * position[1] - y

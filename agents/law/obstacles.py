@@ -1,15 +1,14 @@
-"""Static obstacles: how they repel, and where the goal pulls when they are in the way.
+"""Static obstacles: their repulsion, and the attraction around them.
 
 Disks enter beta as in a sphere world (Koditschek and Rimon, "Robot navigation functions on manifolds with
-boundary", 1990): beta = |x - c|^2 - (rho + r)^2. Of a convex set in general, d(x) the distance from it,
-beta = d^2 - rho^2. The gradient of d^2 is 2 (x - q), q the nearest point: that of a disk of radius 0 at q. So
-is a straight wall of the room.
+boundary", 1990): beta = |x - c|^2 - (rho + r)^2. For a general convex set at distance d(x), beta = d^2 -
+rho^2. The gradient of d^2 is 2 (x - q), q the nearest point: that of a disk of radius 0 at q, as for a
+straight wall.
 
-Attraction straight to the goal has a minimum behind a straight face that is turned away from the goal,
-whatever k: the face curves less than the circle around the goal. So where obstacles are not the disks of a
-sphere world, the distance to the goal is taken along the shortest way: a polygon through points beside
-corners. It is found in the visibility graph of the obstacles, each widened by the own radius (Lozano-Perez
-and Wesley, 1979).
+Straight attraction has a minimum behind a straight face that is turned away from the goal, for any k, since
+the face curves less than the circle around the goal. So unless the obstacles are the disks of a sphere world,
+the distance to the goal is that along the shortest path: a polygon through points beside corners, found in
+the visibility graph of the obstacles, enlarged by the own radius (Lozano-Perez and Wesley, 1979).
 """
 
 from __future__ import annotations
@@ -31,22 +30,22 @@ from protocol.messages import Vector
 Reals = NDArray[np.float64]
 Plane = NDArray[np.complex128]
 
-MARGIN: Final = 0.02  # of the own radius, by which ways keep clear of obstacles; their corners by twice that
-NARROW: Final = 1e-4  # the same where nothing wider leads to the goal
-_DOOR: Final = 2.5  # radii, the width below which ways lead through the middle of a gap
-_ASIDE: Final = 0.6  # distances of contact before and after a gap, where corners around the two are in sight
-_ARC: Final = math.pi / 3.0  # of a rounded corner that one point stands for, at most
+MARGIN: Final = 0.02  # clearance of paths from obstacles, own radii; twice at corners
+NARROW: Final = 1e-4  # the same if no wider path leads to the goal
+_DOOR: Final = 2.5  # radii, width of a gap below which paths use its middle
+_ASIDE: Final = 0.6  # contact distances before and after a gap, from where the corners are visible
+_ARC: Final = math.pi / 3.0  # largest arc of a rounded corner per point
 _DISK: Final = 12  # points around a disk
-_NEARER: Final = 0.98  # of its clearance, that a robot beside an obstacle may lose on its way
-_CHUNK: Final = 1 << 14  # segments looked at together
+_NEARER: Final = 0.98  # share of its clearance that a robot beside an obstacle has to keep
+_CHUNK: Final = 1 << 14  # segments per vectorised step
 
 
 class WayPoints:
-    """Points beside the corners of all obstacles, and which of them see each other. Immutable.
+    """Points beside the corners of all obstacles, and their mutual visibility. Immutable.
 
     Attributes:
-        points: of which shortest ways are made, (n,).
-        lengths: of the straight ways between them, (n, n) m, infinite where something is in between.
+        points: vertices of shortest paths, (n,).
+        lengths: of the straight lines between them, (n, n) m; infinite if blocked.
     """
 
     def __init__(self, room: Shape, shapes: Sequence[Shape], radius: float, narrow: bool = False) -> None:
@@ -64,18 +63,18 @@ class WayPoints:
         self.lengths = self._graph(before[free], after[free])
 
     def visible(self, begin: Plane, end: Plane, *beside: complex) -> NDArray[np.bool_]:
-        """Which straight ways clear all obstacles; those near one of the places `beside` by less."""
+        """Which straight lines clear all obstacles; those near one of the places `beside` by less."""
         clear = np.full(len(self._shapes), self._clear)
         for place in beside:
             clear = np.minimum(clear, self._clearances(place))
         return self._seen(begin, end, clear)
 
     def _clearances(self, place: complex) -> Reals:
-        """How far a way that ends at a place must keep from each obstacle, m."""
+        """Clearance that a line with an end at `place` must keep from each obstacle, m."""
         return np.array([_NEARER * shape.distance(place.real, place.imag) for shape in self._shapes])
 
     def _free(self, room: Shape, points: Plane) -> NDArray[np.bool_]:
-        """Which points are clear of all obstacles and inside."""
+        """Which points are inside and clear of all obstacles."""
         free = [
             room.distance(z.real, z.imag) <= -self._clear
             and all(shape.distance(z.real, z.imag) >= self._clear for shape in self._shapes)
@@ -84,7 +83,7 @@ class WayPoints:
         return np.array(free, dtype=bool)
 
     def _graph(self, before: Plane, after: Plane) -> Reals:
-        """Only of ways that are tangent at both ends: no shortest way has another."""
+        """Lengths of lines that are tangent at both ends; shortest paths have no others."""
         points, count = self.points, len(self.points)
         lengths = np.full((count, count), np.inf)
         one, other = np.triu_indices(count, 1)
@@ -99,7 +98,7 @@ class WayPoints:
         return lengths
 
     def _seen(self, begin: Plane, end: Plane, clear: Reals) -> NDArray[np.bool_]:
-        """Which straight ways keep `clear` (m, by obstacle) of everything."""
+        """Which straight lines keep `clear` (m, by obstacle) of all obstacles."""
         seen = np.ones(len(begin), dtype=bool)
         for index, (corner, edge) in enumerate(self._segments):
             distance = _from_ways(self._centres[index], begin, end)
@@ -114,12 +113,12 @@ class WayPoints:
 
 @lru_cache(maxsize=16)
 def way_points(room: Shape, shapes: tuple[Shape, ...], radius: float, narrow: bool = False) -> WayPoints:
-    """The way points of disks of `radius` (m); robots of one size in one process share them."""
+    """The way points of disks of `radius` (m), shared by robots of one size in one process."""
     return WayPoints(room, shapes, radius, narrow)
 
 
 class Route:
-    """Shortest ways to one goal after the other."""
+    """Shortest paths to one goal at a time."""
 
     def __init__(self, way_points: WayPoints) -> None:
         self._ways = way_points
@@ -127,9 +126,9 @@ class Route:
         self._rest: Reals = np.empty(0)  # from each point to the goal, m
 
     def ahead(self, position: Vector, goal: Vector) -> tuple[Vector, float] | None:
-        """The first corner of the shortest way to the goal, and the length of all of it, m.
+        """First corner of the shortest path to the goal, and the path's length, m.
 
-        The goal itself where nothing is in between; None where no way was found.
+        The goal itself if nothing is in between; None if no path was found.
         """
         here = complex(*position)
         if goal != self._goal:
@@ -147,7 +146,7 @@ class Route:
         return None
 
     def _distances(self, goal: complex) -> Reals:
-        """From each point to the goal, m: Dijkstra's algorithm on the dense graph."""
+        """Distance of each point from the goal, m: Dijkstra's algorithm on the dense graph."""
         points, lengths = self._ways.points, self._ways.lengths
         seen = self._ways.visible(np.full(len(points), goal), points, goal)
         rest: Reals = np.where(seen, np.abs(points - goal), np.inf)
@@ -162,7 +161,7 @@ class Route:
 
 
 def _through(room: Shape, shapes: Sequence[Shape], radius: float) -> list[complex]:
-    """Points before and after narrow gaps, on the middle line: that keeps half the width from both sides."""
+    """Points before and after narrow gaps on their middle lines."""
     points = []
     for gap in gaps(room, shapes, _DOOR * radius):
         if gap.width < 2.0 * radius:
@@ -177,13 +176,13 @@ def _through(room: Shape, shapes: Sequence[Shape], radius: float) -> list[comple
 
 
 def _radius(shapes: Sequence[Shape], index: int) -> float:
-    """Of a round obstacle, m; of others and the outside 0."""
+    """Radius of a round obstacle, m; 0 for others and the outside."""
     shape = shapes[index] if index != OUTSIDE else None
     return shape.radius if isinstance(shape, Disk) else 0.0
 
 
 def _segments(shape: Shape) -> tuple[Plane, Plane]:
-    """Corners and sides; of a disk its centre alone."""
+    """Corners and sides; of a disk its centre only."""
     if isinstance(shape, Disk):
         return np.array([complex(shape.x, shape.y)]), np.zeros(1, dtype=np.complex128)
     corners = np.array([complex(*point) for point in shape.points])
@@ -191,7 +190,7 @@ def _segments(shape: Shape) -> tuple[Plane, Plane]:
 
 
 def _ring(shape: Shape, clear: float) -> list[complex]:
-    """Corners of a polygon around all that is within `clear` (m) of a shape, counterclockwise."""
+    """Corners of a polygon around all points within `clear` (m) of a shape, counterclockwise."""
     if isinstance(shape, Disk):
         reach = (shape.radius + clear) / math.cos(math.pi / _DISK)
         turns = [math.tau * (n + 0.5) / _DISK for n in range(_DISK)]
@@ -210,7 +209,7 @@ def _ring(shape: Shape, clear: float) -> list[complex]:
 
 
 def _joined(rings: Sequence[Sequence[complex]]) -> tuple[Plane, Plane, Plane]:
-    """All points, and of each the one before and the one after it in its ring."""
+    """All points, with the previous and the next one in the ring of each."""
     parts = [np.array(ring, dtype=np.complex128) for ring in rings]
     empty = [np.empty(0, dtype=np.complex128)]
     return (
@@ -234,7 +233,7 @@ def _tangent(
 
 
 def _from_ways(point: complex | Plane, begin: Plane, end: Plane) -> Reals:
-    """Distance of points from straight ways, m."""
+    """Distance of points from straight lines, m."""
     way = end - begin
     square = np.maximum(np.abs(way) ** 2, np.finfo(np.float64).tiny)
     part = np.clip(((point - begin) * way.conj()).real / square, 0.0, 1.0)
@@ -243,7 +242,7 @@ def _from_ways(point: complex | Plane, begin: Plane, end: Plane) -> Reals:
 
 
 def _apart(begin: Plane, end: Plane, corner: Plane, edge: Plane) -> Reals:
-    """Distance of straight ways, (n,), from one convex polygon, m; 0 where they cross."""
+    """Distance of straight lines, (n,), from one convex polygon, m; 0 if they cross."""
     one, other = begin[:, None], end[:, None]
     distance = np.minimum(_from_ways(corner, one, other), _from_ways(one, corner, corner + edge))
     distance = np.minimum(distance, _from_ways(other, corner, corner + edge)).min(axis=1)
@@ -256,12 +255,12 @@ def _apart(begin: Plane, end: Plane, corner: Plane, edge: Plane) -> Reals:
     return meet
 
 
-MANY: Final = 64  # obstacles, beyond which ways are found on a grid and only those near by repel
-_TWO: Final = 2.0  # radii from each side of a passage: two of one size pass each other
+MANY: Final = 64  # obstacles beyond which paths are found on a grid, and only near ones repel
+_TWO: Final = 2.0  # radii from each side of a passage in which two robots can pass each other
 
 
 def obstacle_disks(room: Shape, shapes: Iterable[Shape], x: float, y: float) -> list[Peer]:
-    """All that stands as seen from (x, y), m; straight walls of the room included."""
+    """Obstacles as disks seen from (x, y), m, with the straight walls of the room."""
     found: list[Peer] = []
     for shape in shapes:
         if isinstance(shape, Disk):
@@ -277,22 +276,23 @@ def obstacle_disks(room: Shape, shapes: Iterable[Shape], x: float, y: float) -> 
 
 
 class Attraction:
-    """The pull on one robot.
+    """The attraction of one robot.
 
     In a sphere world it is straight, as in Koditschek and Rimon's navigation functions; elsewhere gamma_i is
-    the squared length of the shortest way, whose gradient leads to the first corner of it.
+    the squared length of the shortest path, whose gradient leads to its first corner.
 
-    In a passage that is wide enough for one only, two that meet block each other. So a robot that is not
-    alone goes through passages where two can pass, as long as they lead to its goal.
+    Two robots that meet in a passage with room for one block each other. So unless a robot is alone, it uses
+    passages in which two can pass, if these lead to its goal.
 
     Args:
         room: the workspace.
         radius: of the robot, m.
-        alone: whether it is the only one.
+        alone: whether it is the only robot.
 
     Attributes:
-        winds: whether ways lead around obstacles, as of the last `aim`.
-        straight: how far the way that `aim` last found leads straight on, m; infinite where it does not turn.
+        winds: whether paths lead around obstacles, as of the last `aim`.
+        straight: length of the straight first part of the path of the last `aim`, m; infinite if it does
+            not turn.
     """
 
     def __init__(self, room: Shape, radius: float, alone: bool = False) -> None:
@@ -302,17 +302,17 @@ class Attraction:
         self._routes: list[Route | FieldRoute] = []
         self._clearances: Clearances | None = None
         self._goal: Vector | None = None
-        self._choice = 0  # of the routes, for this goal
+        self._choice = 0  # index of the route for this goal
         self.winds = False
         self.straight = math.inf
 
     @property
     def width(self) -> float:
-        """Of the narrowest passages that the way found last may lead through, m."""
+        """Width of the narrowest passages that the last path may use, m."""
         return 2.0 * self._radius * (self._widths[self._choice][0] if self.winds else 1.0)
 
     def aim(self, position: Vector, goal: Vector, obstacles: Sequence[Shape]) -> Vector:
-        """The goal as it were if the shortest way to it were straight: ahead of `position`, as far, m."""
+        """Point of attraction, m: as far as the goal along the path, straight ahead of `position`."""
         self.straight = math.inf
         if not obstacles:
             self._obstacles, self.winds = (), False
@@ -330,18 +330,18 @@ class Attraction:
         return position[0] + scale * dx, position[1] + scale * dy
 
     def repelling(self, position: Vector, obstacles: Sequence[Shape]) -> list[Peer]:
-        """What repels at `position` (m), as disks: among very many obstacles only those near by."""
+        """Repelling obstacles at `position` (m), as disks; of very many only near ones."""
         self._follow(obstacles)
         near = self._map.near(*position) if len(obstacles) > MANY else obstacles
         return obstacle_disks(self._room, near, *position)
 
     def leads(self, start: Vector, goal: Vector, obstacles: Sequence[Shape]) -> bool:
-        """Whether a way from `start` to `goal` is known."""
+        """Whether a path from `start` to `goal` was found."""
         self.aim(start, goal, obstacles)
         return not self.winds or self._ahead(start, goal) is not None
 
     def way(self, start: Vector, goal: Vector, obstacles: Sequence[Shape]) -> list[Vector]:
-        """Corners of the way that a robot is pulled along from `start`, the goal last, m."""
+        """Corners of the path from `start`, ending with the goal, m."""
         if not (self.leads(start, goal, obstacles) and self.winds):
             return [goal]
         corners = [start]
@@ -351,8 +351,9 @@ class Attraction:
         return corners[1:]
 
     def _ahead(self, position: Vector, goal: Vector) -> tuple[Vector, float] | None:
-        """By the widest passages that lead there; once narrow ones are needed, by these for this goal, so
-        that no robot goes to and fro between two ways for ever."""
+        """Path through the widest possible passages. Once narrow ones are needed, they remain in use for this
+        goal, so that no robot alternates between two paths for ever.
+        """
         for choice in range(self._choice, len(self._widths)):
             found = self._route(choice).ahead(position, goal)
             if found is not None:
@@ -361,7 +362,7 @@ class Attraction:
         return None
 
     def _follow(self, obstacles: Sequence[Shape]) -> None:
-        obstacles = tuple(obstacles)  # one that did not change is the same object: there may be very many
+        obstacles = tuple(obstacles)  # an unchanged tuple is the same object, which saves a comparison
         if obstacles is self._obstacles or obstacles == self._obstacles:
             return
         self._obstacles, self._routes, self._choice = obstacles, [], 0
@@ -375,7 +376,7 @@ class Attraction:
         return self._clearances
 
     def _route(self, choice: int) -> Route | FieldRoute:
-        """Ways through passages of one width; looked for once they are needed."""
+        """Paths through passages of one width, prepared when first needed."""
         while len(self._routes) <= choice:
             width, narrow = self._widths[len(self._routes)]
             self._routes.append(self._ways(width * self._radius, narrow))

@@ -1,11 +1,11 @@
-"""Gaps between obstacles: which places they separate, and how much they hold back a robot that passes.
+"""Gaps between obstacles, and the places that they separate.
 
-Seen by the centre of a disk, obstacles are inflated by its radius. Start and goal lie in different parts of
-free space exactly if a closed chain of overlapping inflated obstacles, the outside of the workspace among
-them, runs between the two: the inflated obstacles are convex, so chains through their overlaps represent
+For the centre of a disk, obstacles are enlarged by its radius. Start and goal are in different components of
+free space exactly if a closed chain of overlapping enlarged obstacles, with the outside of the workspace as
+one of them, runs between the two: enlarged obstacles are convex, so chains through their overlaps represent
 every closed curve in their union, and a plane set separates two points exactly if a closed curve in it does
-(Alexander duality). A chain separates them if it crosses the straight way from one to the other an odd number
-of times.
+(Alexander duality). A chain separates them if it crosses the straight line between them an odd number of
+times.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ import numpy as np
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.messages import Vector
 
-OUTSIDE: Final = -1  # stands for the outside of the workspace among indices of obstacles
+OUTSIDE: Final = -1  # index of the outside of the workspace, among obstacles
 
 
 class Gap(NamedTuple):
-    """The shortest way between two obstacles, or from one out of the workspace."""
+    """The shortest connection of two obstacles, or of an obstacle with the outside of the workspace."""
 
     one: int  # index of the obstacle
     other: int  # index of the other one, or OUTSIDE
@@ -36,7 +36,7 @@ class Gap(NamedTuple):
 def gaps(room: Shape, obstacles: Sequence[Shape], below: float = math.inf) -> list[Gap]:
     """All gaps narrower than `below` (m), narrowest first.
 
-    To the outside an obstacle has a gap at each corner where a disk may be stuck between the two.
+    To the outside an obstacle has a gap at each corner where a disk may be stuck.
     """
     disks = [shape.around for shape in obstacles]
     x, y, radius = np.array([(disk.x, disk.y, disk.radius) for disk in disks]).reshape(-1, 3).T
@@ -54,13 +54,12 @@ def gaps(room: Shape, obstacles: Sequence[Shape], below: float = math.inf) -> li
 
 
 def separating(obstacles: Sequence[Shape], closed: Sequence[Gap], start: Vector, goal: Vector) -> Gap | None:
-    """The gap that, after those before it, closes the last way from start to goal; None if there is a way.
+    """The gap that, after those before it, closes the last path from start to goal; None if a path remains.
 
     Args:
-        obstacles: as the gaps index them.
+        obstacles: as indexed by the gaps.
         closed: gaps that are too narrow, in the order in which they close.
-        start: a place that keeps clear of all obstacles, m.
-        goal: another, m.
+        start, goal: places clear of all obstacles, m.
     """
     chains = _Chains(len(obstacles) + 1)
     centres = [_inside(shape) for shape in obstacles]
@@ -74,21 +73,21 @@ def separating(obstacles: Sequence[Shape], closed: Sequence[Gap], start: Vector,
 
 
 def crosses(a: Vector, b: Vector, start: Vector, goal: Vector) -> bool:
-    """Whether the straight ways from a to b and from start to goal cross; an end counts as on one side."""
+    """Whether the straight lines from a to b and from start to goal cross; an end is on one side."""
     return (_left(start, goal, a) > 0.0) != (_left(start, goal, b) > 0.0) and (
         (_left(a, b, start) > 0.0) != (_left(a, b, goal) > 0.0)
     )
 
 
 class _Chains:
-    """Obstacles that hang together; the parity with which the chain to its root crosses the straight way."""
+    """Chains of obstacles, with the parity of crossings of the straight line on the chain to each root."""
 
     def __init__(self, count: int) -> None:
         self._root = list(range(count))
         self._odd = [0] * count
 
     def join(self, one: int, other: int, odd: int) -> bool:
-        """Whether a closed chain arises that crosses the straight way an odd number of times."""
+        """Join two; whether that closes a chain that crosses the straight line an odd number of times."""
         (a, odd_a), (b, odd_b) = self._to_root(one), self._to_root(other)
         if a == b:
             return (odd_a + odd_b + odd) % 2 == 1
@@ -105,7 +104,7 @@ class _Chains:
 
 
 def _left(a: Vector, b: Vector, point: Vector) -> float:
-    """Positive if a point is to the left of the way from a to b."""
+    """Positive if a point is to the left of the line from a to b."""
     return (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])
 
 
@@ -118,7 +117,7 @@ def _inside(shape: Shape) -> Vector:
 
 
 def _nearest(a: Shape, b: Shape) -> tuple[Vector, Vector]:
-    """The nearest points of two obstacles; twice the same one of both where they overlap, m."""
+    """The nearest points of two obstacles, m; the same point twice if they overlap."""
     if isinstance(a, Disk) and isinstance(b, ConvexPolygon):
         end, begin = _nearest(b, a)
         return begin, end
@@ -146,7 +145,7 @@ def _common(a: ConvexPolygon, b: ConvexPolygon) -> Iterator[Vector]:
 
 
 def _exits(room: Shape, shape: Shape) -> Iterator[tuple[Vector, Vector]]:
-    """From an obstacle straight out of the workspace: at each side, and of a round one at each corner."""
+    """From an obstacle straight out of the workspace: at each side, or of a round one at each corner."""
     corners = [(shape.x, shape.y)] if isinstance(shape, Disk) else list(shape.points)
     inner = shape.radius if isinstance(shape, Disk) else 0.0
     if isinstance(room, Disk):

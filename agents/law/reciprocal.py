@@ -1,12 +1,12 @@
-"""Reciprocal velocities where they lead on, the paper's flow where they do not.
+"""Reciprocal velocities, and the paper's flow where these make no progress.
 
 A robot takes the velocity nearest to straight on that the reciprocal half-planes of all disks within reach
 allow (van den Berg, Guy, Lin, Manocha, "Reciprocal n-Body Collision Avoidance", 2011, section 4), or the one
-that violates them least (section 5). Where many are about to meet in one place, straight on is first turned
-to the left, so that all of them go round it (`roundabout`). Where that leads too little towards its goal,
-close to the goal, and while it escapes from a deadlock, it follows the paper's gradient flow; close to the
-goal it waits for passing peers rather than be driven aside, if it has an escape. A peer is where its wish has
-taken it since its State; the own velocity is the own last wish, too, so that both ends reckon with the same.
+that violates them least (section 5). Where many are about to meet, the straight direction is first rotated to
+the left, so that all of them go round the place (`roundabout`). Where that makes too little progress, close
+to the goal, and during an escape from a deadlock, it follows the paper's gradient flow; close to the goal it
+rather waits for passing peers than is driven aside, if it has the escape. Peers are extrapolated by the wish
+of their States; the own velocity is the last own wish, too, so that both ends use the same values.
 
 The linear programs are solved one constraint after another (Seidel; de Berg et al., "Computational Geometry",
 chapter 4).
@@ -26,21 +26,21 @@ from protocol.line import HalfPlane
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 
-# No constant has a dimension; a lap is the time in which the largest disk moves by its radius at full speed.
-HORIZON: Final = 7.0  # laps, ahead of which a velocity keeps clear of each disk
-FORESIGHT: Final = 100.0  # laps, ahead of which it is seen that many will meet
-TOGETHER: Final = 3.0  # laps before and after the middle one, within which they do
-MANY: Final = 5  # peers, from which on the robot goes round the place
-LATE: Final = 0.6  # more room on the circle there per lap by which States are late, up to one: so are lines
-NEAR: Final = 4.0  # radii from the goal, within which the flow leads there
-ASIDE: Final = 0.5  # of its speed: below this share of it, towards the goal, waiting is better
-SLOW: Final = 0.65  # of the free speed: below it, towards the goal, the flow is followed
-SLOW_ROUND: Final = 0.5  # the same on the way around a place
-PAST: Final = 0.01  # radii past a corner that a tick leads, so that no robot stays at one by rounding
-MARGIN: Final = 0.0125  # of the distance of contact
-_APART: Final = 0.999999  # of the distance: a half-plane needs disks that are apart
+# Dimensionless. A lap is the time in which the largest disk moves by its radius at full speed.
+HORIZON: Final = 7.0  # laps, time for which a velocity avoids each disk
+FORESIGHT: Final = 100.0  # laps, time ahead in which encounters are predicted
+TOGETHER: Final = 3.0  # laps around their median in which encounters are simultaneous
+MANY: Final = 5  # simultaneous encounters from which the robot goes round the place
+LATE: Final = 0.6  # additional room on the circle per lap of latency, up to one lap
+NEAR: Final = 4.0  # radii from the goal within which the flow is followed
+ASIDE: Final = 0.5  # share of the flow's speed towards the goal below which waiting is better
+SLOW: Final = 0.65  # share of the free speed towards the goal below which the flow is followed
+SLOW_ROUND: Final = 0.5  # the same in a roundabout
+PAST: Final = 0.01  # radii past a corner in a tick, so that rounding holds no robot there
+MARGIN: Final = 0.0125  # addition to the contact distance, relative
+_APART: Final = 0.999999  # largest contact distance over distance: a half-plane needs disjoint disks
 _PARALLEL: Final = 1e-12
-_ROUNDING: Final = 1e-12  # of the speed limit: a violation by less is none
+_ROUNDING: Final = 1e-12  # ignored violation, speed limits
 
 
 def reciprocal(
@@ -54,19 +54,19 @@ def reciprocal(
     horizon: float,
     share: float,
 ) -> HalfPlane:
-    """Own velocities n.v <= limit.
+    """Half-plane n.v <= limit of own velocities.
 
     Args:
-        rx, ry: from the own centre to the other's, m, farther than `contact` apart.
-        contact: distance at which they touch, m.
-        vx, vy: own velocity that both reckon with, m/s.
+        rx, ry: from the own centre to the other's, m, longer than `contact`.
+        contact: contact distance, m.
+        vx, vy: own velocity that both ends assume, m/s.
         ux, uy: the other's, m/s.
         horizon: s.
-        share: of the change of relative velocity that this robot takes upon itself.
+        share: this robot's share of the change of relative velocity.
     """
     dx, dy = vx - ux, vy - uy
     square = rx * rx + ry * ry
-    wx, wy = dx - rx / horizon, dy - ry / horizon  # from the centre of the obstacle's round end
+    wx, wy = dx - rx / horizon, dy - ry / horizon  # from the centre of the cone's round end
     size = math.hypot(wx, wy)
     ahead = wx * rx + wy * ry
     if ahead < 0.0 and -ahead > contact * size:
@@ -81,13 +81,13 @@ def reciprocal(
 
 
 def nearest(wish: Vector, limits: Sequence[HalfPlane], speed: float, hard: int = 0) -> Vector:
-    """The velocity, m/s.
+    """The nearest velocity to `wish` within all limits, m/s; otherwise the one that violates them least.
 
     Args:
         wish: m/s.
         limits: of velocities, m/s.
         speed: the largest, m/s.
-        hard: the first so many half-planes leave room together, and are kept where all are too many.
+        hard: the first `hard` limits are compatible, and are kept even if the others are violated.
     """
     x, y = wish
     length = math.hypot(x, y)
@@ -103,14 +103,14 @@ def nearest(wish: Vector, limits: Sequence[HalfPlane], speed: float, hard: int =
 
 
 def _least(limits: Sequence[HalfPlane], begin: int, velocity: Vector, speed: float, hard: int) -> Vector:
-    """The velocity that violates the worst of all but the hard half-planes least, from `begin` on."""
+    """The velocity within the hard limits that violates those from `begin` on least."""
     x, y = velocity
     worst = 0.0
     for index in range(max(begin, hard), len(limits)):
         edge = limits[index]
         if edge.nx * x + edge.ny * y - edge.limit <= worst:
             continue
-        # Where this half-plane is violated more than every earlier one: as far to its inside as they allow.
+        # Move as far inside this half-plane as possible while it is the most violated one.
         others = list(limits[:hard])
         for other in limits[hard:index]:
             nx, ny = other.nx - edge.nx, other.ny - edge.ny
@@ -139,7 +139,8 @@ def _on_edge(
     limits: Sequence[HalfPlane], index: int, speed: float, wx: float, wy: float, far: bool
 ) -> tuple[bool, float, float]:
     """The point on the edge of one half-plane, within all earlier ones, nearest to (wx, wy), or `far` in that
-    direction; and whether there is any."""
+    direction; and whether there is one.
+    """
     edge = limits[index]
     nx, ny, limit = edge.nx, edge.ny, edge.limit
     square = speed * speed - limit * limit
@@ -167,24 +168,24 @@ def _on_edge(
 
 @final
 class ReciprocalLaw:
-    """One robot's reciprocal velocity: a `Law`."""
+    """Reciprocal velocity of one robot: a `Law`."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         spec, control = scenario.spec(robot), scenario.control
         self._gradient = AugmentedLaw(scenario, robot)
-        self._escapes = "escape" in control.additions  # without it no wait in vain would end
+        self._escapes = "escape" in control.additions  # without it a vain wait would not end
         self._radius = spec.radius
         room = scenario.workspace.shape
         self._rim = room.radius - spec.radius if isinstance(room, Disk) else 0.0
         self._speed, self._period = control.speed, scenario.time.step
         self._lap = max(each.radius for each in scenario.robots) / control.speed
-        self._late = 0.0  # laps, the age of the oldest State of a disk within reach
+        self._late = 0.0  # laps, age of the oldest State of a disk within reach
         ahead = FORESIGHT * self._lap
         self._encounters = Encounters(robot, spec.radius, scenario.time.step, ahead)
-        self._roundabout: Roundabout | None = None  # as first seen, until it is passed
-        self._wanted: Vector = (0.0, 0.0)  # last, without an escape
+        self._roundabout: Roundabout | None = None  # kept until the robot has passed it
+        self._wanted: Vector = (0.0, 0.0)  # last velocity, without an escape
         self._wish: Vector = (0.0, 0.0)
-        self._patient = True  # not since an escape, until something leads on again
+        self._patient = True  # False from an escape to the next progress
 
     def velocity(self, view: View) -> Vector:
         """Desired velocity, m/s."""
@@ -211,7 +212,7 @@ class ReciprocalLaw:
         return self._gradient.slice_norm(position, goal)
 
     def _reciprocal(self, view: View) -> Vector | None:
-        """The reciprocal velocity, if it leads on."""
+        """The reciprocal velocity, if it makes enough progress."""
         (x, y), (gx, gy) = view.position, self._gradient.aim
         ex, ey = gx - x, gy - y
         away = math.hypot(ex, ey)
@@ -234,9 +235,9 @@ class ReciprocalLaw:
         return (vx, vy) if vx * ex + vy * ey >= slow * rate * away * away else None
 
     def _waits(self, view: View, flow: Vector) -> bool:
-        """Whether to stand near the goal rather than be driven aside by peers that pass: as long as none of
-        them comes at the robot. If it waits in vain, it soon escapes, and follows the flow until that leads
-        on."""
+        """Whether to stand near the goal rather than be driven aside by passing peers, if none of them
+        approaches. After a vain wait the robot escapes, and follows the flow until that makes progress.
+        """
         (x, y), (gx, gy) = view.position, self._gradient.aim
         ex, ey = gx - x, gy - y
         away = math.hypot(ex, ey)
@@ -248,7 +249,7 @@ class ReciprocalLaw:
         return _violated(0.0, 0.0, self._obstacles(view)) == 0
 
     def _turn(self, view: View, way: Vector) -> float:
-        """By how much the straight way (m/s) is to be turned to the left, rad."""
+        """Angle by which the straight direction (m/s) is rotated to the left, rad."""
         place = self._roundabout
         if place is None or not place.is_ahead(view.position, way):
             met = together(self._encounters.met(view, way), TOGETHER * self._lap)
@@ -259,7 +260,7 @@ class ReciprocalLaw:
         return place.turn(view.position, way, room=1.0 + LATE * min(self._late, 1.0))
 
     def _walls(self, x: float, y: float) -> list[HalfPlane]:
-        """Of velocities that come near what is straight, or the boundary: half the way to it in a tick."""
+        """Limits of velocities towards straight obstacles and the boundary: half the distance in a tick."""
         limits: list[HalfPlane] = []
         if self._rim > 0.0:
             distance = math.hypot(x, y)
@@ -276,7 +277,7 @@ class ReciprocalLaw:
         return HalfPlane(nx, ny, max(0.0, room) / (2.0 * self._period))
 
     def _obstacles(self, view: View) -> list[HalfPlane]:
-        """Of velocities, one for every disk within reach, the nearest first."""
+        """Limits of velocities, one for every disk within reach, the nearest first."""
         x, y = view.position
         self._late = 0.0
         found: list[tuple[float, HalfPlane]] = []
@@ -306,8 +307,7 @@ class ReciprocalLaw:
         uy: float,
         share: float,
     ) -> bool:
-        """Take up the half-plane for a disk at (rx, ry) from the own centre if it can be met in the horizon;
-        whether it can."""
+        """Add the half-plane of a disk at (rx, ry) from the own centre; False if it is out of reach."""
         contact, distance = self._radius + radius, math.hypot(rx, ry)
         room, horizon = distance - contact, HORIZON * self._lap
         if distance == 0.0 or room > 2.0 * self._speed * horizon:

@@ -1,8 +1,8 @@
-"""A place where many are about to meet, and how each turns so that all go round it.
+"""Roundabouts: a place where many are about to meet, round which all go in one sense.
 
-If all go round it in one sense, one behind the other, none has to wait, and a way that touches the circle is
-little longer than the straight one. The circle on which disks that follow each other at an angle just touch
-has the radius of a disk over the sine of half that angle.
+Then no robot has to wait, and a path tangent to the circle is little longer than the straight one. Disks that
+follow each other at an angle just touch on a circle with the radius of a disk over the sine of half that
+angle.
 
 Near peers send a State every tick; two summaries show the courses of far ones.
 """
@@ -20,39 +20,39 @@ from agents.peers.far import FarPicture
 from agents.peers.state import PeerState
 from protocol.messages import Vector
 
-WIDE: Final = 1.08  # times the circle on which the disks touch each other
-LEAST: Final = 0.05  # rad from one to the next, which is some 120 on one circle
-STEEPEST: Final = 0.5  # rad, by which a robot turns at most
-NEARLY: Final = 2.0  # distances of contact: a peer that passes as near may be met before the next summary
+WIDE: Final = 1.08  # radius over that of the circle on which the disks touch
+LEAST: Final = 0.05  # rad, smallest angle between neighbours: some 120 on one circle
+STEEPEST: Final = 0.5  # rad, largest rotation of the direction
+NEARLY: Final = 2.0  # contact distances within which a far peer may be met before the next summary
 
 
 class Encounter(NamedTuple):
-    """With a peer that this robot would touch, going straight on."""
+    """Predicted contact with a peer, if the robot goes straight on."""
 
-    x: float  # where it is, m
+    x: float  # present position of the peer, m
     y: float
     radius: float  # m
-    time: float  # until they are closest, s
+    time: float  # to the closest approach, s
 
 
 @final
 class Encounters:
-    """One robot's.
+    """Predicts the encounters of one robot.
 
     Args:
         robot: own id.
         radius: own, m.
         period: of a tick, s.
-        ahead: how far, s.
+        ahead: longest prediction, s.
     """
 
     def __init__(self, robot: int, radius: float, period: float, ahead: float) -> None:
         self._robot, self._radius, self._period, self._ahead = robot, radius, period, ahead
         self._picture: FarPicture | None = None
-        self._far: list[PeerState] = []  # those that may be met and send no State
+        self._far: list[PeerState] = []  # peers that may be met, but send no States
 
     def met(self, view: View, way: Vector) -> list[Encounter]:
-        """All of them, if the robot goes `way` (m/s)."""
+        """All encounters, if the robot moves with the velocity `way` (m/s)."""
         found: list[Encounter] = []
         neighbours, picture = view.neighbours, view.neighbours.picture
         for state in neighbours.moving():
@@ -66,7 +66,7 @@ class Encounters:
         return found
 
     def _meet(self, found: list[Encounter], view: View, way: Vector, state: PeerState) -> None:
-        """Take up a peer that goes on since its State, if it would be touched."""
+        """Add the encounter with an extrapolated peer, if there is one."""
         age = (view.tick - state.tick) * self._period
         x, y = state.x + age * state.vx, state.y + age * state.vy
         rx, ry = x - view.position[0], y - view.position[1]
@@ -78,7 +78,7 @@ class Encounters:
             found.append(Encounter(x, y, state.radius, time))
 
     def _crossing(self, picture: FarPicture, view: View, way: Vector) -> list[PeerState]:
-        """Of all in a summary, those that may be met before the next one, as if by their States."""
+        """Peers in a summary that may be met before the next one, as if by their States."""
         x, y, dx, dy, radii = picture.courses()
         age = view.tick - picture.tick
         vx, vy = dx / self._period, dy / self._period
@@ -102,15 +102,14 @@ class Encounters:
 
 
 class Roundabout(NamedTuple):
-    """A circle that is left to the right."""
+    """A circle that robots keep to their right."""
 
     x: float  # of its centre, m
     y: float
     radius: float  # m
 
     def turn(self, position: Vector, way: Vector, room: float = 1.0) -> float:
-        """By how much (rad, to the left, not negative) `way` from a position is to be turned to touch a
-        circle of `room` times the radius."""
+        """Angle (rad, left, >= 0) that turns `way` onto a tangent of a circle of `room` times the radius."""
         dx, dy = self.x - position[0], self.y - position[1]
         radius = room * self.radius
         aside = math.asin(radius / max(radius, math.hypot(dx, dy)))
@@ -118,12 +117,12 @@ class Roundabout(NamedTuple):
         return min(max(0.0, math.remainder(turn, 2.0 * math.pi)), STEEPEST)
 
     def is_ahead(self, position: Vector, way: Vector) -> bool:
-        """Whether the centre is ahead of a robot at a position that goes this way."""
+        """Whether the centre is ahead of a robot at `position` that moves `way`."""
         return (self.x - position[0]) * way[0] + (self.y - position[1]) * way[1] > 0.0
 
 
 def together(encounters: Sequence[Encounter], within: float) -> list[Encounter]:
-    """Those at most `within` seconds before or after the middle one."""
+    """Encounters within `within` seconds of their median."""
     if not encounters:
         return []
     middle = sorted([each.time for each in encounters])[len(encounters) // 2]
@@ -131,10 +130,9 @@ def together(encounters: Sequence[Encounter], within: float) -> list[Encounter]:
 
 
 def roundabout(position: Vector, way: Vector, met: Sequence[Encounter]) -> Roundabout:
-    """Where a robot meets others, and how much room all need there.
+    """The roundabout for these encounters, with room for all.
 
-    The peers that it hears may be few of many: the directions from which others come are taken to be as dense
-    as the known ones.
+    Only few of many peers may be known: unknown ones are assumed to come from as densely spaced directions.
 
     Args:
         way: velocity straight on, m/s.

@@ -1,10 +1,10 @@
-"""Boundaries that a disk must not leave, workspace and region, expressed as half-planes.
+"""Boundaries that a disk must not leave, workspace and region, as half-planes.
 
 A centre x that moves by d stays inside if n.(x + d) <= W for every direction n, W the largest distance from
-the origin. Of x only a set is known, with support h(n), and that it is inside. So n.d <= max(0, W - h(n))
-for every n suffices, and d = 0 is always allowed: for n = (x + d) / |x + d|, either n.d <= W - h(n), and
-n.(x + d) <= W, or n.d <= 0, and n.(x + d) <= n.x <= W. As there are infinitely many n, half-planes are
-handed out one by one, for a displacement that violates them. Of a convex polygon the walls themselves are.
+the origin. Of x only a set that contains it is known, with support h(n), and that x is inside. So n.d <=
+max(0, W - h(n)) for every n suffices, and d = 0 is always allowed: for n = (x + d) / |x + d|, either n.d <= W
+- h(n), and n.(x + d) <= W, or n.d <= 0, and n.(x + d) <= n.x <= W. As there are infinitely many n,
+half-planes are made one by one, for a displacement that violates them. A convex polygon has its walls.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from agents.lines.own_set import Polygon
 from protocol.geometry import Disk, Shape
 from protocol.line import ROUNDING, HalfPlane, room_of
 
-_WORTH: Final = 0.05  # of the set's radius: corners that stick out by less are left
+_WORTH: Final = 0.05  # least depth of a cut, radii of the set
 
 
 @final
 @mypyc_attr(acyclic=True)
 class RoundBoundary:
-    """A circle.
+    """A round boundary.
 
     Args:
         radius: the largest distance W of the own centre from that of the circle, m.
@@ -38,8 +38,7 @@ class RoundBoundary:
         self.radius, self.cx, self.cy = radius, x, y
 
     def beyond(self, x: float, y: float, shape: Polygon) -> HalfPlane | None:
-        """The tangent behind which the corner of `shape` around (x, y) lies that sticks out most, if that is
-        worth a cut."""
+        """The tangent that cuts off the outermost corner of `shape` around (x, y), if that is worth a cut."""
         far, fx, fy = self.radius + _WORTH * shape.radius, 0.0, 0.0
         x, y = x - self.cx, y - self.cy
         for index, vx in enumerate(shape.xs):
@@ -53,7 +52,7 @@ class RoundBoundary:
         return HalfPlane(nx, ny, self.radius + nx * self.cx + ny * self.cy)
 
     def contains(self, x: float, y: float, bound: float) -> bool:
-        """Whether all within `bound` (m) of (x, y) is inside."""
+        """Whether all points within `bound` (m) of (x, y) are inside."""
         return math.hypot(x - self.cx, y - self.cy) + bound + ROUNDING <= self.radius
 
     def cut(
@@ -67,12 +66,12 @@ class RoundBoundary:
         noise: float = 0.0,
         tolerance: float = 0.0,
     ) -> HalfPlane | None:
-        """A half-plane of displacements that the displacement (dx, dy) violates; None if it violates none.
+        """A half-plane of displacements that the displacement (dx, dy) violates, if any.
 
         Args:
-            x, y, shape: the set where the own centre can be, m; without `shape` it is (x, y).
+            x, y, shape: set that contains the own centre, m; without `shape` it is (x, y).
             noise: bound on the relative execution noise: executed is d + |d| w, |w| <= noise.
-            tolerance: share of the distance from the origin by which a violation does not count.
+            tolerance: ignored violation, as a share of the distance from the origin.
         """
         extra = noise * math.hypot(dx, dy)
         x, y = x - self.cx, y - self.cy
@@ -93,7 +92,7 @@ class RoundBoundary:
                 continue
             nx, ny = qx / distance, qy / distance
             room = rim - nx * px - ny * py
-            if room < 0.0:  # this corner is not inside, and may only return
+            if room < 0.0:  # this corner is outside, and may only return
                 nx, ny = _edge_of_cone(px, py, dx, dy, rim)
                 room = 0.0
             excess = nx * dx + ny * dy + extra - room
@@ -107,7 +106,7 @@ class RoundBoundary:
     def _cut_of_point(
         self, x: float, y: float, dx: float, dy: float, extra: float, tolerance: float
     ) -> HalfPlane | None:
-        rim = max(self.radius, math.hypot(x, y))  # outside by rounding only
+        rim = max(self.radius, math.hypot(x, y))  # outside only by rounding
         qx, qy = x + dx, y + dy
         distance = math.hypot(qx, qy)
         if distance + extra <= rim * (1.0 + tolerance):
@@ -119,11 +118,7 @@ class RoundBoundary:
 @final
 @mypyc_attr(acyclic=True)
 class StraightBoundary:
-    """The walls of a convex room.
-
-    Args:
-        walls: half-planes for the own centre.
-    """
+    """The walls of a convex room, as half-planes for the own centre."""
 
     __slots__ = ("walls",)
 
@@ -131,7 +126,7 @@ class StraightBoundary:
         self.walls = list(walls)
 
     def beyond(self, x: float, y: float, shape: Polygon) -> HalfPlane | None:
-        """The wall behind which `shape` around (x, y) sticks out most, if that is worth a cut."""
+        """The wall that cuts off the outermost part of `shape` around (x, y), if that is worth a cut."""
         far, found = _WORTH * shape.radius, None
         for wall in self.walls:
             out = shape.extent(wall.nx, wall.ny) - wall.slack(x, y)
@@ -140,7 +135,7 @@ class StraightBoundary:
         return found
 
     def contains(self, x: float, y: float, bound: float) -> bool:
-        """Whether all within `bound` (m) of (x, y) is inside."""
+        """Whether all points within `bound` (m) of (x, y) are inside."""
         return all(wall.slack(x, y) >= bound + ROUNDING for wall in self.walls)
 
     def cut(
@@ -154,10 +149,10 @@ class StraightBoundary:
         noise: float = 0.0,
         tolerance: float = 0.0,
     ) -> HalfPlane | None:
-        """A half-plane of displacements that the displacement (dx, dy) violates; see `RoundBoundary.cut`.
+        """`RoundBoundary.cut`.
 
         Args:
-            tolerance: in m, by which a violation does not count, unless it has to lead away.
+            tolerance: ignored violation, m, unless the displacement has to lead away.
         """
         extra = noise * math.hypot(dx, dy)
         worst, found = tolerance, None
@@ -176,12 +171,7 @@ class StraightBoundary:
 @final
 @mypyc_attr(acyclic=True)
 class BothBoundaries:
-    """Two of them at once: the workspace, and a region in it.
-
-    Args:
-        room: the workspace.
-        region: a circle.
-    """
+    """The workspace, and a round region in it."""
 
     __slots__ = ("region", "room")
 
@@ -189,7 +179,7 @@ class BothBoundaries:
         self.room, self.region = room, region
 
     def beyond(self, x: float, y: float, shape: Polygon) -> HalfPlane | None:
-        """As of either."""
+        """The cut of either."""
         return self.room.beyond(x, y, shape) or self.region.beyond(x, y, shape)
 
     def cut(
@@ -203,7 +193,7 @@ class BothBoundaries:
         noise: float = 0.0,
         tolerance: float = 0.0,
     ) -> HalfPlane | None:
-        """As of either."""
+        """The cut of either."""
         return self.room.cut(x, y, shape, dx, dy, noise=noise, tolerance=tolerance) or self.region.cut(
             x, y, shape, dx, dy, noise=noise, tolerance=tolerance
         )
@@ -220,13 +210,13 @@ def boundary_of(room: Shape, radius: float) -> RoundBoundary | StraightBoundary:
 
 
 def _against(dx: float, dy: float) -> HalfPlane | None:
-    """What forbids a displacement: there is no more room than rounding needs."""
+    """A half-plane that forbids the displacement."""
     length = math.hypot(dx, dy)
     return HalfPlane(dx / length, dy / length, 0.0) if length > 0.0 else None
 
 
 def _edge_of_cone(px: float, py: float, dx: float, dy: float, rim: float) -> tuple[float, float]:
-    """Of the directions n with n.p >= rim, p outside, the one at the edge that (dx, dy) leads towards."""
+    """Of the directions n with n.p >= rim, p outside, the one at the edge towards (dx, dy)."""
     distance = math.hypot(px, py)
     ux, uy = px / distance, py / distance
     cosine = rim / distance

@@ -1,15 +1,15 @@
-"""Proposals and answers: where an owner places a line, and what a robot's State carries about lines.
+"""Proposals and answers: which line an owner proposes, and the entries about lines in a robot's State.
 
-Nothing here can be unsafe: an owner offers only lines that the own body satisfies, and a follower adopts only
+No choice here is unsafe: an owner proposes only lines that its own body satisfies, and a follower adopts only
 those that its own body satisfies.
 
-A State carries the newest unanswered proposal of each pair, until it is answered. A follower that receives a
-proposal answers it in the States of the next few ticks. That suffices: an owner without an unanswered
-proposal needs no answer; one that has any repeats the newest for ever, so if every answer so far was lost,
-the next repetition that arrives causes another answer, which settles all older proposals.
+A State carries the newest unanswered proposal of each pair. A follower that receives a proposal answers it in
+the States of the next few ticks. That suffices: an owner repeats an unanswered proposal until it is answered,
+so if all answers were lost, the next repetition that arrives causes another answer, which covers all older
+proposals.
 
-An owner proposes anew every tick, without waiting for the answers to earlier proposals: under delay
-that halves the age of the lines, and the arrival times with it.
+An owner may propose in every tick, without waiting for answers to earlier proposals: under delay that halves
+the age of the lines, and shortens arrival times accordingly.
 """
 
 from __future__ import annotations
@@ -29,22 +29,23 @@ from protocol.line import ROUNDING, SURE, HalfPlane, Line
 from protocol.messages import Answer, Proposal, Vector
 from protocol.region import Region
 
-Span = tuple[Vector, Vector]  # a point of each of two segments
+Span = tuple[Vector, Vector]  # closest points of two segments
 
 _BISECTIONS: Final = 8
-_NEED: Final = 4.0 * ROUNDING  # gap that a line takes, m
-_MOST: Final = 0.99  # of a gap, that is kept as standoffs
-ANSWER_TICKS: Final = 3  # an answer stands in this many States after the proposal was last heard
-OUTSTANDING: Final = 32  # most unanswered proposals of one pair
-FOLLOWED: Final = 3.0  # periods for which a follower's way is kept free from when it adopts a line
-UNCHANGED: Final = 1e-2  # of what a robot moves in a tick: a line that differs by less is not proposed
+_NEED: Final = 4.0 * ROUNDING  # gap that a line needs, m
+_MOST: Final = 0.99  # largest share of a gap for standoffs
+ANSWER_TICKS: Final = 3  # States that carry an answer after the last copy of the proposal
+OUTSTANDING: Final = 32  # largest number of unanswered proposals of a pair
+FOLLOWED: Final = 3.0  # periods of a follower's motion that a line leaves free after its adoption
+UNCHANGED: Final = 1e-2  # least difference of a new proposal, longest motions in a tick
 
 
 @final
 @mypyc_attr(acyclic=True)
 class MovingDisk:
-    """One robot as the owner of a line sees it: centre, radius and error bound (m), desired velocity, and the
-    one that it was last seen to have."""
+    """One robot, for the owner of a line: centre, radius and error bound (m), desired velocity (vx, vy), and
+    last known velocity (ux, uy).
+    """
 
     __slots__ = ("radius", "ux", "uy", "vx", "vy", "x", "y")
 
@@ -81,17 +82,16 @@ def fit_line(
     share: float = 0.5,
     standoff: float = 0.0,
 ) -> Line | None:
-    """The line that lets both do what they want for the longest time.
+    """The line that permits the desired motion of both for the longest time.
 
     The owner obeys it at once: its disk sweeps along its desired velocity for `ahead` seconds. The follower
-    obeys it from `begin` to `end` seconds after it was where the owner sees it: its disk sweeps from where it
-    is then, if it goes on as it was seen to, to where its desired velocity leads. The line separates the two
-    swept areas, and leaves the owner `share` of the gap between them. If they meet, all times are
-    the same largest fraction of what they should be, so two that drive at each other share the gap in
-    proportion to what each wants of it. Either keeps a `standoff` (m), the owner first: where the gap seen is
-    less than two, one at least can make room.
+    obeys it from `begin` to `end` seconds after its State: its disk sweeps from its extrapolated position
+    then along its desired velocity. The line separates the two swept areas, and leaves the owner `share` of
+    the gap between them. If they meet, all times are reduced by the same largest factor, so two that approach
+    each other share the gap in proportion to their desired motion. Either keeps a `standoff` (m), the owner
+    first: if the known gap is less than two standoffs, at least one can make room.
 
-    None when the disks were not seen apart, and will not be if both do as they want.
+    None if the disks overlap by their States, and also after the desired motion.
     """
     mine = theirs = 0.0
     if standoff > 0.0:
@@ -120,8 +120,8 @@ def fit_line(
 
 
 def _halfway(span: Span, mine: float, theirs: float) -> Line | None:
-    """The line in the middle of a gap that is narrower than what lines take, between disks of these radii,
-    m; None if nothing is left. Two may come to stand as near as that, one beside the disk that the other was.
+    """The line in the middle of a gap that is narrower than lines need, between disks of these radii, m; None
+    if there is no gap. Two robots may come as near as that when one stands next to the other's earlier disk.
     """
     (ax, ay), (bx, by) = span
     length = _length(span)
@@ -137,7 +137,7 @@ def _length(span: Span) -> float:
 
 
 def _closest(one: MovingDisk, other: MovingDisk, ahead: float, begin: float, end: float) -> Span:
-    """Closest points of the paths that the two centres take, as of `fit_line`."""
+    """Closest points of the paths of the two centres in `fit_line`."""
     px, py, ux, uy = one.x, one.y, one.vx * ahead, one.vy * ahead
     qx, qy = other.x + other.ux * begin, other.y + other.uy * begin
     vx, vy = other.vx * end - other.ux * begin, other.vy * end - other.uy * begin
@@ -164,19 +164,19 @@ def _closest(one: MovingDisk, other: MovingDisk, ahead: float, begin: float, end
 
 
 def _clamped(part: float, whole: float) -> float:
-    """part / whole, kept within 0 and 1."""
+    """part / whole, limited to [0, 1]."""
     if part <= 0.0:
         return 0.0
     return 1.0 if part >= whole else part / whole
 
 
 def tangent(shape: Shape, x: float, y: float, low: bool, near: float) -> Line | None:
-    """The line between (x, y), m, and what stands; None if (x, y) is in it.
+    """The line between (x, y), m, and a static shape; None if (x, y) is inside.
 
-    Of what is more than `near` (m) away, the disk around it counts.
+    A shape farther away than `near` (m) is replaced by the disk around it.
 
     Args:
-        low: whether the robot is the low end of the binding.
+        low: whether the robot has the lower id of the binding.
     """
     around = shape.around
     dx, dy = around.x - x, around.y - y
@@ -195,7 +195,7 @@ def tangent(shape: Shape, x: float, y: float, low: bool, near: float) -> Line | 
 
 
 def deficit(shape: Shape, x: float, y: float, room: float) -> Vector:
-    """How far to back off from (x, y), m, to be `room` (m) from what stands."""
+    """Displacement from (x, y), m, to a clearance of `room` (m) from a static shape."""
     px, py = shape.nearest(x, y)
     if px == x and py == y:
         px, py = shape.around.x, shape.around.y
@@ -211,16 +211,16 @@ def deficit(shape: Shape, x: float, y: float, room: float) -> Vector:
 
 @final
 class Bond:
-    """One binding as the robot looks at it in every tick: the kernel's own end, and what follows from it.
+    """One binding with its half-planes for the own centre.
 
     Args:
         bound: the kernel's own end.
-        own_radius: of the disk that keeps to it, m.
-        state: newest State heard of the peer.
+        own_radius: of the disk that obeys it, m.
+        state: newest State of the peer.
 
     Attributes:
-        half_planes: where the own centre must stay.
-        answers_left: States that still have to carry the answer.
+        half_planes: constraints on the own centre.
+        answers_left: number of States that still have to carry the answer.
     """
 
     __slots__ = ("answers_left", "bound", "half_planes", "own_radius", "peer", "state")
@@ -233,16 +233,16 @@ class Bond:
         self.renew()
 
     def renew(self) -> None:
-        """What is obeyed has changed."""
+        """Update the half-planes after a change of the obeyed lines."""
         self.half_planes = [line.side(self.own_radius, self.bound.low) for line in self.bound.obeyed]
 
     @property
     def is_asked(self) -> bool:
-        """Whether the first line is still to be found."""
+        """Whether this end is asked for the first line."""
         return self.bound.state == ASKED
 
     def resize(self, own_radius: float) -> None:
-        """This robot is another disk."""
+        """Change the radius of the own disk."""
         if own_radius != self.own_radius:
             self.own_radius = own_radius
             self.renew()
@@ -250,12 +250,12 @@ class Bond:
 
 @final
 class Negotiation:
-    """When an owner offers a peer another line, and where that lies.
+    """Decides when an owner proposes a line, and which.
 
     Args:
-        max_step: the most that a robot really moves in a tick, m.
+        max_step: longest motion of a robot in a tick, m.
         period: of a tick, s.
-        standoff: room that a line leaves at either side, m, as far as there is any.
+        standoff: room that a line leaves on either side, m, if there is enough.
     """
 
     def __init__(self, max_step: float, period: float, standoff: float = 0.0) -> None:
@@ -276,8 +276,8 @@ class Negotiation:
             tick: of the State.
             bonds: with the present lives of peers.
             me: own disk, its radius with the error bound, and its desired velocity.
-            kernel: says what fits.
-            standing: whether this robot cannot move: then it needs none of the gap.
+            kernel: decides which lines fit.
+            standing: whether this robot cannot move, and so needs none of the gap.
         """
         proposals: list[Proposal] = []
         answers: list[Answer] = []
@@ -286,7 +286,7 @@ class Negotiation:
             if isinstance(lines, Owner):
                 self._consider(tick, bond, lines, me, kernel, standing)
                 if lines.open:
-                    number, line = lines.open[-1]  # an answer to it settles all before it
+                    number, line = lines.open[-1]  # an answer covers all earlier ones
                     proposals.append(
                         Proposal(bond.peer, bond.bound.number, number, line.nx, line.ny, line.offset)
                     )
@@ -304,13 +304,13 @@ class Negotiation:
         kernel: RobotLife[Region, Line, Cover],
         standing: bool,
     ) -> None:
-        """Propose a new line if the pair needs one; an end that cannot move needs none of the gap."""
+        """Propose a new line if the pair needs one."""
         state = bond.state
         if state is None or not state.placed or bond.bound.state != LINES or len(lines.open) >= OUTSTANDING:
             return
         ticks = max(0, tick - state.tick) + 2
         apart = 2.0 * ticks * self._max_step
-        # A pair is left alone if neither comes near the line before a new one could be agreed.
+        # No new line while neither disk can reach the present one before another is adopted.
         mine, theirs = apart + me.radius, apart + state.radius + state.bound
         newest = lines.open[-1][1] if lines.open else lines.held
         if newest.gap(me.x, me.y) > mine and -newest.gap(state.x, state.y) > theirs:
@@ -325,14 +325,14 @@ class Negotiation:
     def _fit_line(
         self, tick: int, bond: Bond, me: MovingDisk, state: PeerState, standing: bool
     ) -> Line | None:
-        """The line that lets both do what they want, as far as can be told from the peer's State."""
+        """The line that permits the desired motion of both, by the peer's State."""
         halted = bond.bound.place is not None
-        # While States are lost, a peer is reckoned to go on as it did for at most its radius.
+        # While States are lost, a peer is extrapolated by at most its radius.
         age = max(0, min(tick - state.tick, state.transit + math.ceil(state.radius / self._max_step)))
         peer = MovingDisk(state.x, state.y, state.radius + state.bound)
         if not halted:
             (peer.vx, peer.vy), (peer.ux, peer.uy) = state.desired, self._seen_velocity(state)
-        # The follower holds a line from when it has come, as late as its State came here, until the next has.
+        # The follower obeys the line from its arrival, as late as the State was, until the next arrives.
         late = 2.0 * max(0, age - 1) * self._period
         return fit_line(
             me,
@@ -345,7 +345,7 @@ class Negotiation:
         )
 
     def _seen_velocity(self, state: PeerState) -> Vector:
-        """Of the peer, from where its last two States were, m/s; measurements may leap, disks do not."""
+        """Velocity of the peer between its last two States, m/s; limited, since measurements may jump."""
         ux, uy = state.moved_x, state.moved_y
         leap = max(1.0, math.hypot(ux, uy) / self._max_step) * self._period
         return ux / leap, uy / leap

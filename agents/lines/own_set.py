@@ -1,8 +1,8 @@
 """The set of possible positions of the own centre: a small convex polygon, and its support.
 
-Coordinates of a polygon are relative to a point that its owner keeps, so that their rounding is that of the
-polygon's own size. Cuts may have any direction; those of measurements come from `DIRECTIONS` only, so that
-their number, and with it the polygon's corners, stays bounded.
+Coordinates of a polygon are relative to a point that its owner keeps, so that rounding errors scale with the
+polygon. Cuts may have any direction, but those of measurements are in `DIRECTIONS` only, so that the number
+of corners stays bounded.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from protocol.kernel.robot import Bound
 from protocol.line import ROUNDING, SURE, HalfPlane, Line
 from protocol.region import Region, is_beside
 
-SIDES: Final = 16  # a disk is taken for the polygon of so many sides around it: 2 % too wide at the corners
+SIDES: Final = 16  # of the polygon around a disk: 2 % too wide at the corners
 DIRECTIONS: Final = [
     (math.cos(2.0 * math.pi * side / SIDES), math.sin(2.0 * math.pi * side / SIDES)) for side in range(SIDES)
 ]
@@ -33,7 +33,7 @@ class Polygon:
 
     def __init__(self, xs: list[float], ys: list[float], margin: float = 0.0) -> None:
         self.xs, self.ys, self.margin = xs, ys, margin
-        self._far = -1.0  # distance of the farthest corner; not known yet
+        self._far = -1.0  # distance of the farthest corner; -1: not computed yet
 
     def extent(self, nx: float, ny: float) -> float:
         """Support in the direction of the unit vector (nx, ny): the largest n.x, m; exact."""
@@ -49,7 +49,7 @@ class Polygon:
 
     @property
     def radius(self) -> float:
-        """Of the smallest disk around (0, 0) that contains it, m."""
+        """Radius of the smallest disk around (0, 0) that contains it, m."""
         if self._far < 0.0:
             square = 0.0
             for index, x in enumerate(self.xs):
@@ -59,19 +59,16 @@ class Polygon:
         return self._far + self.margin
 
     def centre(self) -> tuple[float, float]:
-        """Of the upright rectangle around it, m."""
+        """Centre of its bounding box, m."""
         xs, ys = self.xs, self.ys
         return 0.5 * (min(xs) + max(xs)), 0.5 * (min(ys) + max(ys))
 
     def shifted(self, dx: float, dy: float) -> Polygon:
-        """The same, moved by (dx, dy), m."""
+        """The polygon moved by (dx, dy), m."""
         return Polygon([x + dx for x in self.xs], [y + dy for y in self.ys], self.margin)
 
     def cut(self, nx: float, ny: float, limit: float) -> Polygon | None:
-        """What of it satisfies n.x <= limit (m) for the unit vector n; None when nothing does.
-
-        The margin remains around what is left.
-        """
+        """The part with n.x <= limit (m) for the unit vector n, if there is any, with the same margin."""
         limit += self.margin
         xs: list[float] = []
         ys: list[float] = []
@@ -94,12 +91,12 @@ class Polygon:
         return left if len(xs) <= _MOST else left.widened(0.0)
 
     def widened(self, radius: float) -> Polygon:
-        """The polygon with sides in the `DIRECTIONS` around all that is within `radius` (m) of it."""
+        """The polygon with sides in the `DIRECTIONS` around all points within `radius` (m) of it."""
         return circumscribed([each + radius - self.margin for each in self.extents()], self.margin)
 
 
 def circumscribed(extents: list[float], margin: float = 0.0) -> Polygon:
-    """The polygon whose support in each of the `DIRECTIONS` is given, m; each must be attained."""
+    """The polygon with these supports in the `DIRECTIONS`, m; each must be attained."""
     xs: list[float] = []
     ys: list[float] = []
     sine = 1.0 / math.sin(2.0 * math.pi / SIDES)
@@ -119,15 +116,13 @@ def around(radius: float, margin: float = 0.0) -> Polygon:
 @final
 @mypyc_attr(acyclic=True)
 class OwnSet:
-    """All places where the own centre may be as a tick begins, and what it still passes. Immutable.
+    """All possible positions of the own centre at the start of a tick, with its further motion. Immutable.
 
     Args:
-        x, y: the own position, m.
-        bound: of how far the centre is from there, m; infinite as long as nothing is known.
-        shape: the set as seen from there; None: the disk of radius `bound`.
-        swept: what the centre passes from there until all commands that are out have ended; None: nothing.
-
-    Attributes: as given.
+        x, y: the estimated position, m.
+        bound: largest distance of the centre from there, m; infinite if unknown.
+        shape: the set relative to that position; None: the disk of radius `bound`.
+        swept: motion from there until all sent commands have ended; None: no motion.
     """
 
     __slots__ = ("bound", "shape", "swept", "x", "y")
@@ -139,23 +134,24 @@ class OwnSet:
         self.shape, self.swept = shape, swept
 
     def extent(self, nx: float, ny: float) -> float:
-        """How far the set reaches from the own position in the direction (nx, ny), m."""
+        """Support of the set from the estimated position in the direction (nx, ny), m."""
         return self.bound if self.shape is None else self.shape.extent(nx, ny)
 
     def passed(self, nx: float, ny: float) -> float:
-        """How far the set, and all that it passes, reaches in that direction, m."""
+        """Support of the set with its further motion, m."""
         extent = self.extent(nx, ny)
         if self.swept is not None:
             extent += self.swept.extent(nx, ny)
         return extent
 
     def satisfies(self, side: HalfPlane, growth: float = 0.0) -> bool:
-        """Whether the centre is surely in a half-plane, and stays there until every command that is out has
-        ended; for a disk that is larger by `growth`, m, than the one that the half-plane is for."""
+        """Whether the centre is surely in a half-plane until every sent command has ended, for a disk larger
+        by `growth`, m, than that of the half-plane.
+        """
         return side.slack(self.x, self.y) - growth >= self.passed(side.nx, side.ny) + SURE
 
     def within(self, x: float, y: float, radius: float) -> bool:
-        """Whether the set, and all that it passes, is surely in the disk of that radius around (x, y), m."""
+        """Whether the set with its further motion is surely in the disk of that radius around (x, y), m."""
         mx, my, spread = self.x, self.y, self.bound
         if self.swept is not None:
             ax, ay = self.swept.middle
@@ -163,16 +159,16 @@ class OwnSet:
         return math.hypot(mx - x, my - y) + spread + 2.0 * ROUNDING <= radius
 
     def kept_in(self, nx: float, ny: float, limit: float) -> HalfPlane:
-        """Where the own position must stay so that all of the set stays in that half-plane."""
+        """Half-plane of the estimated position that keeps the whole set in the given one."""
         return HalfPlane(nx, ny, limit - (self.extent(nx, ny) + 2.0 * ROUNDING))
 
 
 @final
 class Cover:
-    """All that a robot covers now and until no command has any effect: a disk with its centre in a set.
+    """All that a robot covers until no command has any effect: a disk with its centre in a set.
 
     Args:
-        own: where the centre may be, and what it still passes.
+        own: possible positions of the centre, with its further motion.
         radius: of the disk, m.
     """
 
@@ -202,5 +198,5 @@ class CoverGeometry:
         return is_beside(place.shape, line, low)
 
     def keeps(self, body: Cover, bound: Bound[Region, Line]) -> bool:
-        """Whether a body is on the own side of everything that is obeyed of a binding."""
+        """Whether a body is on the own side of all obeyed lines of a binding."""
         return all(self.fits(body, line, bound.low) for line in bound.obeyed)

@@ -1,11 +1,11 @@
-"""The applied velocity: nearest to the desired one within all that must be obeyed until it expires.
+"""The applied velocity: the nearest one to the desired velocity that obeys all constraints until it expires.
 
-A convex program in two variables: half-planes, what the boundary leaves, the speed disk. All contain 0,
-so standing still is always allowed and any positive scale or projection keeps phi descending.
+A convex program in two variables: half-planes, the boundary, the speed disk. All contain 0, so standing still
+is always allowed, and phi decreases with any positive scale or projection.
 
-Execution noise turns v into v + |v| w with |w| <= noise < 1. Against a half-plane n.d <= s of
-displacements, n.d + noise |d| <= s is wanted: one branch of a hyperbola around n. The wedge from its
-apex along its asymptotes lies inside it, is exact for s = 0, and consists of two half-planes.
+Execution noise turns v into v + |v| w with |w| <= noise < 1. For a half-plane n.d <= s of displacements, n.d
++ noise |d| <= s is required: one branch of a hyperbola around n. The wedge from its apex along its asymptotes
+lies inside it, is exact for s = 0, and consists of two half-planes.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from agents.lines.own_set import Polygon
 from protocol.line import HalfPlane, room_of
 from protocol.messages import Vector
 
-_CUTS: Final = 12  # half-planes of the boundary that are tried
+_CUTS: Final = 12  # largest number of half-planes of the boundary
 _SHRINK = (1.0, 1.0, 1.0 - 1e-15, 1.0 - 1e-12, 1.0 - 1e-9, 1.0 - 1e-6, 0.999, 0.9, 0.5, 0.0)
 
 
@@ -34,18 +34,18 @@ def safe_velocity(
     shape: Polygon | None = None,
     noise: float = 0.0,
 ) -> Vector:
-    """The velocity nearest to `desired` that keeps all constraints until `period` is over, m/s.
+    """The velocity nearest to `desired` that obeys all constraints until the end of the period, m/s.
 
-    The result satisfies every constraint in floating point, rounding inwards.
+    The result satisfies every constraint in floating point, with inward rounding.
 
     Args:
         desired: m/s.
         position: estimated own centre, m.
-        half_planes: where the estimated centre must stay; one already violated must not be approached.
-        boundary: what the true centre must not leave.
+        half_planes: constraints on the estimated centre; one already violated must not be approached.
+        boundary: of the true centre.
         speed: speed limit, m/s.
-        period: how long the command holds, s.
-        shape: where the true centre can be, around the estimated one; None where that is exact.
+        period: duration of the command, s.
+        shape: possible positions of the true centre, around the estimated one; None if that is exact.
         noise: bound on the relative execution noise, in [0, 1).
     """
     if desired == (0.0, 0.0):
@@ -64,7 +64,7 @@ def safe_velocity(
         limits = [*limits, *(wedge(cut, noise) if noise > 0.0 else (cut,))]
         step = nearest(want, limits, max_step)
     for shrink in _SHRINK:
-        # Shrinking makes room at all edges but those through 0; only then can these be moved off.
+        # Shrinking makes room at all edges except those through 0, for which the step is moved off.
         step = _nudged((step[0] * shrink, step[1] * shrink), limits)
         vx, vy = step[0] / period, step[1] / period
         dx, dy = vx * period, vy * period
@@ -81,7 +81,7 @@ def safe_velocity(
 def _near(
     half_planes: Sequence[HalfPlane], x: float, y: float, max_step: float, *, exact: bool
 ) -> list[HalfPlane]:
-    """The half-planes whose edge is within reach, for displacements: n.d <= room."""
+    """The half-planes within reach, for displacements: n.d <= room."""
     near = []
     for each in half_planes:
         slack = each.slack(x, y)
@@ -92,8 +92,9 @@ def _near(
 
 
 def wedge(limit: HalfPlane, noise: float) -> tuple[HalfPlane, HalfPlane]:
-    """Two half-planes inside {d: n.d + noise |d| <= s}, with edges along the asymptotes from its apex:
-    s/(1 + noise) n, or where it has to lead away, as s < 0, s/(1 - noise) n."""
+    """Two half-planes inside {d: n.d + noise |d| <= s}, with edges along the asymptotes from its apex: s/(1 +
+    noise) n, or s/(1 - noise) n if s < 0, where the displacement has to lead away.
+    """
     nx, ny, slack = limit.nx, limit.ny, limit.limit
     cosine = math.sqrt(1.0 - noise * noise)
     offset = slack * cosine / (1.0 + noise if slack >= 0.0 else 1.0 - noise)
@@ -106,9 +107,9 @@ def wedge(limit: HalfPlane, noise: float) -> tuple[HalfPlane, HalfPlane]:
 def nearest(want: Vector, limits: Sequence[HalfPlane], max_step: float) -> Vector:
     """The point nearest to `want` in a disk of radius `max_step` around 0 and all half-planes.
 
-    One constraint after another: the nearest point so far stays if the next one allows it, otherwise
-    the new one lies on that constraint's edge, a problem in one variable (Seidel; de Berg et al.,
-    "Computational Geometry", chapter 4).
+    One constraint after another: the nearest point so far remains if the next one allows it; otherwise the
+    new one is on that constraint's edge, a problem in one variable (Seidel; de Berg et al., "Computational
+    Geometry", chapter 4).
     """
     px, py = want
     length = math.hypot(px, py)
@@ -134,14 +135,14 @@ def _on_edge(want: Vector, limits: Sequence[HalfPlane], index: int, max_step: fl
         elif along < -1e-15:
             low = max(low, room / along)
     along = nx * want[1] - ny * want[0]
-    if low > high:  # only by rounding: 0 is allowed, so the edge is too, up to that
+    if low > high:  # only by rounding, since 0 is allowed
         low = high = 0.5 * (low + high)
     along = min(max(along, low), high)
     return limit * nx - along * ny, limit * ny + along * nx
 
 
 def _nudged(step: Vector, limits: Sequence[HalfPlane]) -> Vector:
-    """A displacement moved off the edges that it lies on, by what rounding may add."""
+    """A displacement moved off the edges that it is on, by the possible rounding error."""
     dx, dy = step
     push = 4e-16 * (abs(dx) + abs(dy))
     for each in limits:

@@ -1,6 +1,6 @@
 """The constraints of one robot towards robots and obstacles: the kernel's bindings as half-planes.
 
-One tick is: `hear`, `locate`, `on_state` for what has come in, `entries` for the State; `on_state` for the
+One tick is: `hear`, `locate`, `on_state` for received States, `entries` for the own State; `on_state` for the
 States of this tick, then `half_planes` for the velocity. No command is outstanding at these moments.
 """
 
@@ -22,28 +22,28 @@ from protocol.line import ROUNDING, HalfPlane, Line
 from protocol.messages import Answer, FirstLine, Grants, Proposal, Vector
 from protocol.region import EVERYWHERE, Region
 
-SHOWN: Final = 2048  # most obeyed lines that a monitor is told: Health has a limit
-FIRSTS: Final = 64  # first lines in a Command at most: it has a limit
-_ROOM: Final = 0.25  # of the own radius, by which to be clear of what a first line is asked for
-_NEAR: Final = 4.0  # ways of a tick: what is farther away is kept to as the disk around it
+SHOWN: Final = 2048  # largest number of obeyed lines in Health
+FIRSTS: Final = 64  # largest number of first lines in a Command
+_ROOM: Final = 0.25  # clearance to make for a first line, own radii
+_NEAR: Final = 4.0  # longest motions in a tick beyond which a shape is replaced by the disk around it
 
 
 class SeparatingLines:
-    """Every binding of one life of one robot, and its region.
+    """All bindings of one life of one robot, and its region.
 
     Args:
         robot: own id.
         radius: of the own disk, m.
-        speed: the most that the robot really moves, m/s.
+        speed: largest true speed of the robot, m/s.
         period: of one tick, s.
-        reach: the longest way from the beginning of a tick until the body stands, m; unless given, that of a
-            tick at full speed.
-        standoff: room that own lines leave at either side, m, as far as there is any.
+        reach: longest motion from the start of a tick until the body stands, m; default: a tick at full
+            speed.
+        standoff: room that own lines leave on either side, m, if there is enough.
 
     Attributes:
-        kernel: what is obeyed; None until the ledger has spoken.
-        wanted: radius of the disk for which own lines leave room, if that is larger, m.
-        part: the disk that only a smaller own disk keeps clear of, as it is taken up; NO for none.
+        kernel: the constraints of this life; None before the first grants.
+        wanted: radius of the disk for which own lines leave room, if larger, m.
+        part: the disk of a part that is taken up, which constrains only the smaller own disk; NO for none.
     """
 
     def __init__(
@@ -67,14 +67,14 @@ class SeparatingLines:
         self._each: list[Bond] = []
         self._lines: dict[int, Bond] = {}  # towards the present life of a peer, by peer
         self._still: list[Bond] = []  # towards static disks
-        self._firsts: dict[int, FirstLine] = {}  # found, and not told yet, by number of the binding
+        self._firsts: dict[int, FirstLine] = {}  # found, not in the ledger yet, by number of the binding
         self._tick = 0
         self._own = OwnSet(0.0, 0.0, math.inf)
 
     # -- grants of the ledger
 
     def hear(self, grants: Grants, neighbours: Neighbours) -> None:
-        """Adopt the grants of the ledger, unless newer ones were received."""
+        """Accept the grants of the ledger, unless newer ones were received."""
         kernel = self.kernel
         if kernel is None:
             cover = Cover(self._own, self._radius)
@@ -102,16 +102,16 @@ class SeparatingLines:
 
     @property
     def version(self) -> int:
-        """Newest of the ledger that was taken in."""
+        """Newest version of the ledger that was accepted."""
         return NO if self.kernel is None else self.kernel.version
 
     @property
     def region(self) -> int:
-        """Number of the region obeyed."""
+        """Number of the obeyed region."""
         return NO if self.kernel is None else self.kernel.number
 
     def firsts(self) -> tuple[FirstLine, ...]:
-        """First lines that the ledger has to be told."""
+        """First lines to send to the ledger."""
         return tuple(list(self._firsts.values())[:FIRSTS])
 
     @property
@@ -121,7 +121,7 @@ class SeparatingLines:
 
     @property
     def bound(self) -> Circle | None:
-        """The disk in which the whole own disk stays; None: anywhere, or nowhere yet."""
+        """The disk that the own disk must not leave; None if there is no limit, or no region yet."""
         kernel = self.kernel
         if kernel is None or kernel.region is None or kernel.region.is_everywhere:
             return None
@@ -129,10 +129,10 @@ class SeparatingLines:
 
     @property
     def ready(self) -> bool:
-        """Whether this robot may move at all."""
+        """Whether this robot may move."""
         return self.kernel is not None and self.kernel.region is not None
 
-    # -- where the own disk is
+    # -- the own disk
 
     def locate(
         self,
@@ -142,9 +142,9 @@ class SeparatingLines:
         shape: Polygon | None = None,
         swept: Sweep | None = None,
     ) -> None:
-        """Take the own position (m) at the start of `tick`; the truth is at most `bound` (m) from it, and
-        within `shape` around it if that is given. From there it passes `swept` until all commands that are
-        still out have ended."""
+        """Set the own position (m) at the start of `tick`: the truth is within `bound` (m), and within
+        `shape` around it if given, and moves by `swept` until all sent commands have ended.
+        """
         self._tick = tick
         self._own = OwnSet(*position, bound, shape, swept)
         kernel = self.kernel
@@ -163,12 +163,12 @@ class SeparatingLines:
         kernel.locate(body, body if self._small == self._radius else Cover(self._own, self._small))
 
     def _turn(self, kernel: RobotLife[Region, Line, Cover], bond: Bond) -> None:
-        """Face what stands, or find the first line towards it."""
+        """Turn the half-plane of a static disk, or find the first line towards it."""
         own, bound = self._own, bond.bound
         if bound.place is None or not (bond.is_asked or bound.static):
             return
         if bound.state == HALF and bond.half_planes[0].slack(own.x, own.y) > own.bound + _NEAR * self._reach:
-            return  # far enough for what it is
+            return  # far enough
         near = bond.own_radius + own.bound + _NEAR * self._max_step
         line = tangent(bound.place.shape, own.x, own.y, bound.low, near)
         if line is None or not kernel.fits(bound, line):
@@ -181,13 +181,13 @@ class SeparatingLines:
         bond.renew()
 
     def _size(self, peer: int) -> float:
-        """Radius of the disk that keeps off a peer, m."""
+        """Radius of the disk that a peer constrains, m."""
         return self._small if peer == self.part else self._radius
 
     def reach(self, radius: float, part: int) -> bool:
-        """Be a larger disk from now on, of `radius`, m, if that satisfies all obeyed; whether it does.
+        """Enlarge the own disk to `radius`, m, if that satisfies all constraints; returns whether it does.
 
-        Of disk `part`, which is taken up, only the present one keeps clear.
+        The disk `part`, which is taken up, constrains only the present size.
         """
         kernel, geometry = self.kernel, CoverGeometry()
         if kernel is None or kernel.region is None:
@@ -207,7 +207,7 @@ class SeparatingLines:
         return True
 
     def resize(self, radius: float) -> None:
-        """Be a smaller disk than before, of `radius`, m; or the one that this life begins as."""
+        """Reduce the own disk to `radius`, m, or set that of a new life."""
         self._radius = self._small = radius
         self.part = NO
         if self.kernel is not None:
@@ -221,7 +221,7 @@ class SeparatingLines:
     # -- States of peers
 
     def on_state(self, state: PeerState) -> None:
-        """Process the proposals and answers of a peer's State; old or repeated ones do no harm."""
+        """Process the proposals and answers of a peer's State, which may be old or repeated."""
         bond, kernel = self._lines.get(state.robot), self.kernel
         if bond is None or kernel is None:
             return
@@ -247,8 +247,7 @@ class SeparatingLines:
                 bond.renew()
 
     def entries(self, desired: Vector) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
-        """Proposals and answers for this tick's State; `desired` is the velocity that the law requests,
-        m/s."""
+        """Proposals and answers for this tick's State; `desired` is the law's velocity, m/s."""
         kernel = self.kernel
         if kernel is None:
             return (), ()
@@ -257,7 +256,7 @@ class SeparatingLines:
         return self._negotiation.entries(self._tick, self._lines.values(), me, kernel, standing=standing)
 
     def _own_disk(self, velocity: Vector) -> MovingDisk:
-        """Own disk, with all that its centre may pass before commands that are out have ended."""
+        """The own disk, with all further motion of its centre by sent commands."""
         own = self._own
         me = MovingDisk(own.x, own.y, max(self._radius, self.wanted) + own.bound, *velocity)
         if own.swept is None:
@@ -265,10 +264,10 @@ class SeparatingLines:
         mx, my = own.swept.middle
         return MovingDisk(me.x + mx, me.y + my, me.radius + own.swept.spread, *velocity)
 
-    # -- what follows
+    # -- constraints
 
     def make_room(self, desired: Vector) -> Vector:
-        """The desired velocity (m/s), turned away from where a first line is asked for and finds no room."""
+        """The desired velocity (m/s), directed away from a disk for which there is no first line yet."""
         own, (vx, vy) = self._own, desired
         for bond in self._still:
             place = bond.bound.place
@@ -284,10 +283,7 @@ class SeparatingLines:
         return vx, vy
 
     def half_planes(self) -> list[HalfPlane]:
-        """Where the estimated own centre must stay; radius and extent of the own set are subtracted.
-
-        Without those that are out of reach within a tick.
-        """
+        """Constraints on the estimated centre, within reach of a tick, less the own radius and set."""
         own = self._own
         x, y = own.x, own.y
         near = own.bound + 2.0 * ROUNDING + 2.0 * self._reach
@@ -299,7 +295,7 @@ class SeparatingLines:
         return found
 
     def crossed(self, x: float, y: float, shape: Polygon) -> list[tuple[int, HalfPlane]]:
-        """Obeyed half-planes, by peer, that a set around (x, y) sticks out of. The truth does not."""
+        """Obeyed half-planes, by peer, that intersect a set around (x, y) with the true centre."""
         radius = shape.radius
         return [
             (bond.peer, side)
@@ -310,7 +306,8 @@ class SeparatingLines:
 
     def obeyed_lines(self) -> tuple[tuple[int, float, float, float], ...]:
         """The obeyed lines towards robots, for a monitor: peer, nx, ny, limit; the own disk keeps n.x <=
-        limit. All of them, or if those are too many, the tightest of each pair."""
+        limit. If there are too many, the tightest of each pair.
+        """
         found = [(bond.peer, side) for bond in self._each if bond.peer > 0 for side in bond.half_planes]
         if len(found) > SHOWN:
             found.sort(key=self._slack, reverse=True)

@@ -1,8 +1,9 @@
-"""The carrier of one robot: claims a part, sets the robot's goal, and requests to take it up or put it down.
+"""The carrier of one robot: claims a part, sets the robot's goal, and requests to take the part up or put it
+down.
 
 Each robot decides for itself, from the places of parts in the roster and the claims in peers' States. A claim
-is not a lock: two robots may approach the same part; the nearer goes on, the other chooses another part, and
-the coordinator grants it to one of them only.
+is not a lock: if two robots approach the same part, the nearer continues, the other chooses another part, and
+the coordinator grants the part to one of them only.
 """
 
 from __future__ import annotations
@@ -19,25 +20,25 @@ from agents.peers.state import PeerState
 from protocol.messages import Claim, Handling, Member, Vector
 from protocol.scenario.model import Part, Scenario
 
-AGAIN: Final = 1.0  # s until a robot without a part looks for one again
-STUCK: Final = 8.0  # s without motion, after which it gives its task up for a while
-MOVED: Final = 0.3  # of the own radius, less than which is no motion
+AGAIN: Final = 1.0  # s between searches of a robot without a part
+STUCK: Final = 8.0  # s without motion after which it gives up its task for a while
+MOVED: Final = 0.3  # least motion, own radii
 
 
 class PartCarrier:
     """Fetches and delivers parts for one robot.
 
     Args:
-        scenario: the run, with the radii of robots that carry nothing.
+        scenario: the run, with the radii of robots without a part.
         robot: own id.
 
     Attributes:
         goal: of the robot, m.
-        aim: next waypoint towards it, m, approached in a straight line; None: the law leads to the goal.
+        aim: next waypoint, m, approached in a straight line; None: the law leads to the goal.
         claim: published in the robot's State.
         radius: of the disk that has to be kept clear, m.
         handles: the request to publish once the disk is kept clear.
-        held: the obstacle that is about to be taken up: only the smaller disk keeps clear of it; 0 for none.
+        held: the obstacle that is about to be taken up, which constrains only the smaller disk; 0 for none.
     """
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
@@ -55,17 +56,17 @@ class PartCarrier:
         self._patience, self._pause = scenario.ticks(STUCK), scenario.ticks(AGAIN)
         self._task = 0  # part that is fetched or carried
         self._look = -1  # tick from which on to look for a part again
-        self._place: Vector | None = None  # of the robot, to take the part up or to put it down
-        self._target: Vector | None = None  # of the part, once decided
+        self._place: Vector | None = None  # from where the robot takes the part up or puts it down
+        self._target: Vector | None = None  # of the carried part
         self._loaded = False
         self._attempt = 0  # number of the attempt to put it down
-        self._known: dict[int, int] = {}  # claims of peers, when the plan was last checked
+        self._known: dict[int, int] = {}  # claims of peers at the last check of the plan
         self._in_order = False  # whether all parts can be delivered after this one
-        self._refuge: Vector | None = None  # where it makes way for other robots
+        self._refuge: Vector | None = None  # place to make way for other robots
         self._back = 0  # tick at which it returns from there
         self._seen: Layout | None = None  # layout for which `_place` was found
-        self._anchor, self._since = spec.start, 0  # where it stopped, and since which tick
-        self._avoided: dict[int, int] = {}  # parts that could not be reached, until a tick
+        self._anchor, self._since = spec.start, 0  # place and tick of its last stop
+        self._avoided: dict[int, int] = {}  # unreachable parts, avoided until a tick
 
     def look(
         self,
@@ -130,8 +131,9 @@ class PartCarrier:
         )
 
     def _fits(self, part: int) -> bool:
-        """Whether a part is compatible with the newest claims of robots that take precedence: two robots may
-        have claimed at once parts of which only one order of delivery exists."""
+        """Whether a part is compatible with the newest claims of robots that take precedence; two robots may
+        have claimed parts at once for which there is only one order of delivery.
+        """
         claims = {robot: claim.part for robot, claim in self._perception.claims}
         if claims == self._known or not self._in_order:
             return True
@@ -159,7 +161,7 @@ class PartCarrier:
             self._in_order = self._planner.leads_on(errand.part, perception.layout, self._position)
             self._fetch(errand.part)
 
-    # -- what to do about it
+    # -- fetching and carrying
 
     def _fetch(self, part: int) -> None:
         """Go to a part and take it up."""
@@ -186,8 +188,7 @@ class PartCarrier:
             self.handles = Handling(part, grown)
 
     def _carry(self, part: int) -> None:
-        """Bring a part to its goal and put it down; elsewhere, if only that leaves the others a path, or if
-        there is no path for long."""
+        """Bring a part to its goal, or elsewhere if only that leaves others a path, or no path opens."""
         spec, carried, layout = self._spec(part), self._planner.loaded(part), self._perception.layout
         stuck, planner = self._is_stuck(), self._planner
         if self._task != part or self._target is None:
@@ -212,7 +213,7 @@ class PartCarrier:
             self.handles = Handling(part, carried, self._target)
 
     def _is_beside(self, centre: Vector, touching: float) -> bool:
-        """Whether a part, or its place, is within reach, and the robot near its own place."""
+        """Whether a part or its target is within reach, and the robot near its own place."""
         gap = math.dist(self._position, centre) - touching
         return 0.0 <= gap <= self._reach and self._cost() < 0.5 * self._reach
 

@@ -1,7 +1,7 @@
 """The layout of a room, and a grid of it: free cells for a disk, distance fields, reachable cells.
 
-`Reach` represents a set of cells by an integer with a bit for each, so that a step of a flood takes a few
-shifts of the whole grid: reachability is asked far more often than distance.
+`Reach` represents a set of cells by the bits of an integer, so that a step of a flood takes a few shifts of
+the whole grid, since reachability is evaluated much more often than distance.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from protocol.scenario.model import Part, Scenario
 Reals = NDArray[np.float64]
 Cells = NDArray[np.bool_]
 
-_NEAR: Final = 2  # cells around a point that stand for its own where that is not free
-_SAG: Final = 1.0 / 16.0  # of a cell: room for what steps between cells, and straight ways, cut off
-_KEPT: Final = 1024  # sets that are remembered
+_NEAR: Final = 2  # cells around a point that may replace its own
+_SAG: Final = 1.0 / 16.0  # cells of room for straight lines between free cells
+_KEPT: Final = 1024  # cached sets
 _STEPS: Final = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
 
 
@@ -63,8 +63,7 @@ class Grid:
         return min(max(i, 0), self.x.shape[0] - 1), min(max(j, 0), self.x.shape[1] - 1)
 
     def distance_field(self, free: Cells, begin: Sequence[Vector]) -> Reals:
-        """Length of the shortest path through free cells from any of some points to every cell, m; infinite
-        where there is none."""
+        """Shortest distance through free cells from these points to every cell, m; infinite without path."""
         far = np.full(free.shape, np.inf)
         for point in begin:
             cell = self._near(free, point)
@@ -72,7 +71,7 @@ class Grid:
                 far[cell] = 0.0
         wide, wall = np.pad(far, 1, constant_values=np.inf), np.where(free, 0.0, np.inf)
         inner, diagonal = wide[1:-1, 1:-1], self.size * math.sqrt(2.0)
-        while True:  # until no cell gets nearer
+        while True:  # until no distance decreases
             before = inner.copy()
             aside = np.minimum(wide[:, :-2], wide[:, 2:])
             straight = np.minimum(aside[1:-1], np.minimum(wide[:-2, 1:-1], wide[2:, 1:-1])) + self.size
@@ -115,7 +114,7 @@ class Grid:
             cell = min(self._beside(cell), key=lambda each: (far[each], each))
 
     def sees(self, free: Cells, one: Vector, other: Vector) -> bool:
-        """Whether all cells on the straight way between two points are free, up to one beside each."""
+        """Whether all cells on the straight line between two points are free, except near the ends."""
         length = math.dist(one, other)
         count = max(1, math.ceil(length / self.size))
         for number in range(2, count - 1):
@@ -164,7 +163,7 @@ class Reach:
     def __init__(self, grid: Grid) -> None:
         self._grid = grid
         self._columns = grid.x.shape[1]
-        self._row = self._columns + 1  # a cell behind each row is never free, so that no shift wraps around
+        self._row = self._columns + 1  # a blocked cell after each row, so that no shift wraps around
         self._inside: dict[float, int] = {}
         self._taken: dict[tuple[Shape, float], int] = {}
 
@@ -186,7 +185,7 @@ class Reach:
         return self._flood(free, reached)
 
     def widest(self, free: int, cells: int) -> int:
-        """The largest of the connected regions of free cells that some cells are in."""
+        """The largest connected region of free cells that contains some of these cells."""
         left, best = cells & free, 0
         while left:
             found = self._flood(free, left & -left)
@@ -234,15 +233,15 @@ class Reach:
 
 _Kept = TypeVar("_Kept")
 
-DIRECTIONS: Final = 64  # of approach to a part
-GAPS: Final = (0.5, 0.15, 0.85)  # of the reach, between a robot and a part
-MARGIN: Final = 0.1  # of the reach: clearance of a place from all other obstacles
+DIRECTIONS: Final = 64  # of approaches to a part
+GAPS: Final = (0.5, 0.15, 0.85)  # between a robot and a part, over the reach
+MARGIN: Final = 0.1  # clearance of a place from all other obstacles, over the reach
 _HOME: Final = 1e-9  # m
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Static obstacles and parts; layouts are equal if these are.
+    """Static obstacles and parts; layouts with equal ones are equal.
 
     Attributes:
         parts: position of each, m; a part on a static robot has the robot's position.
@@ -264,11 +263,11 @@ class Layout:
         return replace(self, parts={**self.parts, **self.promised}, held=_without(self.held, *self.promised))
 
     def moved(self, part: int, to: Vector) -> Layout:
-        """The same with a part at another position, m."""
+        """The layout with a part at another position, m."""
         return replace(self, parts={**self.parts, part: to}, held=_without(self.held, part))
 
     def without(self, part: int) -> Layout:
-        """The same without a part, as after it is taken up."""
+        """The layout without a part, as after it is taken up."""
         return replace(self, parts=_without(self.parts, part), held=_without(self.held, part))
 
 
@@ -302,7 +301,7 @@ class GridPlaces:
         return [*layout.others, *disks]
 
     def is_home(self, part: int, layout: Layout) -> bool:
-        """Whether a part stands at its goal."""
+        """Whether a part is at its goal."""
         at = layout.parts.get(part)
         return at is not None and part not in layout.held and math.dist(at, self.parts[part].goal) < _HOME
 

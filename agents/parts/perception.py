@@ -1,8 +1,8 @@
-"""A robot's view of parts and peers in one tick, their precedence, and how the robot makes way.
+"""Parts and peers in one tick, their precedence, and how a robot makes way.
 
-A robot that carries a part precedes one that fetches one, and that one a robot that does neither; of two of a
-kind the lower id precedes. Precedence does not depend on positions: two robots that exchanged it as they move
-would block each other. Nothing here is needed for safety, which the separating lines ensure.
+A robot that carries a part precedes one that fetches one, which precedes one that does neither; among equals
+the lower id precedes. Precedence does not depend on positions, since two robots that exchanged it in motion
+would block each other. None of this is needed for safety, which the separating lines ensure.
 """
 
 from __future__ import annotations
@@ -25,20 +25,20 @@ from protocol.scenario.model import Scenario
 
 Cells = NDArray[np.bool_]
 
-ASIDE: Final = 0.2  # of the own radius: clearance from the paths of robots that precede
-AHEAD: Final = 0.5  # of the own radius: nearer than that it blocks another robot's path
-_KEPT: Final = 16  # distance fields that are kept
+ASIDE: Final = 0.2  # clearance from the paths of preceding robots, own radii
+AHEAD: Final = 0.5  # look-ahead for blocking another robot's path, own radii
+_KEPT: Final = 16  # cached distance fields
 
 
 @dataclass(frozen=True)
 class Traveller:
-    """A robot on the way.
+    """A robot on its way.
 
     Attributes:
         at, to: its position and its goal, m.
         radius: of its disk, m.
-        among: obstacles on its way.
-        leaves: obstacles that it leaves at its goal: the part that it puts down.
+        among: obstacles.
+        leaves: obstacles that it will leave at its goal: the part that it puts down.
     """
 
     at: Vector
@@ -56,7 +56,7 @@ class Traffic:
         self._fields: dict[tuple[Vector, float, tuple[Shape, ...]], tuple[Cells, Reals]] = {}
 
     def aim(self, me: Traveller, first: Sequence[Traveller]) -> Vector:
-        """The next waypoint, m: along the own path, off the paths of robots that precede.
+        """The next waypoint, m: along the own path, off the paths of preceding robots.
 
         Args:
             first: robots that precede this one.
@@ -96,8 +96,7 @@ class Traffic:
     def _aside(
         self, me: Traveller, first: Sequence[Traveller], ways: Sequence[Sequence[Vector]]
     ) -> Vector | None:
-        """A waypoint off the paths of others, m: one that their parts do not enclose once put down, if there
-        is one; None if there is no place off their paths."""
+        """A waypoint off the others' paths, m, if possible one that their parts will not enclose."""
         free = self._grid.clear(me.among, me.radius)
         wanted = free.copy()
         for each, way in zip(first, ways, strict=True):
@@ -146,10 +145,10 @@ class Traffic:
 
 
 class Perception:
-    """One tick.
+    """Parts and peers in one tick.
 
     Args:
-        scenario: the run, with the radii of robots that carry nothing.
+        scenario: the run, with the radii of robots without a part.
         peers: newest States of peers.
         standing: roster entries of static disks.
 
@@ -189,11 +188,11 @@ class Perception:
         )
 
     def home(self, robot: int) -> Vector | None:
-        """Where a robot of the scenario rests, m."""
+        """Goal of a robot of the scenario, m."""
         return next((each.goal for each in self._scenario.robots if each.id == robot), None)
 
     def heeding(self, robots: Collection[int]) -> Perception:
-        """The same, with the claims and carried parts of these robots only."""
+        """The perception with the claims and carried parts of these robots only."""
         found = copy(self)
         found.claims = [(robot, claim) for robot, claim in self.claims if robot in robots]
         found.layout = replace(self.layout, promised=found._promised(robots))
@@ -255,7 +254,7 @@ class Perception:
         return {part: known[obstacle] for part, obstacle in self.obstacles.items() if obstacle in known}
 
     def is_at(self, part: int, goal: Vector) -> bool:
-        """Whether a part stands at a place, m."""
+        """Whether a part is at a place, m."""
         return (
             part in self.obstacles
             and part in self.layout.parts

@@ -1,9 +1,9 @@
-"""Which parts can be brought to their goals, in which order, and from where one is taken up and put down.
+"""Planning of parts: which can be brought to their goals, in which order, and from where each is handled.
 
-A part is fetched by a robot's disk that reaches a place beside it, and carried by the larger disk of both;
-it is put down from beside its goal. Obstacles and other parts block both disks; robots do not: they give way.
-Of a robot's position only the set of cells that it can reach matters: the search visits every order, and
-every such set, once.
+A robot fetches a part if its disk can reach a place beside it, carries it as the larger disk of both, and
+puts it down from beside its goal. Obstacles and other parts block both disks; robots do not, since they give
+way. Only the set of cells that a robot can reach matters: the search visits every order, and every such set,
+once.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from protocol.scenario.model import CELLS, Scenario
 _Regions = tuple[int, ...]  # cells that each robot can reach, ascending
 _State = tuple[tuple[tuple[int, Vector], ...], tuple[object, ...], _Regions]
 
-MOST: Final = 2000  # deliveries that one search tries
-_KEPT: Final = 20_000  # states with an outcome that is kept
+MOST: Final = 2000  # deliveries tried by one search
+_KEPT: Final = 20_000  # cached outcomes
 
 
 class PartOrders:
@@ -35,12 +35,11 @@ class PartOrders:
         self._known: dict[_State, bool] = {}
 
     def exists(self, layout: Layout, robots: Sequence[Vector]) -> bool:
-        """Whether robots at these positions (m) could bring all parts to their goals, except parts with a
-        goal that an obstacle covers."""
+        """Whether robots at these positions (m) can bring every part to its goal, unless that is covered."""
         return self._found(layout, self._regions(layout, robots))
 
     def leads_on(self, part: int, layout: Layout, robot: Vector, others: Sequence[Vector]) -> bool:
-        """Whether such an order exists in which this robot brings this part first."""
+        """Whether such an order exists that starts with this part and robot."""
         after = layout.moved(part, self._goal(part))
         (own,), rest = self._regions(layout, [robot]), self._regions(after, others)
         outcomes = self._outcomes(part, layout, own)
@@ -61,7 +60,7 @@ class PartOrders:
         return tuple(sorted(self._reach.spread(free, [robot]) for robot in robots))
 
     def _found(self, layout: Layout, regions: _Regions) -> bool:
-        """The outcome of one search, kept; a search that reached `MOST` counts as no order."""
+        """Outcome of one search, cached; a search that reaches `MOST` finds no order."""
         found = self._search(layout, regions, [MOST])
         self._known[self._state(layout, regions)] = found
         return found
@@ -130,14 +129,14 @@ class PartOrders:
         return self._places.parts[part].goal
 
 
-_OTHER: Final = 7  # places on from one attempt to the next
-_TRIES: Final = 60  # spare places that are looked at
-_ORDERS: Final = 12  # of them, after which an order is searched
+_OTHER: Final = 7  # places skipped from one attempt to the next
+_TRIES: Final = 60  # spare places considered
+_ORDERS: Final = 12  # spare places for which an order is searched
 
 
 @dataclass(frozen=True)
 class Errand:
-    """To fetch a part.
+    """A part to fetch.
 
     Attributes:
         fetch: place of the robot to take it up, m.
@@ -153,8 +152,8 @@ class Planner:
     """Plans for robots of one radius.
 
     Args:
-        scenario: with the radii of robots that carry nothing.
-        radius: of a robot that carries nothing, m.
+        scenario: with the radii of robots without a part.
+        radius: of a robot without a part, m.
 
     Attributes:
         grid: of the room.
@@ -195,9 +194,9 @@ class Planner:
     def delivery(
         self, part: int, target: Vector, position: Vector, layout: Layout, attempt: int = 0
     ) -> Vector | None:
-        """The place from which the carrier puts a part down at `target`, m; None if there is no path. The
-        nearest at the first attempt, others at later ones; one after which all parts can be delivered, if
-        there is any."""
+        """Place from which the carrier puts a part down at `target`, m; None if there is no path. The nearest
+        at the first attempt, others at later ones; if possible one after which all parts can be delivered.
+        """
         places = self._places.to_put(part, target, layout)
         found = self._by_way(places, self._far(position, layout, part))
         after = layout.moved(part, target)
@@ -212,8 +211,7 @@ class Planner:
         return max(reached, key=lambda cell: (math.dist(cell, goal), cell), default=None)
 
     def destination(self, part: int, position: Vector, layout: Layout) -> Vector:
-        """The target of a part that is carried, m: its goal, unless there is no path, or an order exists only
-        if it is put elsewhere first."""
+        """Target of a carried part, m: its goal; elsewhere without a path, or if an order requires it."""
         goal = self._parts[part].goal
         place = self.delivery(part, goal, position, layout)
         if place is not None and self.has_order(layout.moved(part, goal), place):
@@ -236,7 +234,7 @@ class Planner:
         return next((cell for cell, _ in self._spares(part, position, layout)), None)
 
     def clearing(self, position: Vector, layout: Layout) -> Errand | None:
-        """The errand to put aside a part that blocks the others; None if there is no such part."""
+        """The errand to move a part that blocks the others out of the way; None if there is no such part."""
         far = self._far(position, layout)
         for part in sorted(layout.parts):
             without = layout.without(part)
@@ -290,8 +288,8 @@ class Planner:
     # -- the next part, given the claims of peers
 
     def choose(self, position: Vector, perception: Perception, avoided: Collection[int]) -> Errand | None:
-        """The nearest part after which all others can be delivered, too, by any robot; if there is no order
-        for all, one that makes room; None to wait.
+        """The nearest part after which all others can be delivered by any robot; if there is no such order,
+        one that makes room; None to wait.
 
         Args:
             position: own, m.
@@ -311,7 +309,8 @@ class Planner:
 
     def fits(self, part: int, position: Vector, perception: Perception) -> bool:
         """Whether all parts can be delivered if a robot delivers this one next, in parallel with the claims:
-        each claim has a path after any one of the others, and after all of them."""
+        each claim has a path after any one of the others, and after all of them.
+        """
         if not self.leads_on(part, perception.layout, position):
             return False
         at = {peer.robot: peer.position for peer in perception.peers}

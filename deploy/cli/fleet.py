@@ -150,8 +150,8 @@ def place(
 ) -> None:
     """Place an obstacle, once the robots keep clear of its position.
 
-    Examples: disknav fleet place yard 0.1 0.05 --radius 0.02;
-    disknav fleet place yard -0.1 0.0 0.1 0.0 0.1 0.01 -0.1 0.01
+    Examples: disknav fleet place yard 0.1 0.05 --radius 0.02; disknav fleet place yard -0.1 0.0 0.1 0.0 0.1
+    0.01 -0.1 0.01
 
     Exit status: 0 it is in place, 1 refused, 2 invalid, 3 no answer, or a robot does not make room.
     """

@@ -203,8 +203,7 @@ def study(
     Every finished run is kept in FILE.runs.jsonl beside the --json FILE; the same command goes on from
     there after Ctrl-C or a crash, unless the code or the settings have changed.
 
-    Examples: disknav study tightness --json tightness.json;
-    disknav study tuning --runs 5 --transport local;
+    Examples: disknav study tightness --json tightness.json; disknav study tuning --runs 5 --transport local;
     disknav study peers --law courtesy.py:Courtesy --only "swap 10"
 
     With [b]--shard I/N[/b] N machines share a study. Concatenate the FILE.runs.jsonl of all shards into one:

@@ -57,8 +57,8 @@ def monitor(
     """Watch a running fleet: a table in the terminal, a live page with [b]--web[/b], a scene in Foxglove with
     [b]--foxglove[/b]. Ctrl-C ends it.
 
-    It never slows down the fleet: messages that it cannot keep up with are dropped.
-    It may start before the run. The table ends with the run; page, scene and metrics stay until Ctrl-C.
+    It never slows down the fleet: messages that it cannot keep up with are dropped. It may start before the
+    run. The table ends with the run; page, scene and metrics stay until Ctrl-C.
 
     Example: disknav monitor demo --router tcp/10.0.0.1:7447 --web
 

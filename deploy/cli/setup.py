@@ -57,8 +57,8 @@ def keys(
     With [b]--hosts[/b] each host's router has its own, valid for the robots of that host only.
 
     With [b]--secure DIR[/b] other commands use them: every link is TLS with certificates at both ends, and
-    the router lets each robot write under its own id only. A host needs ca.pem, roster.json and
-    the two files of each role that runs there.
+    the router lets each robot write under its own id only. A host needs ca.pem, roster.json and the two files
+    of each role that runs there.
 
     Example: disknav setup keys keys --scenario figure-1 --host 10.0.0.1 && disknav run figure-1 --secure keys
     """

@@ -1,8 +1,7 @@
 """Import of benchmark scenarios: db-CBS (YAML), LSC-DR (JSON), MovingAI (scen and map), SMGLib (XML).
 
 The description of a scenario lists what could not be converted. A robot becomes the smallest known disk
-around
-its shape, with the speed limit of its kind.
+around its shape, with the speed limit of its kind.
 """
 
 from __future__ import annotations

@@ -2,8 +2,7 @@
 
 The paper gives no numbers for figures 1 and 2; these reproduce what they show. For figure 3 it gives the
 tightness of the goal sets only. The goals here are from a seeded random search for that tightness: of all
-sets
-within 0.005 of it, the one with the largest clearance between goals and to the boundary.
+sets within 0.005 of it, the one with the largest clearance between goals and to the boundary.
 """
 
 from __future__ import annotations
@@ -50,8 +49,7 @@ def figure_2(seed: int = 0) -> Scenario:
     """Goals 5 mm apart, each robot on the far side of its own, so that they block each other.
 
     Violates Assumption 1, so the theory does not apply. With this k the blocked configuration is a saddle,
-    which
-    the flow leaves by circling; below k = 3 some starts stay blocked.
+    which the flow leaves by circling; below k = 3 some starts stay blocked.
     """
     goals = [(0.0, 0.049), (-0.0425, -0.0245), (0.0425, -0.0245)]
     starts = [(0.01, -0.22), (0.19, 0.11), (-0.19, 0.12)]
@@ -187,8 +185,7 @@ def random_instance(
     count: int, seed: int, *, density: float = PAPER_DENSITY, unequal: float = 0.0, name: str | None = None
 ) -> Scenario:
     """Random starts and goals of `count` robots. The size of the workspace follows from `density`; the time
-    limit
-    is three times the time of the way across, or the default if that is longer.
+    limit is three times the time of the way across, or the default if that is longer.
 
     Args:
         density: area of all disks over that of the workspace, at most `LARGEST_DENSITY`.
@@ -233,9 +230,7 @@ def _room(radii: Sequence[float]) -> float:
 
 
 def _thrown(random: np.random.Generator, radii: Array, workspace: float) -> Array:
-    """Uniform random centres, large disks first; one that overlaps others is drawn again, at most `_DARTS`
-    times.
-    """
+    """Uniform random centres, large disks first, each with at most `_DARTS` draws until it is free."""
     points = np.zeros((len(radii), 2))
     placed: list[int] = []
     for i in np.argsort(-radii, kind="stable"):

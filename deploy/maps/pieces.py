@@ -2,8 +2,7 @@
 
 Every piece is the convex hull of cells, so pieces cover all cells they are made of. A piece is accepted if it
 overlaps no cell farther than the error from all solid ones; then every point of an obstacle is within the
-error
-of a solid cell. Sets of cells whose hull is not accepted are split, and neighbours are joined again if
+error of a solid cell. Sets of cells whose hull is not accepted are split, and neighbours are joined again if
 accepted. Solid cells are those that no robot can enter; only solid cells that touch free ones are covered,
 since robots cannot reach the others.
 """
@@ -32,8 +31,7 @@ _Point = TypeVar("_Point", _Corner, Point)
 
 class PlanOfPieces(NamedTuple):
     """A map for robots: the rectangle around the free space they fit into (corners, m), the convex obstacles
-    in it
-    (corners, m), and the cells of that free space.
+    in it (corners, m), and the cells of that free space.
     """
 
     workspace: tuple[Point, ...]

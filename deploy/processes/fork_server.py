@@ -98,9 +98,7 @@ def run_forked(
 
 
 def end_with_pipe(lifeline: int) -> None:
-    """Kill this process from a thread when the other end of a pipe is closed. Portable, but a stopped process
-    survives.
-    """
+    """Kill this process from a thread at the end of a pipe. Portable, but not while it is stopped."""
 
     def watch() -> None:
         os.read(lifeline, 1)

@@ -78,8 +78,8 @@ def listening(connection: Connection) -> tuple[ZenohBus, Endpoint]:
 def reserved(endpoint: Endpoint) -> Iterator[None]:
     """Keep an endpoint's port free for its router while that restarts.
 
-    A bound UDP socket, which no router uses, marks the port for other processes of this software.
-    Raises OSError if another process has reserved it.
+    A bound UDP socket, which no router uses, marks the port for other processes of this software. Raises
+    OSError if another process has reserved it.
     """
     address = endpoint.address
     assert address is not None, "only routers on a network have ports"

@@ -42,9 +42,8 @@ def core_of(turn: int, robots: int) -> int | None:
     """Processor core for a robot's process; None to leave the choice to the system.
 
     The threads of a robot, and robots that wait for each other, run in turn. The system would move them to
-    whichever core is idle, away from their cached data; on two busy cores, pinning saves 15 % of a tick
-    with 16
-    or 32 robots.
+    whichever core is idle, away from their cached data; on two busy cores, pinning saves 15 % of a tick with
+    16 or 32 robots.
 
     Args:
         turn: index of the robot in the fleet.

@@ -102,9 +102,7 @@ class ProcessLife:
     max_rss_mb: float = 0.0
 
     def hear(self, text: str) -> None:
-        """Keep a report of a reporting process. Only the newest unread reports are kept, since a host that an
-        attacker controls may never stop.
-        """
+        """Keep the newest unread reports of a process; a hostile host may never stop sending."""
         if not self.process.reports:
             return
         self.up = True

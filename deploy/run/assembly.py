@@ -201,9 +201,7 @@ class Assembly:
         return table.robot(connection, options.run, robot, options.restarts, core)
 
     def start_newcomer(self, robot: int) -> None:
-        """Start the process of an added robot on this host; if that fails, log that it must be started by
-        hand.
-        """
+        """Start the process of an added robot; if that fails, log that it must be started by hand."""
         name = table.robot_name(robot)
         if name in self.supervisor.names:
             self.supervisor.restart(name)

@@ -110,9 +110,8 @@ def execute(
         tell: called with the result as soon as the fleet is down, before plotting.
 
     Raises:
-        UsageError: the options do not fit together, an optional library is missing, or an output file
-            cannot be
-            written.
+        UsageError: the options do not fit together, an optional library is missing, or an output file cannot
+            be written.
         ProcessError, BusError: the fleet could not be started.
     """
     _check(extras)

@@ -103,9 +103,8 @@ class Fleet:
     def execute(self, enough: Callable[[], bool] = lambda: False) -> Report:
         """Watch the run until its report arrives, or `enough` returns true.
 
-        Signals and lost processes also end the run; its report then gives the reason and the world's
-        measures so
-        far. After a second signal the world is not waited for.
+        Signals and lost processes also end the run; its report then gives the reason and the world's measures
+        so far. After a second signal the world is not waited for.
         """
         verdict, reason = self._ending(enough)
         if verdict:
@@ -139,9 +138,7 @@ class Fleet:
         return self._supervisor.pids()
 
     def processes(self) -> list[dict[str, Any]]:
-        """Wait for the processes to exit, stop the rest except the recorder, and return the resources of
-        each.
-        """
+        """Wait for the processes, stop the rest except the recorder, and return the resources of each."""
         deadline = time.monotonic() + self._leaving
         while not all(map(table.outlasts, self._supervisor.running())) and time.monotonic() < deadline:
             self._supervisor.poll(_POLL)
@@ -154,9 +151,7 @@ class Fleet:
         return [] if self._assembly.result is None else self._supervisor.heard(table.RECORDER)
 
     def record(self, result: Mapping[str, Any]) -> None:
-        """Finish the recording, if there is one, with the result; raises RecordingError if the recorder
-        failed.
-        """
+        """Finish the recording, if any, with the result; raises RecordingError if the recorder failed."""
         if self._assembly.result is None:
             return
         self._assembly.result.write_text(json.dumps(result), encoding="utf-8")
@@ -178,8 +173,7 @@ class Fleet:
 
     def _poll(self) -> list[Exit]:
         """Ended processes. The world reports over its pipe here: a published result may be lost, or arrive
-        after its
-        end. A restarted world may report again.
+        after its end. A restarted world may report again.
         """
         exits = self._supervisor.poll()
         for text in self._supervisor.heard(table.WORLD):

@@ -76,11 +76,9 @@ class Launcher:
     def due(self, clock: Clock) -> list[ProcessFault]:
         """Faults to carry out now, in the order of their times; each is returned once.
 
-        None before the first tick is open, so all robots take part in it. A fault of a robot that is
-        absent is
-        skipped, by the world and here alike: it must not hit the process of a later robot of that id. Lost
-        Clocks
-        are made up for by later ones.
+        None before the first tick is open, so all robots take part in it. A fault of a robot that is absent
+        is skipped, by the world and here alike: it must not hit the process of a later robot of that id. Lost
+        Clocks are made up for by later ones.
         """
         faults = []
         until = clock.tick - 1 if clock.verdict else clock.tick  # last open tick

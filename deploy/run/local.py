@@ -41,8 +41,7 @@ _GROWTH: Final = 1.25  # growth of all objects before a full collection, as in P
 @contextmanager
 def seldom_collecting() -> Iterator[None]:
     """Collect garbage rarely inside, and no objects from before; with 1000 robots that saves a quarter of a
-    tick.
-    Threads may be inside together; the last to leave restores the collector's settings.
+    tick. Threads may be inside together; the last to leave restores the collector's settings.
     """
     _COLLECTOR.enter()
     try:
@@ -53,8 +52,7 @@ def seldom_collecting() -> Iterator[None]:
 
 class _Collector:
     """Garbage collection during runs. Existing objects are frozen, since examining all of them takes as long
-    as a
-    short run; all are collected once their number has grown by a quarter.
+    as a short run; all are collected once their number has grown by a quarter.
     """
 
     def __init__(self) -> None:

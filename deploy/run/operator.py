@@ -47,8 +47,7 @@ class Operator:
         """Request an operation, or (None) the state alone.
 
         If several worlds answer, their replies are combined: a refusal if one refuses, the newest tick,
-        halted if
-        all are, and all robots that move.
+        halted if all are, and all robots that move.
 
         Raises BusError without an answer, MessageError if the answer is of another version.
         """

@@ -94,9 +94,7 @@ def exit_status(result: Mapping[str, Any]) -> int:
 
 
 def kept_status(result: Mapping[str, Any]) -> int:
-    """Exit status of a fleet without end: 1 after a collision, 3 if it ended by itself; a signal's has
-    priority.
-    """
+    """Exit status of a fleet without end: a signal's, 1 after a collision, 3 if it ended by itself."""
     return EXIT_OTHERWISE if result["collisions"] else EXIT_FAULT
 
 

@@ -64,9 +64,8 @@ class Authority:
     def issue(self, role: str, *, hosts: Sequence[str] = ()) -> KeyPair:
         """A certificate with common name `role`.
 
-        Only a certificate with `hosts` (names or addresses) is valid for a listener, so no robot can pose
-        as a
-        router.
+        Only a certificate with `hosts` (names or addresses) is valid for a listener, so no robot can pose as
+        a router.
         """
         key = ec.generate_private_key(ec.SECP256R1())
         purposes = [ExtendedKeyUsageOID.CLIENT_AUTH]
@@ -156,9 +155,8 @@ def create(
         force: replace an existing directory; its certificates are not valid with the new authority.
 
     Raises:
-        UsageError: the directory exists and `force` is not set, or is not a directory of keys; or `days`
-            is not
-            positive.
+        UsageError: the directory exists and `force` is not set, or is not a directory of keys; or `days` is
+            not positive.
     """
     if not 0.0 < days <= _LONGEST:
         raise UsageError(f"{days:g} days of validity: must be above 0 and at most {_LONGEST:g}")
@@ -238,9 +236,7 @@ def _check_validity(certificate: x509.Certificate, path: str) -> None:
 
 
 def end_of(authority: str) -> datetime.datetime:
-    """End of the validity of an authority, and so of all its certificates; raises CertificateError if
-    unreadable.
-    """
+    """End of validity of an authority and its certificates; raises CertificateError if unreadable."""
     return _read(authority).not_valid_after_utc
 
 

@@ -188,8 +188,7 @@ def _world(run: str) -> Iterator[Rule]:
 
 def _watcher(run: str, role: str, questions: Sequence[str]) -> Iterator[Rule]:
     """A monitor receives all and writes nothing; it may query the scenario and use the controls. An operator
-    may
-    also set goals, and add and remove robots and obstacles.
+    may also set goals, and add and remove robots and obstacles.
     """
     yield _rule(role, "subscribe", _SUBSCRIBE, [everything(run)])
     yield _rule(role, "ask", _ASK, [*(_key(run, name) for name in questions), _ADMIN])

@@ -55,9 +55,8 @@ def grid() -> Iterator[LinkConditions]:
 def robustness(runs: int = 10, seed: int = 0, conditions: Sequence[LinkConditions] | None = None) -> Study:
     """Effect of delay, loss, noise and period, with separating lines and without a filter.
 
-    Every point has the same `runs` random starts. Delay and loss are crossed; noise and period are varied
-    one by
-    one with 100 ms delay and 10 % loss.
+    Every point has the same `runs` random starts. Delay and loss are crossed; noise and period are varied one
+    by one with 100 ms delay and 10 % loss.
     """
     cells = [
         Cell({"filter": filter_, **asdict(point)}, partial(faulty, point, filter_), range(seed, seed + runs))
@@ -115,8 +114,7 @@ def delay(runs: int = 20, seed: int = 0, delays: Sequence[float] = (0.0, 0.1, 0.
     """`runs` starts of both scenarios at both paces; the same starts at each of `delays`, s.
 
     Every run is compared with that of the same start and pace without delay. The delay is one way and the
-    same
-    for all States; there are no other faults.
+    same for all States; there are no other faults.
     """
     cells = [
         Cell(

@@ -157,8 +157,7 @@ def error(values: Sequence[float]) -> float | None:
 
 def figures(results: Sequence[Result]) -> dict[str, Any]:
     """Statistics of every row: numbers of runs, of those with collisions and of those that arrived; nrl and
-    time
-    (s) of the latter, with deviations and standard errors; smallest clearance (m) of all runs.
+    time (s) of the latter, with deviations and standard errors; smallest clearance (m) of all runs.
     """
     came = arrived(results)
     nrl, time = [result["nrl"] for result in came], [result["sim_time"] for result in came]

@@ -187,9 +187,7 @@ DRAWN = frozenset((Truth, Health, GoalStatus, Clock, Tick))
 
 
 def measures(truth: Truth) -> Json:
-    """Measures of a run: smallest gap in the last tick, m, navigation function, and log10(gamma /
-    beta^(1/k)).
-    """
+    """Smallest gap in the last tick, m, navigation function, and log10(gamma / beta^(1/k))."""
     return {"clearance": truth.clearance, "phi": truth.phi, "log_potential": truth.log_potential}
 
 

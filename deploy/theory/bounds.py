@@ -3,36 +3,31 @@
 Both assumptions are sufficient and, by the paper's own word, very conservative: its simulations do not check
 them. Up to 12 robots every cluster is evaluated, beyond that one bounding row per cluster size.
 
-Stretch of a cluster, Lambda' and Lambda'' of equations (7) and (8):
-In a cluster, neighbours i, j are at most a_ij = sqrt(rho_ij^2 + eps) apart, and by Minkowski
-a_ij <= s_i + s_j with s_i = sqrt(rho_i^2 + eps/4), with equality for equal radii. So two members h hops
-apart are at most U_h apart, where U_h is s_i + s_j + 2 (h - 1 others), with the largest members, and at most
-what the workspace allows. Removing a leaf of a spanning tree shows that a cluster of n has at most
-(n - h)(n - h + 1) / 2 pairs that are h or more hops apart, and that at most n - h members are that far from a
-given one. As ||v||^2 = (1/n) sum of delta_ij^2, both objectives increase with every distance, so replacing
-the
-pairs h hops apart by U_h bounds both. A straight chain attains all these inequalities when the radii are
-equal
-and it fits into the workspace: then the value is exact.
+Stretch of a cluster, Lambda' and Lambda'' of equations (7) and (8): In a cluster, neighbours i, j are at most
+a_ij = sqrt(rho_ij^2 + eps) apart, and by Minkowski a_ij <= s_i + s_j with s_i = sqrt(rho_i^2 + eps/4), with
+equality for equal radii. So two members h hops apart are at most U_h apart, where U_h is s_i + s_j + 2 (h - 1
+others), with the largest members, and at most what the workspace allows. Removing a leaf of a spanning tree
+shows that a cluster of n has at most (n - h)(n - h + 1) / 2 pairs that are h or more hops apart, and that at
+most n - h members are that far from a given one. As ||v||^2 = (1/n) sum of delta_ij^2, both objectives
+increase with every distance, so replacing the pairs h hops apart by U_h bounds both. A straight chain attains
+all these inequalities when the radii are equal and it fits into the workspace: then the value is exact.
 
 The bounds are K1 (C.5, E.16), K2 (C.4, E.15), K3 (C.3), N1 and N2 (D.2), each a maximum over configurations.
-The results are proven upper bounds of these, from gamma <= sum (|g_i| + |b_i|)^2 and the stretch of
-clusters; K1
-also has a lower end. They are for one eps, or for the eps with the smallest K.
+The results are proven upper bounds of these, from gamma <= sum (|g_i| + |b_i|)^2 and the stretch of clusters;
+K1 also has a lower end. They are for one eps, or for the eps with the smallest K.
 
 Two formulas of the report do not do what they claim, and are replaced:
 
 K22 = max (sigma2 + sigma3) gamma / sigma1: sigma1 depends on k, and k > K21 only makes it positive, not
-bounded away from zero, so the maximum is infinite. The proof of Lemma E.15 gives
-sigma1 >= A (1 - K21/k), A = rho' / (2|Pz| - 2) times the margin of Assumption 1; then
-k > K21 + (sigma2 + sigma3) gamma / A suffices, and K2 here is that sum.
+bounded away from zero, so the maximum is infinite. The proof of Lemma E.15 gives sigma1 >= A (1 - K21/k), A =
+rho' / (2|Pz| - 2) times the margin of Assumption 1; then k > K21 + (sigma2 + sigma3) gamma / A suffices, and
+K2 here is that sum.
 
 N2 = max -v^T A v / |H^T v|^2 over F1(eps) equals max gamma lambda_max(L1 L1^T - L0 L0^T), which is infinite
 since beta_ij may vanish. It cannot be saved: k > N2 would make every critical point in F1(eps) a minimum,
 against Proposition C.4. So non-degeneracy is not proven by this route. Convergence from almost every start
-does
-not need it: by C.4 every other critical point has a direction of negative curvature, and the set attracted by
-such strict saddles has measure zero, degenerate or not.
+does not need it: by C.4 every other critical point has a direction of negative curvature, and the set
+attracted by such strict saddles has measure zero, degenerate or not.
 """
 
 from __future__ import annotations
@@ -110,9 +105,8 @@ def _bounds(problem: FleetProblem) -> Family:
 class Stretch:
     """Lambda' and Lambda'' of each cluster of a family, and the largest ||v||^2 and distance.
 
-    All (S,); lengths in m, `circulation` in m^2. `exact`: the values are attained by a straight chain
-    (with room
-    for the other robots beside it); otherwise they are proven upper bounds.
+    All (S,); lengths in m, `circulation` in m^2. `exact`: the values are attained by a straight chain (with
+    room for the other robots beside it); otherwise they are proven upper bounds.
     """
 
     first: Array
@@ -183,8 +177,8 @@ class Margins:
 
     first: Assumption 1, sum of |g_ij| - Lambda'. second: Assumption 2. sides: sqrt(rho''^2 - eps) minus the
     longest distance in the cluster; the proof of Proposition C.3 replaces the weights 1 + alpha_0n by 1,
-    which needs every single term |b_z'| - delta_nz' to be non-negative, not only their sum.
-    Assumption 1 concerns two or more robots; Proposition C.3 also needs Assumption 2 for single ones.
+    which needs every single term |b_z'| - delta_nz' to be non-negative, not only their sum. Assumption 1
+    concerns two or more robots; Proposition C.3 also needs Assumption 2 for single ones.
     """
 
     clusters: Family

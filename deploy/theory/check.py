@@ -190,9 +190,8 @@ def _orientation(b: Array, triple: tuple[int, int, int]) -> float:
 def mirrored_triples(problem: FleetProblem, start: Array) -> list[tuple[int, int, int]]:
     """Triples of robots (indices, from 0) whose goals are unreachable from `start` for any controller.
 
-    To change their orientation three centres must be collinear at some time; the disks then take
-    2 (rho_i + rho_j + rho_k) of one chord, which is at most 2 rho_0. So with rho_i + rho_j + rho_k > rho_0
-    the
+    To change their orientation three centres must be collinear at some time; the disks then take 2 (rho_i +
+    rho_j + rho_k) of one chord, which is at most 2 rho_0. So with rho_i + rho_j + rho_k > rho_0 the
     orientation of the triple never changes. The condition is sufficient for unreachability, not necessary.
     """
     return sorted(

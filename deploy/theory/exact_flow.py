@@ -1,10 +1,8 @@
 """The paper's continuous flow b' = -D of all robots, integrated to a tolerance, and its equilibria.
 
 The common factor of grad phi only changes the timing. The repulsive layer is stiff, hence SciPy's implicit
-BDF
-method. Equilibria are found by nonlinear least squares on D = 0 and classified by the Hessian. Each is
-real (its
-residual is checked), but some may be missed.
+BDF method. Equilibria are found by nonlinear least squares on D = 0 and classified by the Hessian. Each is
+real (its residual is checked), but some may be missed.
 """
 
 from __future__ import annotations
@@ -73,9 +71,8 @@ def integrate(
 ) -> FlowResult:
     """Follow the flow from `start` (p, 2) until every robot is within `tolerance` (m) of its goal.
 
-    tolerance: by default a hundredth of the smallest radius; accuracy: local error per step, relative and
-    in units
-    of the smallest radius. Ends without arrival at another equilibrium or after `max_steps`.
+    tolerance: by default a hundredth of the smallest radius; accuracy: local error per step, relative and in
+    units of the smallest radius. Ends without arrival at another equilibrium or after `max_steps`.
     """
     unit = float(problem.radii.min())
     near = 0.01 * unit if tolerance is None else tolerance
@@ -183,8 +180,7 @@ def swapped_pairs(problem: FleetProblem) -> list[Array]:
     """Starts close to the saddles in which two robots block each other and the others are at their goals.
 
     The two are on the line through their goals in reversed order, at the distance where repulsion and
-    attraction
-    balance; only starts in the interior of free space.
+    attraction balance; only starts in the interior of free space.
     """
     starts = []
     for i, j in combinations(range(problem.p), 2):

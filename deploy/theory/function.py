@@ -1,8 +1,7 @@
 """The navigation function phi, its reduced gradient D, and their derivatives.
 
-Karagoz, Bozma, Koditschek, equations (1)-(5), (9). gamma^k and beta differ by hundreds of orders of
-magnitude and
-exceed the range of a double, so neither is computed: D = grad phi / c needs only the derivatives of their
+Karagoz, Bozma, Koditschek, equations (1)-(5), (9). gamma^k and beta differ by hundreds of orders of magnitude
+and exceed the range of a double, so neither is computed: D = grad phi / c needs only the derivatives of their
 logarithms.
 
 Outside free space phi is undefined and D is nan. A negative beta is never clamped, since that would hide a

@@ -4,15 +4,11 @@ paths.
 docs/theory/auto-k.md derives the rule.
 
 The two corners of a gap of width w repel a robot of radius rho. On the middle line, at distance y from the
-gap,
-beta of each is y^2 + e^2 with e^2 = (w/2)^2 - rho^2; together they push with (gamma/k) 4 y / (y^2 + e^2),
-at most
-2 gamma / (k e). The attraction is 2 a, with a the length of the remaining path. So the robot passes if
-k > gamma / (a e). If all robots that are not at their goals are held back, gamma is at most p a^2 for the
-one with
-the longest remaining path: it passes if k > p a / e. For a disk of radius r, e^2 = (r + w/2)^2 - (r +
-rho)^2; a
-straight wall only pushes sideways.
+gap, beta of each is y^2 + e^2 with e^2 = (w/2)^2 - rho^2; together they push with (gamma/k) 4 y / (y^2 +
+e^2), at most 2 gamma / (k e). The attraction is 2 a, with a the length of the remaining path. So the robot
+passes if k > gamma / (a e). If all robots that are not at their goals are held back, gamma is at most p a^2
+for the one with the longest remaining path: it passes if k > p a / e. For a disk of radius r, e^2 = (r +
+w/2)^2 - (r + rho)^2; a straight wall only pushes sideways.
 """
 
 from __future__ import annotations
@@ -125,10 +121,8 @@ def automatic_k(radii: Array, workspace: float) -> float:
     """A gain k with which p robots of these radii (m) arrive in a workspace of this radius (m).
 
     60 max(1, (p / 6)^2, (density / 0.15)^2). gamma is a sum over robots, so the repulsive layer gamma / k
-    must
-    become thinner with their number; in a crowded workspace narrow gaps must be open. The bounds of
-    Theorem 1 are
-    not used: they may not exist, and are many orders of magnitude larger.
+    must become thinner with their number; in a crowded workspace narrow gaps must be open. The bounds of
+    Theorem 1 are not used: they may not exist, and are many orders of magnitude larger.
     """
     crowd = max(1.0, len(radii) / PAPER_ROBOTS, density(radii, workspace) / SPARSE)
     return PAPER_K * crowd**2

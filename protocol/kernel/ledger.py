@@ -113,8 +113,7 @@ class Ledger(Generic[R, L]):
 
     def tied(self, disk: DiskRecord[R], other: DiskRecord[R]) -> bool:
         """Whether a binding is in force that the disk's present life obeys, or adopts before its next region,
-        and that the
-        other disk obeys, too, unless it is static.
+        and that the other disk obeys, too, unless it is static.
         """
         pair = self.pairs[disk.name].get(other.name)
         if pair is None:
@@ -162,9 +161,7 @@ class Ledger(Generic[R, L]):
     # -- bindings
 
     def introduce(self, one: DiskRecord[R], other: DiskRecord[R], line: L) -> None:
-        """Bind two disks by a line with all regions of `one` on its low side, those of `other` on its high
-        side.
-        """
+        """Bind two disks by a line: regions of `one` on its low side, of `other` on its high side."""
         require(one.name < other.name, "introduce: the low end comes first")
         require(one.phase != GONE, "introduce: the one is there")
         require(other.phase != GONE, "introduce: the other is there")
@@ -204,8 +201,7 @@ class Ledger(Generic[R, L]):
 
     def answer(self, binding: Binding[L], line: L) -> None:
         """Record by a Command that a life obeys the first line of a binding for which it was asked. No other
-        life knows
-        that line yet.
+        life knows that line yet.
         """
         require(binding.told == NO, "answer: it is news")
         self.version += 1

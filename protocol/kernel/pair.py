@@ -44,8 +44,7 @@ class Owner(Generic[L]):
 
     def on_answer(self, held: int, seen: int) -> None:
         """Accept an answer: the follower has adopted `held` last, and answered all up to `seen`. The owner
-        then obeys
-        that line and the proposals after `seen`. Only an answer with a higher `seen` is accepted.
+        then obeys that line and the proposals after `seen`. Only an answer with a higher `seen` is accepted.
         """
         require(seen > self.seen, "read answer: it has seen more than any before")
         require(seen <= self.number, "read answer: it has seen what was proposed")

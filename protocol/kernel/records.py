@@ -1,12 +1,9 @@
 """Data types of the kernel.
 
 Every change of the ledger has a number, its version, which also names the life, region or binding that it
-makes;
-no number is used twice. A **region** is a set of points that contains a whole disk; the place of a static
-disk is
-one, too. A **line** divides the plane; the lower id of a binding stays on its low side, the higher id on
-its high
-side. A **body** is all that a robot may cover, now and until no command has any effect.
+makes; no number is used twice. A **region** is a set of points that contains a whole disk; the place of a
+static disk is one, too. A **line** divides the plane; the lower id of a binding stays on its low side, the
+higher id on its high side. A **body** is all that a robot may cover, now and until no command has any effect.
 """
 
 from __future__ import annotations
@@ -115,8 +112,7 @@ class Binding(Generic[L]):
     """A binding of two disks: the lines that one end obeys towards the other.
 
     It is **in force** from the version that has its first line. That needs no confirmation: the line
-    separates all
-    that both held then, and Ticks list it with every later region.
+    separates all that both held then, and Ticks list it with every later region.
 
     Attributes:
         number: version that began it.
@@ -180,8 +176,7 @@ class LedgerGeometry(Protocol[R, L_contra]):
 
     def around(self, disk: DiskRecord[R], region: R) -> Iterable[int]:
         """Names of all disks, possibly without some that are gone, or that hold only regions disjoint from
-        this one and
-        from all that the disk holds.
+        this one and from all that the disk holds.
         """
 
     def apart(self, one: Held[R], other: Held[R]) -> bool:

@@ -1,8 +1,7 @@
 """A robot's part of the kernel: the constraints that one life obeys.
 
-These are its region, and for each adopted binding the lines of the pair, or one half-plane towards the
-place of a
-static disk.
+These are its region, and for each adopted binding the lines of the pair, or one half-plane towards the place
+of a static disk.
 """
 
 from __future__ import annotations
@@ -90,8 +89,7 @@ class RobotLife(Generic[R, L, B]):
         number, region: the obeyed region; NO and None before the first.
         offered_number, offered: the newest granted region.
         body: all that it covers now and until no command has any effect, with a part that it carries or
-            reaches
-            for.
+            reaches for.
         own: the same without that part.
         part: the disk of the part that it reaches for or puts down, or NO.
         bound: its ends of bindings, by number of the binding.
@@ -160,9 +158,7 @@ class RobotLife(Generic[R, L, B]):
         self.number, self.region = self.offered_number, offered
 
     def locate(self, body: B, own: B) -> None:
-        """Replace the body by a smaller one that is known from measurements, within that of the last
-        `command`.
-        """
+        """Replace the body by a measured, smaller one within that of the last `command`."""
         self.body, self.own = body, own
 
     def command(self, body: B, own: B, part: int = NO) -> None:

@@ -117,8 +117,8 @@ _decoder = msgspec.json.Decoder(LogLine)
 class Relay:
     """Relays the standard error of one host's processes, shell and ssh to log and terminal.
 
-    Each line is labelled with the host's name, without terminal control sequences.
-    Raises UsageError if `folder` cannot be written.
+    Each line is labelled with the host's name, without terminal control sequences. Raises UsageError if
+    `folder` cannot be written.
     """
 
     def __init__(self, host: str, run: str, folder: Path | None) -> None:
@@ -187,8 +187,8 @@ def ssh_command(host: Host, there: str) -> list[str]:
 class SshSpawner(Spawner):
     """The fork server on another host. The constructor does not wait for it; `greet` does.
 
-    Text from the host is relayed to the terminal, and to its file in `logs`.
-    Raises ProcessError if this machine has no ssh; any method raises it once the host is lost.
+    Text from the host is relayed to the terminal, and to its file in `logs`. Raises ProcessError if this
+    machine has no ssh; any method raises it once the host is lost.
     """
 
     def __init__(
@@ -207,9 +207,7 @@ class SshSpawner(Spawner):
             ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, struct.pack("ll", int(_STALL), 0))
 
     def greet(self, timeout: float) -> None:
-        """Wait for the host's greeting; raises ProcessError if it does not arrive, or comes from another
-        version.
-        """
+        """Wait for the host's greeting; raises ProcessError without one, or for another version."""
         deadline = time.monotonic() + timeout
         while not self.folder:
             line = self._line(deadline)

@@ -48,9 +48,7 @@ class HostsTable:
         return next((host for host in self.hosts if host.name == self.world), self.hosts[0])
 
     def host_of(self, robot: int) -> Host:
-        """Host that runs a robot; raises UsageError if there is none, as for a robot that was added to the
-        fleet.
-        """
+        """Host that runs a robot; raises UsageError for a robot that was added to the fleet."""
         for host in self.hosts:
             if robot in host.robots:
                 return host

@@ -122,8 +122,7 @@ def _came(attempt: Attempt) -> dict[int, Result]:
 def row(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
     """The usual statistics, and:
 
-    limit: time over `least_time`.
-    reached: number of runs in which all arrived, with or without contact.
+    limit: time over `least_time`. reached: number of runs in which all arrived, with or without contact.
     step_us: CPU time per robot and tick, decoding included; None except on the in-process bus.
     """
     limit = [each["sim_time"] / each["least_time"] for each in arrived(results) if each.get("least_time")]

@@ -69,8 +69,7 @@ class Orca:
     """Optimal reciprocal collision avoidance of one robot: a `Law`.
 
     Every robot has its own simulator, fed with the States that it received, of which only its own new
-    velocity
-    is used.
+    velocity is used.
 
     Args:
         horizon: time ahead, s, in which encounters are considered.
@@ -161,8 +160,7 @@ class Barrier:
         h_0i = rho_0i^2 - |b_i|^2    of a round boundary,
         |x - q|^2 - rho_i^2          of a straight wall or an obstacle, q its nearest point.
     An obstacle that is a disk is a peer. While every h >= 0 the velocity 0 is feasible, so the nearest
-    velocity
-    is never faster than the nominal one.
+    velocity is never faster than the nominal one.
 
     Args:
         gain: 1/s.

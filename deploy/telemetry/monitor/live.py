@@ -306,10 +306,7 @@ class FleetView:
 
     @property
     def phase(self) -> str:
-        """searching, gathering, running, paused, halted by an emergency stop, ended, or lost: the world is
-        gone
-        without a verdict.
-        """
+        """searching, gathering, running, paused, halted, ended, or lost: no world and no verdict."""
         if self.scenario is None:
             return "searching"
         if self.verdict:

@@ -175,9 +175,7 @@ async def _send(socket: WebSocket, stream: FrameStream) -> None:
 
 
 async def _listen(socket: WebSocket, source: Steerable, tasks: asyncio.TaskGroup, *, may_steer: bool) -> None:
-    """Forward a viewer's requests until it leaves. Invalid requests, and those without the token, are
-    refused.
-    """
+    """Forward a viewer's valid requests with the token, and refuse others, until it leaves."""
     while True:
         await asyncio.sleep(0)  # lets other tasks run: buffered messages are read without a pause
         try:
@@ -214,8 +212,8 @@ class Server:
 
     Attributes:
         address: URL of the page, such as `http://127.0.0.1:8000`.
-        link: the same with this server's token, which permits steering. Browsers do not send the part
-            after `#`.
+        link: the same with this server's token, which permits steering. Browsers do not send the part after
+            `#`.
     """
 
     def __init__(self, server: uvicorn.Server, listener: socketlib.socket, token: str) -> None:

@@ -22,9 +22,8 @@ def check(target: Path, recordings: int = 1) -> None:
     """Check before a run that `target` can be drawn.
 
     Raises:
-        UsageError: unknown suffix, file that cannot be written, animation of several runs, or matplotlib
-            is not
-            installed.
+        UsageError: unknown suffix, file that cannot be written, animation of several runs, or matplotlib is
+            not installed.
     """
     kinds = PICTURES + ANIMATIONS
     if target.suffix not in kinds:

@@ -38,9 +38,7 @@ from protocol.scenario.network import Link as LinkFaults
 
 
 def measurement_ages(recording: RecordedRun) -> tuple[np.ndarray, np.ndarray]:
-    """Ticks, and (tick, robot) the age (s) of the newest measurement of each robot's own position; NaN if
-    none.
-    """
+    """Ticks, and (tick, robot) the age (s) of the newest own measurement; NaN if none."""
     ids, ticks = recording.scenario.ids, recording.truths.ticks
     ages = np.full((len(ticks), len(ids)), np.nan)
     row = {int(tick): index for index, tick in enumerate(ticks)}
@@ -70,9 +68,7 @@ class ReceivedStates:
         self._links = {robot: StateLink(recording.scenario, robot) for robot in self._ids}
 
     def ages(self) -> tuple[np.ndarray, np.ndarray]:
-        """Ticks, and (tick, robot) the age (s) of the oldest among the newest States of all peers; NaN if
-        none.
-        """
+        """Ticks, and (tick, robot) the age (s) of the oldest among the peers' newest States; NaN if none."""
         ticks = []
         newest: dict[int, dict[int, int]] = {robot: {} for robot in self._ids}
         rows = []

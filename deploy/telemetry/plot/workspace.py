@@ -167,9 +167,7 @@ def draw_workspace(axes: Axes, recording: RecordedRun) -> None:
 
 
 def frame(axes: Axes, recording: RecordedRun) -> list[tuple[Patch, Stay]]:
-    """Draw the empty workspace: boundary, obstacles, equal scales, axes in metres. Returns the obstacles'
-    artists.
-    """
+    """Draw boundary, obstacles, equal scales and axes (m); returns the artists of the obstacles."""
     room = recording.scenario.workspace.shape
     obstacles = draw_obstacles(axes, recording)
     axes.add_patch(patch_of(room, fill=False, edgecolor=INK, linewidth=1.2, zorder=2))

@@ -99,8 +99,7 @@ class CheckedTrajectory(NamedTuple):
 
 def trajectory(recording: RecordedRun) -> CheckedTrajectory:
     """Recompute the trajectory's digest up to the last known tick, as the result has it: from the first tick
-    of
-    the run, or of the last of several worlds.
+    of the run, or of the last of several worlds.
 
     Raises:
         RecordingError: a missing tick cannot be reconstructed: the first one, one without odometry, or one in

@@ -1,18 +1,17 @@
 """Interval arithmetic, and the boxes in (b, lambda, kappa) that are searched, with enclosures derived from
 them.
 
-With y = b - g, gamma = |y|^2, kappa = 1/k and lambda_q = kappa gamma / beta_q, the critical points of
-phi are the solutions of y_i = sum_j lambda_ij (b_i - b_j) - lambda_0i b_i. At kappa = 0 these are the
-conditions of Karush, Kuhn and Tucker of projecting g on the free space, so kappa = 0 is no exception.
+With y = b - g, gamma = |y|^2, kappa = 1/k and lambda_q = kappa gamma / beta_q, the critical points of phi are
+the solutions of y_i = sum_j lambda_ij (b_i - b_j) - lambda_0i b_i. At kappa = 0 these are the conditions of
+Karush, Kuhn and Tucker of projecting g on the free space, so kappa = 0 is no exception.
 
-Row 2i + a of a box is axis a of robot i, row 2p + q is lambda_q (pairs row by row, then walls), the
-last row is kappa; columns are lower and upper bound.
+Row 2i + a of a box is axis a of robot i, row 2p + q is lambda_q (pairs row by row, then walls), the last row
+is kappa; columns are lower and upper bound.
 
 Every bound of an interval (low, high) is moved to a representable number beyond the exact one by
-multiplication.
-That needs only IEEE 754 round-to-nearest, not a rounding mode, which compilers may ignore. A bound may be
-infinite; no operation forms inf - inf or 0 * inf from bounds that its docstring allows. Numba compiles all
-inner loops of the search (extra `certify`).
+multiplication. That needs only IEEE 754 round-to-nearest, not a rounding mode, which compilers may ignore. A
+bound may be infinite; no operation forms inf - inf or 0 * inf from bounds that its docstring allows. Numba
+compiles all inner loops of the search (extra `certify`).
 """
 
 from __future__ import annotations

@@ -1,11 +1,9 @@
 """Certificates and their JSON files: goals, and the branching that proves each range of k.
 
-`slabs` go from large k downwards: the first covers every k from its own on, each other one those from its
-own up
-to the one before. `branching` is base64 of zlib of one byte per node in preorder: 255 the box contains no
-minimum, 254 one direction descends all over it, otherwise the row that was halved. `digest` detects
-damage, not
-forgery: `deploy.theory.certify.replay` verifies the proof.
+`slabs` go from large k downwards: the first covers every k from its own on, each other one those from its own
+up to the one before. `branching` is base64 of zlib of one byte per node in preorder: 255 the box contains no
+minimum, 254 one direction descends all over it, otherwise the row that was halved. `digest` detects damage,
+not forgery: `deploy.theory.certify.replay` verifies the proof.
 """
 
 from __future__ import annotations
@@ -113,9 +111,7 @@ class Certificate:
 
     @property
     def proven(self) -> float | None:
-        """The smallest proven K, for which the goal is the only minimum for every k >= K; None if there is
-        none.
-        """
+        """The smallest K for which the goal is proven the only minimum for every k >= K, if any."""
         return self.slabs[-1].k if self.slabs else None
 
     @property

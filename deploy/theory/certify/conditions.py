@@ -3,11 +3,9 @@
 The equations are those of `deploy.theory.certify.contractors`, implemented independently from
 docs/theory/propositions.md: the two share notation and the order of rows, but no code.
 
-Ends of intervals are Arb balls; the library encloses each operation, nothing is rounded here. An interval
-(l, h)
-means every x with x >= some number of l and x <= some number of h. A comparison of balls is true only if
-it holds
-for all their numbers; each branch below is correct in either case.
+Ends of intervals are Arb balls; the library encloses each operation, nothing is rounded here. An interval (l,
+h) means every x with x >= some number of l and x <= some number of h. A comparison of balls is true only if
+it holds for all their numbers; each branch below is correct in either case.
 """
 
 from __future__ import annotations

@@ -2,14 +2,13 @@
 
 Distances: beta_q >= 0, beta_q = |d_q|^2 - rho_q^2, lambda_q beta_q = kappa gamma.
 
-Balance, for robots and sets of robots: y_i = sum_j lambda_ij d_ij - lambda_0i b_i.
-Summed over a set C of robots, forces inside C cancel, and so do their torques:
-sum_C y = sum over pairs (i in C, j not) lambda_ij d_ij - sum_C lambda_0i b_i, and
-sum_C b_i x g_i = sum over the same pairs lambda_ij b_i x b_j.
+Balance, for robots and sets of robots: y_i = sum_j lambda_ij d_ij - lambda_0i b_i. Summed over a set C of
+robots, forces inside C cancel, and so do their torques: sum_C y = sum over pairs (i in C, j not) lambda_ij
+d_ij - sum_C lambda_0i b_i, and sum_C b_i x g_i = sum over the same pairs lambda_ij b_i x b_j.
 
-Virtual work along y: sum_q lambda_q w_q = gamma and sum_q w_q / beta_q = k.
-w_q = y . grad beta_q / 2 is d_ij . y_ij for a pair and -b_i . y_i for a wall. Completing the square,
-w_ij = |d_ij - g_ij / 2|^2 - |g_ij|^2 / 4, an exact range over a box of d_ij.
+Virtual work along y: sum_q lambda_q w_q = gamma and sum_q w_q / beta_q = k. w_q = y . grad beta_q / 2 is d_ij
+. y_ij for a pair and -b_i . y_i for a wall. Completing the square, w_ij = |d_ij - g_ij / 2|^2 - |g_ij|^2 / 4,
+an exact range over a box of d_ij.
 """
 
 from __future__ import annotations

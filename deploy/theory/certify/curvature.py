@@ -1,9 +1,9 @@
 """Second-order test: if phi decreases along one direction all over a box, no critical point in it is a
 minimum.
 
-A direction v with v . grad beta_q = 0 for every stiff contact has
-v^T H v / 2 = sum_i |v_i|^2 - sum lambda_ij |v_ij|^2 + sum lambda_0i |v_i|^2 - 2 (y . v)^2 / gamma
-+ sum_q (lambda_q / beta_q) (grad beta_q . v)^2 / 2, with H = gamma kappa Hess(log phi^) at critical points.
+A direction v with v . grad beta_q = 0 for every stiff contact has v^T H v / 2 = sum_i |v_i|^2 - sum lambda_ij
+|v_ij|^2 + sum lambda_0i |v_i|^2 - 2 (y . v)^2 / gamma + sum_q (lambda_q / beta_q) (grad beta_q . v)^2 / 2,
+with H = gamma kappa Hess(log phi^) at critical points.
 
 Such directions rotate the fleet, or let one robot circle another. In general the midpoint's most negative
 eigenvector v is corrected to v - W z with interval z so that it is exactly orthogonal to grad beta_q of every

@@ -127,9 +127,7 @@ def _gradient(box: BoxConditions, q: int) -> Array:
 
 
 def _proposal(box: BoxConditions, stiff: list[int]) -> Array | None:
-    """The lowest eigenvector of the midpoint's form, with stiff contacts made stiffer; None if it is
-    positive.
-    """
+    """The lowest eigenvector of the midpoint's form with stiffer contacts; None if it is positive."""
     m, weights = np.eye(box.p), []
     for q, (i, j) in enumerate(box.factors):
         row = box.rows[box.n + q]

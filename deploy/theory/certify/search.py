@@ -1,10 +1,10 @@
 """Branch and bound, depth first: every box is emptied, certified by curvature, or halved.
 
-Interval Newton is that of Hansen and Sengupta in (b, lambda), with kappa as an interval parameter.
-Equations, with b0, lambda0 the midpoint: F_i = b_i - g_i - sum lambda_ij d_ij + lambda_0i b_i and
-F_q = lambda_q beta_q - kappa gamma. For every (b, lambda) in the box F(b, lambda) - F(b0, lambda0) =
-S (b - b0, lambda - lambda0), where the rows of S hold M(lambda0), d_q over the box, lambda0 (d + d0), beta_q
-over the box, and kappa (y + y0). That is tighter than a Jacobian over the box, and exact at contact.
+Interval Newton is that of Hansen and Sengupta in (b, lambda), with kappa as an interval parameter. Equations,
+with b0, lambda0 the midpoint: F_i = b_i - g_i - sum lambda_ij d_ij + lambda_0i b_i and F_q = lambda_q beta_q
+- kappa gamma. For every (b, lambda) in the box F(b, lambda) - F(b0, lambda0) = S (b - b0, lambda - lambda0),
+where the rows of S hold M(lambda0), d_q over the box, lambda0 (d + d0), beta_q over the box, and kappa (y +
+y0). That is tighter than a Jacobian over the box, and exact at contact.
 
 NumPy's dense linear algebra makes proposals only, never bounds.
 """

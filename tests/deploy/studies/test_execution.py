@@ -94,7 +94,7 @@ def _lost(*_: object) -> dict[str, object]:
 
 def test_a_worker_that_is_lost_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(execution, "run_one", _lost)
-    with pytest.raises(ProcessError, match="goes on"):
+    with pytest.raises(ProcessError, match="to continue"):
         execute(_study(), "local", RunLog(None), jobs=1)
 
 
