@@ -1,15 +1,15 @@
-"""What carries a robot, as its filter sees it: a point, or a body that does not stop at once.
+"""Models of a robot's body in the filter: a point, or a body that does not stop at once.
 
-A velocity is commanded only if all that follows from it is allowed: the sweep of the tick, of the time that
-the base holds the velocity if it hears nothing, and of braking (`protocol.bodies.sweep`). If it lies in all
-that must be obeyed, then so does what is left of it after the tick, and braking, which leads along the same
-way, ends sooner. So braking is always allowed, and is what remains if no velocity is (docs/safety.md, 2).
+A velocity is commanded only if all motion that may follow is allowed: the sweep of the tick, of the time for
+which the base holds the velocity without messages, and of braking (`protocol.bodies.sweep`). If the sweep
+satisfies all constraints, so does the rest of it after the tick, and so does braking, which stops earlier on
+the same path. So braking is always allowed, and is commanded if no velocity is (docs/safety.md, 2).
 
-The candidate comes from a convex program in the place where the base would stand, as if its arcs were
-straight. The sweep is tested as it is; what it lacks is taken off the program's limits, and the program
-solved again. An error in metres is there before any way is made, so that no way leads away from an edge
-that is nearer: the program keeps a standoff, and where the candidate does not fit, slower ones are tried, and
-ones that make room.
+A convex program computes a candidate from the position at which the base would stop, as if arcs were
+straight. Then the exact sweep is tested; its excess is subtracted from the program's limits, and the program
+is solved again. An error in metres exists even without motion, so no path leads away from an edge within the
+error: the program keeps a standoff, and if the candidate is not allowed, slower ones are tried, and ones away
+from the edges.
 """
 
 from __future__ import annotations
@@ -27,25 +27,25 @@ from protocol.line import HalfPlane
 from protocol.messages import BaseMotion, Vector
 from protocol.scenario.model import Scenario
 
-_TRIES: Final = 6  # programs that are solved in a tick
-_SHARES: Final = (0.5, 0.2, 0.05)  # of the way from the present velocity to the last candidate
-_STEEPEST: Final = 0.99  # share that the program takes an error for at most; the sweep is tested as it is
-_FACING: Final = 16  # parts of half a circle, in which directions to leave an edge are tried
-_LEAST: Final = 1e-9  # m, by which a limit is lowered at least
-_TINY: Final = 1e-100  # m; what can be divided by
+_TRIES: Final = 6  # programs per tick
+_SHARES: Final = (0.5, 0.2, 0.05)  # of the difference of the present velocity and the last candidate
+_STEEPEST: Final = 0.99  # largest relative error in the program; the exact sweep is tested
+_FACING: Final = 16  # directions per half circle, for `standoff`
+_LEAST: Final = 1e-9  # m, smallest decrease of a limit
+_TINY: Final = 1e-100  # m, smallest divisor
 
 STILL: Vector = (0.0, 0.0)  # to a base: brake
 
 
 @final
 class Limits:
-    """What a robot must keep to in a tick.
+    """The constraints of a robot in a tick.
 
     Args:
-        position: estimated own place, m.
-        half_planes: where the estimated centre must stay.
-        boundary: what the true centre must not leave.
-        shape: where the true centre can be, around the estimated one; None where that is exact.
+        position: estimated own position, m.
+        half_planes: constraints on the estimated centre.
+        boundary: bound of the true centre.
+        shape: possible offsets of the true centre from the estimate; None if it is exact.
     """
 
     __slots__ = ("boundary", "half_planes", "position", "shape")
@@ -62,7 +62,7 @@ class Limits:
         for index, margin in enumerate(passed.margins):
             dx, dy = passed.xs[index], passed.ys[index]
             if dx == dy == 0.0 and margin > 0.0:
-                dx = _TINY  # it comes back to where it began, but for the margin
+                dx = _TINY  # a path back to its start, except for the margin
             way = math.hypot(dx, dy)
             if way > 0.0:
                 cut = self.boundary.cut(x, y, self.shape, dx, dy, noise=margin / way)
@@ -74,9 +74,9 @@ class BodyModel(Protocol):
     """One body from tick to tick.
 
     Attributes:
-        reach: the longest way from the beginning of a tick until it stands, m.
-        standoff: how far it can stand off any edge and still leave it, whichever way it faces, m.
-        swept: what its control point still passes if it hears nothing; None if it stands.
+        reach: the longest path from the beginning of a tick to a stop, m.
+        standoff: distance from any edge at which it can still leave it, in any orientation, m.
+        swept: further sweep of its control point without messages; None if it stands.
     """
 
     reach: float
@@ -84,18 +84,19 @@ class BodyModel(Protocol):
     swept: Sweep | None
 
     def on_motion(self, motion: BaseMotion | None) -> None:
-        """Take in what the base says that it does as a tick begins; None: it stands."""
+        """Set the base's motion at the beginning of a tick; None: it stands."""
 
     def velocity(self, desired: Vector, limits: Limits) -> Vector:
-        """The velocity to command, m/s, near the desired one: under any later messages and losses, the
-        control point keeps to the limits."""
+        """The velocity to command, m/s, near the desired one, with which the control point satisfies the
+        limits whatever messages arrive or are lost.
+        """
         ...
 
 
 def body_of(scenario: Scenario, robot: int) -> BodyModel:
     """The body of one robot of a scenario."""
     body, speed, period = scenario.body_of(robot), scenario.control.speed, scenario.time.step
-    longest = 2.0 * scenario.workspace.shape.around.radius  # no way inside the workspace leads farther
+    longest = 2.0 * scenario.workspace.shape.around.radius  # of any path in the workspace
     if body.ideal:
         return PointBody(speed, period, scenario.actuation.bound, longest)
     base = scenario.base_of(robot) if scenario.is_external else None
@@ -106,13 +107,13 @@ def body_of(scenario: Scenario, robot: int) -> BodyModel:
 
 @final
 class PointBody:
-    """A point: it takes every velocity at once, and stands when the tick is over.
+    """A point: it follows every velocity at once, and stands at the end of the tick.
 
     Args:
         speed: speed limit, m/s.
         period: of a tick, s.
         noise: bound on the relative execution noise.
-        longest: no way leads farther, m.
+        longest: bound of any path, m.
     """
 
     def __init__(self, speed: float, period: float, noise: float, longest: float) -> None:
@@ -144,8 +145,8 @@ class InertialBody:
     Args:
         kinematics: of the body.
         speed: speed limit of the control point, m/s.
-        tolerance: by how much the control point may be off its nominal way.
-        longest: no way leads farther, m.
+        tolerance: largest deviation of the control point from its nominal path.
+        longest: bound of any path, m.
     """
 
     def __init__(
@@ -161,7 +162,6 @@ class InertialBody:
         self.standoff = self._least_room()
 
     def _least_room(self) -> float:
-        """How far it can stand off an edge and still leave it straight on, whichever way it faces, m."""
         most = 0.0
         for part in range(_FACING + 1):
             angle = math.pi * part / _FACING
@@ -172,7 +172,6 @@ class InertialBody:
         return most
 
     def on_motion(self, motion: BaseMotion | None) -> None:
-        """Take in what the base says that it does as a tick begins; None: it stands."""
         if motion is None:
             self._motion = Motion(0.0)
         else:
@@ -216,7 +215,7 @@ class InertialBody:
     def _less(
         self, command: Vector, sides: Sequence[HalfPlane], cuts: Sequence[HalfPlane], limits: Limits
     ) -> Vector:
-        """A part of a command that is too much, or away from where it leads; at last, to brake."""
+        """A fraction of a command that violates constraints, or a velocity away from them, or to brake."""
         vx, vy = self._motion.velocity
         away = self._away(command, [*sides, *cuts])
         targets = [(command, share) for share in _SHARES]
@@ -233,7 +232,7 @@ class InertialBody:
         return STILL
 
     def _away(self, command: Vector, sides: Sequence[HalfPlane]) -> Vector:
-        """Straight away from the edges that a command comes too near to."""
+        """Straight away from the edges that a command violates."""
         passed = self._passed(command)
         nx = ny = 0.0
         for side in sides:
@@ -247,7 +246,7 @@ class InertialBody:
     def _candidate(
         self, desired: Vector, sides: Sequence[HalfPlane], taken: Sequence[float], cuts: Sequence[HalfPlane]
     ) -> Vector:
-        """The velocity whose place to stand is nearest to the desired one's, as if all ways were straight."""
+        """The velocity whose stop is nearest to that of the desired velocity, as if all arcs were straight."""
         kinematics, motion, tolerance = self._kinematics, self._motion, self._tolerance
         excess = max(1.0, math.hypot(*desired) / self._speed)
         want = kinematics.lead(motion, (desired[0] / excess, desired[1] / excess))
@@ -270,12 +269,12 @@ class InertialBody:
         return ux / excess, uy / excess
 
     def _limited(self, velocity: Vector) -> Vector:
-        """What the base can make of a velocity in this tick, m/s."""
+        """The executable part of a velocity in this tick, m/s."""
         ahead, aside = self._kinematics.limited(self._motion, velocity)
         return Motion(self._motion.heading, ahead, aside).velocity
 
     def _passed(self, command: Vector) -> Sweep:
-        """Everything that follows from a command if nothing more is heard."""
+        """The sweep of a command without any later message."""
         kinematics, motion = self._kinematics, self._motion
         if command == STILL:
             return sweep(kinematics, kinematics.braking(motion), self._tolerance)

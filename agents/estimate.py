@@ -1,9 +1,9 @@
 """Set-membership estimate of this robot's position, by a convex polygon.
 
-A measurement says: at tick `stamp` the truth was within `bound` of `position`. Odometry, which is
-immediate and off by at most its own bound, carries that to the present. So the truth lies in every such
-disk at once; what else is known of it, that it is inside the workspace and on the own side of every obeyed
-line, cuts the set further (`confine`). An empty set says that a stated bound is wrong.
+A measurement says: at tick `stamp` the truth was within `bound` of `position`. Odometry, which is immediate
+and has its own error bound, carries that to the present. So the truth lies in the intersection of all such
+disks; the workspace and the own side of every obeyed line reduce the set further (`confine`). An empty set
+means that a stated bound is wrong.
 
 Measurements with bound 0 reduce the set to a point, for which the set operations are skipped.
 """
@@ -20,16 +20,14 @@ from agents.lines.own_set import DIRECTIONS, SIDES, Polygon, around
 from protocol.line import ROUNDING, HalfPlane
 from protocol.messages import Sense, Vector
 
-HISTORY: Final = 64  # ticks of odometry that are kept at least; a measurement older than kept is ignored
-_ULP: Final = (
-    4.0 * 2.0**-53
-)  # what adding up a tick's way loses, of |x| + |y|, in the truth and in the estimate
+HISTORY: Final = 64  # least ticks of odometry kept; older measurements are ignored
+_ULP: Final = 4.0 * 2.0**-53  # rounding error of a tick's sum, over |x| + |y|, in truth and estimate
 
 
 @final
 @mypyc_attr(acyclic=True)
 class Move:
-    """A displacement known to within `spread`, m; or a place."""
+    """A displacement, or a position, with the error bound `spread`, m."""
 
     __slots__ = ("spread", "x", "y")
 
@@ -38,21 +36,21 @@ class Move:
 
 
 class Estimate:
-    """The own position as the set of all places where the robot can be.
+    """The own position as the set of all possible positions.
 
     Args:
-        max_step: the most that the robot can really move until it stands, if it is given a velocity for one
-            tick, m; what is assumed of ticks whose odometry was missed.
-        trusting: whether to begin anew from the newest measurement when two contradict each other.
-        coasts: whether it may move on in ticks without a command, `max_step` in all.
-        oldest: age of the oldest measurement that may come, ticks.
+        max_step: longest motion until the robot stands after a velocity for one tick, m; assumed for ticks
+            whose odometry was missed.
+        trusting: whether to restart from the newest measurement when two contradict each other.
+        coasts: whether it may move on in ticks without a command, by `max_step` in all.
+        oldest: greatest age of a measurement at arrival, ticks.
 
     Attributes:
-        x, y: a centre of the set, m, once anything is known.
-        bound: radius of a disk around `position` that contains the set, m; infinite as long as nothing is
-            known.
+        x, y: a centre of the set, m, after the first measurement.
+        bound: radius of a disk around `position` that contains the set, m; infinite before the first
+            measurement.
         shape: the set as seen from `position`; None for a point.
-        contradiction: which measurement contradicted what, "" if none ever did.
+        contradiction: names the first two contradicting measurements; "" if none.
     """
 
     def __init__(
@@ -67,20 +65,20 @@ class Estimate:
         self._tick: int | None = None
         self.x = self.y = 0.0
         self._extents = [0.0] * SIDES  # of the shape, in the fixed directions
-        self._sources = [""] * SIDES  # what these are due to
-        self._newest = 0  # tick of the measurement that the set began with
+        self._sources = [""] * SIDES  # the constraint behind each
+        self._newest = 0  # tick of the measurement behind the initial set
         self._slack = ROUNDING
         self._kept = max(HISTORY, oldest)
-        self._history: deque[Move] = deque(maxlen=self._kept)  # how far each past tick led, newest last
+        self._history: deque[Move] = deque(maxlen=self._kept)  # displacement of each past tick, newest last
 
     @property
     def known(self) -> bool:
-        """Whether any measurement has come in yet."""
+        """Whether there has been a measurement."""
         return self.bound < math.inf
 
     @property
     def lost(self) -> bool:
-        """Whether measurements contradict each other, so that nothing is known for sure."""
+        """Whether measurements contradict each other, so that no position is certain."""
         return self.contradiction != "" and not self._trusting
 
     @property
@@ -89,15 +87,14 @@ class Estimate:
         return (self.x, self.y) if self.bound < math.inf else None
 
     def support(self, nx: float, ny: float) -> float:
-        """The largest n.x of any place x where the robot can be, n = (nx, ny) a unit vector, m."""
+        """The largest n.x over all possible positions x, for a unit vector n = (nx, ny), m."""
         own = nx * self.x + ny * self.y
         return own + (self.bound if self.shape is None else self.shape.extent(nx, ny))
 
     def update(self, tick: int, sense: Sense) -> None:
-        """Take in the odometry and the measurement of `tick`; one that is not newer is ignored.
+        """Apply the odometry and the measurement of `tick`, unless it is an earlier tick.
 
-        Nothing is known of moves before the first tick of this life, so a measurement older than that is
-        of no use.
+        Moves before the first tick of this life are unknown, so older measurements are ignored.
         """
         if self._tick is not None:
             if tick <= self._tick:
@@ -110,7 +107,7 @@ class Estimate:
                 self._learn(seen, sense.stamp)
 
     def confine(self, side: HalfPlane, source: str) -> bool:
-        """Cut the set with a half-plane, named `source` in messages; whether the set became smaller."""
+        """Intersect the set with a half-plane, named `source` in messages; returns whether it shrinks."""
         if self.shape is None or self.lost:
             return False
         limit = side.slack(self.x, self.y)
@@ -126,8 +123,7 @@ class Estimate:
         return True
 
     def _move(self, sense: Sense, passed: int) -> None:
-        """Apply odometry. There was no command in missed ticks but the first, so that all of them together
-        have not led further than `max_step`."""
+        """Apply odometry. Of missed ticks only the first had a command: all moved `max_step` at most."""
         if passed > 1:
             self._history.append(Move(0.0, 0.0, self._max_step))
             self._history.extend([Move(0.0, 0.0, self._coast)] * min(passed - 2, self._kept))
@@ -146,14 +142,14 @@ class Estimate:
             self.bound = self.shape.radius
 
     def _widen(self, by: float) -> None:
-        """The truth has moved by at most so much, m, in an unknown direction."""
+        """Add a motion of at most `by` m in an unknown direction."""
         if self.shape is not None:
             self._settle(self.shape.widened(by), "")
         elif self.known:
             self._begin(Move(self.x, self.y, by), self._newest)
 
     def _carried(self, position: Vector, bound: float, age: int) -> Move | None:
-        """What a measurement of `age` ticks ago says of the present."""
+        """A measurement of `age` ticks ago, carried to the present; None if that is too old."""
         if not 0 <= age <= len(self._history):
             return None
         x, y = position
@@ -166,13 +162,13 @@ class Estimate:
         return Move(x, y, spread)
 
     def _learn(self, seen: Move, stamp: int) -> None:
-        """Take in that the truth is within `seen.spread` of `seen`."""
+        """Apply that the truth is within `seen.spread` of `seen`."""
         if self.bound == math.inf:
             self._begin(seen, stamp)
             return
         dx, dy = seen.x - self.x, seen.y - self.y
         if self.shape is not None and seen.spread > 0.0:
-            if math.hypot(dx, dy) + self.bound > seen.spread:  # else it says nothing new
+            if math.hypot(dx, dy) + self.bound > seen.spread:  # otherwise it contains the set
                 self._intersect(seen, dx, dy, stamp)
         elif self._apart(dx, dy, seen.spread) > self._slack:
             self._contradict(seen, dx, dy, stamp)
@@ -180,7 +176,7 @@ class Estimate:
             self._begin(seen, stamp)
 
     def _begin(self, seen: Move, stamp: int) -> None:
-        """Know nothing but this."""
+        """Start from this alone."""
         self.x, self.y = seen.x, seen.y
         self._newest = stamp
         if seen.spread == 0.0:
@@ -205,12 +201,12 @@ class Estimate:
             self._settle(left, _of(stamp))
 
     def _settle(self, left: Polygon, source: str) -> None:
-        """Go on with what is left of the set because of `source`, seen from its centre."""
+        """Replace the set by its part `left`, because of `source`, and centre it."""
         x, y = self.x, self.y
         ahead_x, ahead_y = left.centre()
         self.x += ahead_x
         self.y += ahead_y
-        cx, cy = self.x - x, self.y - y  # what rounding has left of the way to the centre
+        cx, cy = self.x - x, self.y - y  # the rounded displacement of the centre
         self.shape = left.shifted(-cx, -cy)
         self.bound = self.shape.radius
         before, self._extents = self._extents, self.shape.extents()
@@ -232,7 +228,7 @@ class Estimate:
         ]
 
     def _contradict(self, seen: Move, dx: float, dy: float, stamp: int) -> None:
-        """The set and a measurement exclude each other."""
+        """Record that the set and a measurement are disjoint."""
         other, gap = _of(self._newest), self._apart(dx, dy, seen.spread)
         if self.shape is not None:
             gaps = self._gaps(dx, dy, seen.spread)

@@ -1,8 +1,8 @@
-"""Receives peers' States and the world's summaries, decides when each counts, and names missing States.
+"""Receives peers' States and the world's summaries, decides when each takes effect, and lists missing States.
 
 Sender and tick of a State decide whether it is accepted; its arrival time does not. Proposals and answers
-take effect only between a Tick and the own Command, when no command is in force; later ones wait for the
-next Tick.
+take effect only between a Tick and the own Command, when no command is in force; later ones wait for the next
+Tick.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class PeerInbox:
         scenario: the run.
         robot: own id.
         lines: receive the proposals and answers of accepted States.
-        lockstep: whether the world waits for this robot. If it does not, States of missed ticks count.
+        lockstep: whether the world waits for this robot. If not, States of missed ticks are accepted.
 
     Attributes:
         neighbours: peers, by their newest States and the roster.
@@ -39,17 +39,17 @@ class PeerInbox:
         self._robot, self._tick, self._lockstep = robot, -1, lockstep
         self._link = StateLink(scenario, robot)
         self._far = Arrivals(scenario, robot) if scenario.hears_near else None
-        self._since: dict[int, int] = {}  # first tick of which a State counts, by peer
-        self._active: tuple[int, ...] = ()  # as the tick before named them
+        self._since: dict[int, int] = {}  # tick of the first accepted State, by peer
+        self._active: tuple[int, ...] = ()  # of the tick before
         self._awaited: set[int] = set()
-        self._open = False  # whether the tick's State is out and its Command is not
+        self._open = False  # between the tick's State and its Command
 
     def open(self, tick: Tick, place: Vector | None = None) -> None:
-        """Begin a tick: await the States of the peers that it names, and accept late States that are due.
+        """Begin a tick: await the States of its active peers, and accept late States that are due.
 
         Args:
             tick: from the coordinator.
-            place: of this robot, m, if it is known.
+            place: position of this robot, m, if known.
         """
         self._link.locate(tick.tick, place)
         self._attend(tick)
@@ -77,13 +77,13 @@ class PeerInbox:
         self._take(self._tick)
 
     def reconsider(self, tick: Tick) -> None:
-        """The same tick again, with fewer active robots: await no State of those that left it."""
+        """The same tick with fewer active robots: do not await the States of those that left it."""
         self._awaited.intersection_update(tick.active)
 
     def on_state(self, state: PeerState) -> None:
         """Receive the State of a peer of this run, perhaps repeated."""
         tick = state.tick
-        if tick >= self._tick:  # of any incarnation: a wrong one must not block the tick
+        if tick >= self._tick:  # of any incarnation, so that a wrong one cannot block the tick
             self._awaited.discard(state.robot)
         if self._open and tick <= self._tick and self._link.ideal:
             self._learn(state)  # as `close` would in a moment
@@ -91,11 +91,7 @@ class PeerInbox:
             self._link.put(state)
 
     def on_summary(self, summary: Summary) -> None:
-        """Receive the world's summary of all positions, for a tick that begins soon.
-
-        Raises:
-            MessageError: the summary is malformed.
-        """
+        """Receive the world's summary of positions for a later tick; raises MessageError."""
         if self._far is not None:
             self._far.on_summary(places_of(summary))
 
@@ -119,7 +115,6 @@ class PeerInbox:
         return sorted(self._awaited)
 
     def _take(self, tick: int) -> None:
-        """Accept all States that are due by `tick`."""
         for state in self._link.take(tick):
             self._learn(state)
 

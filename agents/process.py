@@ -29,15 +29,12 @@ def main(
     beat: Heartbeat | None = None,
     namespace: str | None = None,
 ) -> int:
-    """Run robot `robot` of `run` until the world says that it is over; returns the exit status.
+    """Run robot `robot` of `run` until the world ends the run; returns the exit status.
 
-    `wait` is how long there may be no world yet, s; `namespace` as of `RobotNode`.
+    `wait`: longest time without a world at the start, s; `namespace` as of `RobotNode`.
 
-    0: the run ended, or this process was asked to stop. 2: the world refuses this robot.
-    3: the network or the world is gone.
-
-    Raises:
-        Stopped: a signal asks this process to end before it takes part.
+    0: the run ended, or this process was asked to stop. 2: the world refuses this robot. 3: the network or
+    the world is lost. Raises Stopped if a signal asks to end before the robot joins.
     """
     try:
         bus = ZenohBus(connection)

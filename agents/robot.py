@@ -1,7 +1,7 @@
 """The core of a robot: messages and ticks go in, messages come out; no socket, no clock, no global state.
 
-A tick has two phases. `begin` takes the Tick and gives the State; `command`, once the peers'
-States are heard (or right away, in real time), gives the Command.
+A tick has two phases. `begin` takes the Tick and returns the State; `command`, once the peers' States have
+arrived (or at once, in real time), returns the Command.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from protocol.messages import (
 from protocol.scenario.model import Scenario
 
 STILL: Vector = (0.0, 0.0)
-NAMED: Final = 100  # robots that a complaint names at most: a Command has a limit
+NAMED: Final = 100  # most robots in a complaint: the size of a Command is limited
 
 
 class Robot:
@@ -48,14 +48,14 @@ class Robot:
     Args:
         scenario: the run; k already a number.
         robot: own id.
-        incarnation: this incarnation, as handed out by the world.
+        incarnation: as assigned by the world.
         lockstep: whether the world waits for it.
         epoch: of the coordinator that admitted it.
 
     Attributes:
-        goal: where to go, m; nothing else of a robot keeps it, and every Tick may set another.
+        goal: m; stored only here, since each Tick may change it.
         hearing: receives the States of peers.
-        stopped: whether it has to stand, besides an emergency stop of all.
+        stopped: whether it has to stand, apart from an emergency stop of all.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class Robot:
         self.tick = -1
         self.robot, self.incarnation, self.epoch = robot, incarnation, epoch
         self.goal = self._first_goal = spec.goal
-        self._ordered: Vector | None = None  # where to go instead, as last told
+        self._ordered: Vector | None = None  # goal of the newest order
         self._scenario, self._control, self._spec = scenario, scenario.control, spec
         self._body, self._plausible = body_of(scenario, robot), plausible(scenario)
         self._estimate = self._nothing_known()
@@ -76,7 +76,7 @@ class Robot:
         self._mover = PartCarrier(scenario, robot) if scenario.parts else None
         self._reports = scenario.is_external
         self._desired = self._moved = STILL
-        self._blind = True  # whether nothing is known of how far it went in the last tick
+        self._blind = True  # whether the displacement of the last tick is unknown
         self._halted = self.stopped = False  # an emergency stop is in force
 
     # -- phase 1: sense, follow the roster, accept late States, publish the State
@@ -86,7 +86,7 @@ class Robot:
 
         Args:
             tick: from the coordinator.
-            sense: from the own base and localisation, unless the Tick brings it.
+            sense: from the own base and localisation; by default that of the Tick.
         """
         self.tick = tick.tick
         self._ordered = self._ordered if tick.goal is None else tick.goal
@@ -127,7 +127,6 @@ class Robot:
         self._moved = STILL if sense is None else sense.displacement
 
     def _follow(self, roster: Roster) -> None:
-        """Follow a roster that may be a newer one."""
         first = self._roster.version == 0
         news = self._roster.update(roster)
         self.hearing.neighbours.members = self._roster.members
@@ -135,10 +134,9 @@ class Robot:
             self.hearing.neighbours.on_member(member)
         own = self._roster.member(self.robot)
         if first and own is not None and own.radius != self._filter.radius:
-            self._filter.resize(own.radius)  # an earlier life may have taken up a part
+            self._filter.resize(own.radius)  # an earlier life may carry a part
 
     def _state(self) -> State:
-        """The State to publish."""
         position, bound = self.place
         proposals: tuple[Proposal, ...] = ()
         answers: tuple[Answer, ...] = ()
@@ -172,7 +170,7 @@ class Robot:
         return position, bound
 
     def tell(self, wish: Vector) -> None:
-        """A wish from outside, m/s, for the law "external"."""
+        """Pass on a wish, m/s, for the law "external"."""
         self._law.tell(wish, self.tick)
 
     # -- phase 2: accept States, apply the law, filter, command
@@ -215,7 +213,7 @@ class Robot:
         )
 
     def _wish(self, position: Vector) -> Vector:
-        """The velocity that the law asks for; of a mover, straight to where it aims."""
+        """The desired velocity: of the law, or straight to the aim of a mover of parts."""
         if not may_move(self._scenario, self.robot, self.tick):
             return STILL
         aim = None if self._mover is None else self._mover.aim
@@ -226,7 +224,6 @@ class Robot:
         return rate * dx, rate * dy
 
     def _view(self, position: Vector) -> View:
-        """The law's input in this tick."""
         return View(
             tick=self.tick,
             position=position,
@@ -237,8 +234,7 @@ class Robot:
         )
 
     def _report(self) -> Report | None:
-        """The position as the tick began; None in a tick without odometry: the base may have moved since the
-        one before."""
+        """The position as the tick began; None without odometry, since the base may have moved."""
         position, bound = self.place
         if position is None or self._blind or self._estimate.lost:
             return None
@@ -247,7 +243,7 @@ class Robot:
     # -- for the summary
 
     def _summed_up(self) -> float | None:
-        """The norm of the own slice for the next tick's summary; None if there is none."""
+        """The norm of the own slice for the summary of the next tick, if there is one."""
         position = self._estimate.position
         if position is None or not self._scenario.hears_near or (self.tick + 1) % period(self._scenario):
             return None
@@ -256,7 +252,7 @@ class Robot:
     # -- parts
 
     def _move_parts(self, mover: PartCarrier, ordered: Vector | None) -> None:
-        """Decide what to do about parts in this tick; a robot with an order leaves them alone."""
+        """Decide on parts in this tick; a robot with an order leaves them alone."""
         position, heard = self._estimate.position, self.hearing.neighbours
         if position is None or not self._roster.version:
             return
@@ -264,8 +260,7 @@ class Robot:
         self.goal = mover.goal
 
     def _fit_to_load(self, mover: PartCarrier, filter_: SafetyFilter) -> Handling | None:
-        """Be the disk that parts need from this command on, a larger one only where there is room for it;
-        what is asked for if that is so.
+        """Adopt the disk that parts require, if there is room for a larger one; returns the request if so.
 
         The radius never falls below the roster's: a disk of that radius is the obstacle if this robot fails.
         """
@@ -285,7 +280,7 @@ class Robot:
         return mover.handles if filter_.radius >= mover.radius else None
 
     def _law_of_disk(self, radius: float) -> GuardedLaw:
-        """The law of this robot, were it a disk of another radius, m."""
+        """The law of this robot for a disk of another radius, m."""
         sized = [
             replace(spec, radius=radius) if spec.id == self.robot else spec for spec in self._scenario.robots
         ]
@@ -294,13 +289,13 @@ class Robot:
     # -- about itself
 
     def has_ended(self, tick: Tick) -> bool:
-        """Whether the world says that this incarnation is over."""
+        """Whether the Tick's roster says that this incarnation is over."""
         roster = tick.roster
         return roster is not None and has_ended(roster, self.robot, self.incarnation)
 
     @property
     def scenario(self) -> Scenario:
-        """The scenario, as admission delivered it."""
+        """The scenario of the admission."""
         return self._scenario
 
     @property
@@ -325,7 +320,7 @@ class Robot:
 
     @property
     def troubles(self) -> list[str]:
-        """The same one by one: a law that failed, measurements that contradict each other."""
+        """The warnings one by one: a failed law, contradicting measurements."""
         found = [f"{self._law.failure}; it stands from here on"] if self._law.failure else []
         if self._estimate.contradiction:
             does = "stands still" if self._estimate.lost else "begins anew from the newest measurement"
@@ -351,5 +346,5 @@ class Robot:
 
 
 def _within(number: float) -> float:
-    """The nearest number that may stand in a message."""
+    """The nearest number that a message may contain."""
     return min(max(number, -LARGEST), LARGEST)

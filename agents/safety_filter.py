@@ -18,23 +18,23 @@ from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 
 STILL: Vector = (0.0, 0.0)
-CORNERS: Final = 4  # that workspace and region cut off the own set in a tick, at most
+CORNERS: Final = 4  # most cuts of the own set by workspace and region in a tick
 
 
 @final
 class SafetyFilter:
-    """All that one life of one robot keeps to; with `filter = "none"` it is known, but not obeyed.
+    """All constraints of one life of one robot; with `filter = "none"` they are tracked, but not enforced.
 
     Args:
         scenario: the run.
         robot: own id.
         radius: of the own disk, m.
-        body: what carries the robot.
+        body: model of the base.
 
     Attributes:
         radius: of the own disk, m.
         lines: with robots and obstacles.
-        obeyed: whether the scenario has its robots keep to all this.
+        obeyed: whether the scenario enforces the constraints.
     """
 
     def __init__(self, scenario: Scenario, robot: int, radius: float, body: BodyModel) -> None:
@@ -50,27 +50,27 @@ class SafetyFilter:
         )
         self._body, self._room = body, scenario.workspace.shape
         self._workspace = boundary_of(self._room, radius)
-        self._located = False  # whether it is surely known where the robot is
+        self._located = False  # whether the position is certain
 
     def locate(self, tick: int, estimate: Estimate, *, blind: bool) -> None:
-        """A tick begins; the robot is where the estimate says, and on the own side of all that it obeys.
+        """Set the position as a tick begins: the estimate, on the own side of all obeyed lines.
 
         Args:
             tick: that begins.
-            estimate: of the own position, which is narrowed down.
-            blind: whether nothing is known of how far the robot went in the last tick.
+            estimate: of the own position; is reduced by the constraints.
+            blind: whether the displacement of the last tick is unknown.
         """
         if estimate.shape is not None and self.obeyed:
             self._confine(estimate, estimate.shape)
         position = estimate.position
         self._located = position is not None and not estimate.lost and not blind
         if position is None or not self._located:
-            self.lines.locate(tick, position or STILL, inf)  # nothing is surely satisfied
+            self.lines.locate(tick, position or STILL, inf)  # no constraint is certainly satisfied
         else:
             self.lines.locate(tick, position, estimate.bound, estimate.shape, self._body.swept)
 
     def _confine(self, estimate: Estimate, shape: Polygon) -> None:
-        """Cut off from the set of possible positions what workspace, region and obeyed lines exclude."""
+        """Remove the positions from the set that workspace, region and obeyed lines exclude."""
         boundary = self._boundary
         for _ in range(CORNERS):
             edge = boundary.beyond(estimate.x, estimate.y, shape)
@@ -82,15 +82,15 @@ class SafetyFilter:
 
     @property
     def _boundary(self) -> Boundary:
-        """What the own centre must not leave."""
+        """Bound of the own centre."""
         region = self.lines.bound
         if region is None:
             return self._workspace
         return BothBoundaries(self._workspace, RoundBoundary(region.radius - self.radius, region.x, region.y))
 
     def velocity(self, desired: Vector, estimate: Estimate) -> Vector:
-        """The velocity to command, m/s: the nearest to the desired one, turned away from what needs room,
-        that keeps to everything and to the body's limits.
+        """The velocity to command, m/s: within all constraints and the body's limits nearest to the desired
+        one, after that is turned away from peers that need room.
 
         Args:
             desired: by the law, m/s.
@@ -105,14 +105,12 @@ class SafetyFilter:
         return self._body.velocity(wish, Limits(position, half_planes, self._boundary, estimate.shape))
 
     def reach(self, radius: float, part: int, estimate: Estimate) -> bool:
-        """Be a larger disk from now on, if that satisfies all that is obeyed and is inside the workspace.
+        """Adopt a larger disk, if that satisfies all constraints; returns whether it does.
 
         Args:
-            radius: of it, m.
+            radius: of the larger disk, m.
             part: a disk that only the present one keeps clear of; NO for none.
             estimate: of the own position.
-
-        Returns whether it is one.
         """
         position = estimate.position
         if position is None or not (self._located and self.lines.ready):
@@ -125,7 +123,7 @@ class SafetyFilter:
         return True
 
     def resize(self, radius: float) -> None:
-        """Be a smaller disk than before, of `radius`, m; or the one that this life begins as."""
+        """Adopt a smaller disk of `radius`, m, or the first one of this life."""
         self.lines.resize(radius)
         self._resize(radius)
 

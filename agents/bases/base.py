@@ -19,11 +19,7 @@ if TYPE_CHECKING:
 
 
 def require() -> None:
-    """Check that the library for ROS 2 messages is installed, without loading it.
-
-    Raises:
-        UsageError: it is not installed; says how to.
-    """
+    """Raise UsageError, with the way to install it, if the library for ROS 2 messages is missing."""
     if find_spec("pycdr2") is None:
         raise UsageError('an external base needs pycdr2, which is not installed: pip install "disknav[ros2]"')
 
@@ -37,7 +33,7 @@ class Shown(NamedTuple):
     velocity: Vector  # m/s, in the map
     radius: float  # m
     goal: Vector  # m
-    lines: tuple[Line, ...]  # that it obeys
+    lines: tuple[Line, ...]  # obeyed
 
 
 class Ros(NamedTuple):
@@ -54,11 +50,11 @@ def ros_of(scenario: Scenario, robot: int, namespace: str | None = None) -> Ros 
     Args:
         scenario: the run.
         robot: its id.
-        namespace: of its topics, if it must have a base; empty, as the scenario has it.
+        namespace: of its topics, if it must have a base; if empty, as in the scenario.
 
     Raises:
         JoinError: it must have a base, and the fleet is simulated.
-        UsageError: what reads ROS 2 messages is not installed.
+        UsageError: the library for ROS 2 messages is not installed.
     """
     if namespace is not None and not scenario.is_external:
         raise JoinError(
@@ -69,7 +65,7 @@ def ros_of(scenario: Scenario, robot: int, namespace: str | None = None) -> Ros 
     if table is None or not (scenario.is_external or table.tools):
         return None
     require()
-    from agents.bases.ros2 import Ros2Base  # only a robot with topics of ROS needs these
+    from agents.bases.ros2 import Ros2Base  # imported only for robots with ROS topics
     from agents.bases.tools import RosTools
 
     table = (replace(table, namespace=namespace) if namespace else table).of(robot)
@@ -81,7 +77,7 @@ def ros_of(scenario: Scenario, robot: int, namespace: str | None = None) -> Ros 
 
 
 def misplaced(scenario: Scenario, robot: int, place: Vector, bound: float) -> str:
-    """Why a robot at `place`, m, or up to `bound` beside it, cannot begin a run; "" if it can."""
+    """Why a robot at `place`, m, with the error `bound`, cannot begin a run; "" if it can."""
     own = scenario.spec(robot)
     room, what = room_at_start(scenario, robot)
     away = math.dist(place, own.start)

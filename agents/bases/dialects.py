@@ -1,9 +1,9 @@
-"""Two ways in which ROS 2 topics cross zenoh: keys, what accompanies a payload, and what is announced.
+"""Two mappings of ROS 2 topics to zenoh: keys, attachments, and announcements.
 
 ros2dds: as zenoh-bridge-ros2dds maps them. A key is `<namespace>/<topic>`; a payload is CDR, alone.
 rmw_zenoh: as rmw_zenoh_cpp's nodes do. A key is `<domain>/<topic>/<type>/<hash>`; an attachment has a
-sequence number, a time and the publisher's gid; liveliness tokens under `@ros2_lv` tell nodes, publishers and
-subscriptions to tools such as `ros2 topic list`.
+sequence number, a time and the publisher's gid; liveliness tokens under `@ros2_lv` announce nodes, publishers
+and subscriptions to tools such as `ros2 topic list`.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Topic(NamedTuple):
 
 
 class Dialect:
-    """How topics cross zenoh: as zenoh-bridge-ros2dds has them, which names no types."""
+    """The mapping of topics to zenoh by zenoh-bridge-ros2dds, which names no types."""
 
     def key(self, topic: Topic) -> str:
         """The key under which a topic's messages are published."""
@@ -65,15 +65,14 @@ class Dialect:
         return key
 
     def check(self, topic: Topic, key: str, attachment: bytes) -> None:
-        """Raises MessageError if a sample under a topic's expression is none of its messages."""
+        """Raise MessageError if a sample under a topic's expression is none of its messages."""
 
     def attach(self, token: str) -> Attach | None:  # noqa: ARG002
-        """Makes the attachments of messages of the publisher that `token` tells; None: they have none."""
+        """The attachments of messages of the publisher with `token`; None if there are none."""
         return None
 
     def token(self, session: str, number: int, kind: Kind, topic: Topic | None) -> str:  # noqa: ARG002
-        """The liveliness token of the node of a session, or of its publisher or subscription of a number;
-        empty if there is none."""
+        """The liveliness token of a session's node, or its numbered publisher or subscription; "" if none."""
         return ""
 
 
@@ -92,7 +91,7 @@ class RmwZenoh(Dialect):
         return f"{self._domain}/{topic.name}/{_typed(topic)}"
 
     def expression(self, topic: Topic) -> str:
-        return f"{self._domain}/{topic.name}/*/*"  # another type or hash differs from silence
+        return f"{self._domain}/{topic.name}/*/*"  # so that another type or hash is reported
 
     def name(self, key: str) -> str:
         return "/".join(key.split("/")[1:-2])
@@ -122,12 +121,10 @@ class RmwZenoh(Dialect):
 
 
 def _mangled(name: str) -> str:
-    """A full name without its first slash, as one chunk of a key."""
     return "%" + name.replace("/", "%")
 
 
 def _typed(topic: Topic) -> str:
-    """Type and hash of a topic, as chunks of a key."""
     package, _, name = topic.type.split("/")
     return f"{package}::msg::dds_::{name}_/RIHS01_{HASHES[topic.type]}"
 

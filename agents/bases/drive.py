@@ -1,8 +1,8 @@
-"""Velocities for a base, computed from Commands, so that it moves as `protocol.bodies` models its body.
+"""Velocities for a base, computed from Commands, so that it moves like its body in `protocol.bodies`.
 
-A tick's command becomes several velocities; the last one is held until the next tick, but not for ever: after
-the tick and the patience, or when the lease ends, whichever is earlier, the robot has the base brake. If this
-process dies instead, the base brakes by itself when its own timeout is over.
+A tick's command becomes several velocities; the last one is held until the next tick, but at most for the
+patience after the tick, and until the end of the lease: then the robot brakes the base. If this process dies
+instead, the base brakes by its own timeout.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ class Lease:
     """The time for which one life of a robot may move without a Tick of the coordinator.
 
     Each Tick names the newest of the robot's Commands that the coordinator has received; the coordinator
-    declares no robot static before its lease has certainly ended. The lease runs from the sending of that
-    Command, by this robot's own clock: clocks have to agree in rate, not in time.
+    declares no robot static before its lease has certainly ended. The lease begins when that Command is sent,
+    by the robot's own clock: clocks have to agree in rate, not in time.
 
     Args:
         duration: s.
 
     Attributes:
-        until: when it ends, s, by the clock of this process.
+        until: its end, s, by the clock of this process.
     """
 
     def __init__(self, duration: float) -> None:
@@ -38,11 +38,11 @@ class Lease:
         self._sent: dict[int, float] = {}
 
     def sent(self, tick: int, now: float) -> None:
-        """The Command of a tick is about to be sent, perhaps once more."""
+        """Note the time at which the Command of a tick is sent, perhaps again."""
         self._sent.setdefault(tick, now)
 
     def heard(self, tick: int | None) -> None:
-        """The coordinator has received the Command of that tick."""
+        """Renew the lease: the coordinator has received the Command of that tick."""
         if tick is None or tick not in self._sent:
             return
         self.until = max(self.until, self._sent[tick] + self._duration)
@@ -53,13 +53,13 @@ class Drive:
     """One base's velocities, ahead and aside in its own frame, m/s.
 
     Args:
-        body: with everything that comes late.
+        body: with all delays.
         base: its times.
         period: of a tick, s.
 
     Attributes:
-        told: velocity for the base at present.
-        due: when it changes, s; infinite if it does not.
+        told: present velocity for the base.
+        due: time of its next change, s; infinite if there is none.
     """
 
     def __init__(self, body: Body, base: Base, period: float) -> None:
@@ -72,7 +72,7 @@ class Drive:
         self._plan: deque[tuple[float, Vector]] = deque()
         self._past: deque[tuple[float, Vector]] = deque([(-math.inf, _STILL)])
         self._published = -math.inf  # s
-        self._until = -math.inf  # s: from when on it brakes by itself
+        self._until = -math.inf  # s, start of braking without a command
 
     def advance(self, now: float) -> bool:
         """Advance to `now`, when `told` is published; returns whether it has changed."""
@@ -84,8 +84,8 @@ class Drive:
         return self.told != before
 
     def motion(self, heading: float, now: float) -> BaseMotion | None:
-        """The motion that follows from the velocities sent to the base, the last of which is held until the
-        tick that begins has its command; None if it stands.
+        """The motion that follows from the velocities sent, the last of which is held until the command of
+        the new tick; None if the base stands.
 
         Args:
             heading: in the map, rad.
@@ -105,8 +105,9 @@ class Drive:
         return BaseMotion(turned(*self.told, heading), heading, (dx, dy), before)
 
     def turning(self, age: float, now: float) -> float:
-        """Angle by which the base turns from its odometry of an estimated age, s, to the command of the tick
-        that begins, rad; off by at most as much as in `Lateness.spread`, but for what takes effect late."""
+        """Rotation of the base from its odometry of an estimated age, s, to the command of the new tick, rad,
+        within `Lateness.spread` except for late effects.
+        """
         latency, delay = self._base.latency, self._base.delay
         turn, end = self._kinematics.turn(Arc(*self.told, 0.5 * DECISION)), now
         for begin, velocity in reversed(self._past):
@@ -139,7 +140,6 @@ class Drive:
         self.due = self._plan[0][0] if self._plan else math.inf
 
     def _brake(self, begin: float, velocity: Vector) -> list[tuple[float, Vector]]:
-        """From a velocity to rest."""
         kinematics = self._kinematics
         steps: list[tuple[float, Vector]] = []
         coasting = Motion(0.0, *velocity)

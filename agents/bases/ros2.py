@@ -1,4 +1,4 @@
-"""A base that speaks ROS 2: topics of velocity, odometry, pose and wishes, with payloads in CDR."""
+"""A base with a ROS 2 interface: topics of velocity, odometry, pose and wishes, with payloads in CDR."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from protocol.messages import LARGEST, Command, Sense, Tick, Vector
 from protocol.scenario.body import DECISION, Base
 from protocol.scenario.model import Scenario
 
-_OFTEN: Final = 3.0  # velocities in the base's own timeout, at least
+_OFTEN: Final = 3.0  # least number of velocities within the base's own timeout
 _STILL: Vector = (0.0, 0.0)
 
 
@@ -34,7 +34,7 @@ class Ros2Base:
     Attributes:
         hears: topics to subscribe to.
         tells: the topic that it publishes.
-        due: when `wake` wants to be called, s.
+        due: time of the next `wake`, s.
     """
 
     def __init__(
@@ -55,13 +55,13 @@ class Ros2Base:
         self._drive = Drive(body, base, scenario.time.step)
         self._duration = scenario.world.lease
         self._lease, self._life = Lease(self._duration), 0
-        self._heading = 0.0  # in the map as the present tick's command comes into effect, rad
+        self._heading = 0.0  # in the map at the effect of the present tick's command, rad
         self._blind, self._begun = True, -math.inf
         self._shared = False
 
     @property
     def note(self) -> str:
-        """Why odometry and poses are not trusted, so that the robot stands; "" if they are."""
+        """The fault of odometry or poses for which the robot stands; "" if there is none."""
         return self._senses.note
 
     @property
@@ -70,12 +70,7 @@ class Ros2Base:
         return self._senses.heading()
 
     def hear(self, topic: Topic, payload: bytes, now: float) -> Vector | None:
-        """Receive a message of one of `hears`; returns the wish for an external law that it holds, m/s, or
-        None.
-
-        Raises:
-            MessageError: it is no wish that can be read.
-        """
+        """Receive a message of one of `hears`; returns a wish for an external law, m/s. Raises MessageError."""
         if self._shared and topic in (self._odometry, self._pose):
             return None
         if topic == self._odometry:
@@ -87,8 +82,7 @@ class Ros2Base:
         return None
 
     def _wish(self, payload: bytes) -> Vector | None:
-        """Velocity of the control point in the map that a planner's Twist requests, m/s; None while the
-        heading is unknown."""
+        """Velocity of the control point in the map for a Twist, m/s; None without a known heading."""
         stamped = self._base.stamped
         twist = decode(StampedVelocity, payload).velocity if stamped else decode(Velocity, payload)
         ahead = twist.linear[0]
@@ -114,13 +108,13 @@ class Ros2Base:
         return sense
 
     def begins_anew(self) -> bool:
-        """Whether all is well after it was not, so that what was known before is void; says so once."""
+        """Whether a fault has ended, so that earlier estimates are void; True once."""
         anew, self._senses.anew = self._senses.anew, False
         return anew
 
     def obey(self, command: Command, now: float) -> None:
-        """Execute the Command of the tick that began last; to be called before it is sent."""
-        if command.may_move:  # else the coordinator may take its robot for static at once
+        """Execute the Command of the newest tick; called before it is sent."""
+        if command.may_move:  # otherwise the coordinator may declare its robot static at once
             self._lease.sent(command.tick, now)
         late = self._senses.is_late(now) or now - self._begun > DECISION
         velocity = _STILL if self._blind or late else command.velocity
@@ -128,22 +122,22 @@ class Ros2Base:
         self.due = now
 
     def share(self, shared: bool) -> None:
-        """Whether another process drives this base: as long as one does, nothing of the base is trusted."""
+        """Set whether another process drives this base: then its data is not trusted."""
         self._shared = shared
         if shared:
             self._senses.doubt(f"another process drives {self.tells.name}, of this or another run")
 
     def doubt(self, why: str) -> None:
-        """The robot found a contradiction: discard all odometry and poses so far."""
+        """Discard all odometry and poses so far, after a contradiction."""
         self._senses.doubt(why)
 
     def stand(self, now: float) -> None:
-        """Brake: no tick goes on."""
+        """Brake, outside of a tick."""
         self._drive.command(_STILL, self._heading, now, now)
         self.due = now
 
     def wake(self, now: float) -> Iterable[bytes]:
-        """Payloads to be published by now."""
+        """Payloads to publish by now."""
         self._senses.look(now)
         if not self._senses.sound and self._drive.told != _STILL and not self._blind:
             self._blind = True

@@ -10,17 +10,17 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final, TypeVar, cast
 
 from pycdr2 import IdlStruct
-from pycdr2._support import Buffer  # which alone says how much of a payload a message took
+from pycdr2._support import Buffer  # the only one that returns the length of a message
 from pycdr2.types import array, float32, float64, int32, uint8, uint32
 
 from protocol.errors import MessageError
 
 NANO: Final = 1_000_000_000
-_PADDING: Final = 3  # bytes, at most, that may follow a message: some fill up the last word
+_PADDING: Final = 3  # most bytes after a message: some writers pad the last word
 
 M = TypeVar("M", bound=IdlStruct)
 
-if TYPE_CHECKING:  # which knows nothing of arrays of a size
+if TYPE_CHECKING:  # which has no arrays of fixed size
     Vector3 = list[float]
     Quaternion = list[float]
     Covariance = list[float]
@@ -34,7 +34,7 @@ else:
 
 @dataclass
 class Header(IdlStruct):
-    """`std_msgs/msg/Header`: when something was true, and in which frame."""
+    """`std_msgs/msg/Header`: the time and the frame of some data."""
 
     sec: int32
     nanosec: uint32
@@ -99,7 +99,7 @@ class Flag(IdlStruct):
 
 @dataclass
 class Transform(IdlStruct):
-    """`geometry_msgs/msg/TransformStamped`: where the frame `child` is in that of the header."""
+    """`geometry_msgs/msg/TransformStamped`: pose of the frame `child` in that of the header."""
 
     header: Header
     child: str
@@ -116,13 +116,13 @@ class Transforms(IdlStruct):
 
 @dataclass
 class Marker(IdlStruct):
-    """`visualization_msgs/msg/Marker`; what belongs to textures, texts and meshes stays empty."""
+    """`visualization_msgs/msg/Marker`; fields for textures, texts and meshes stay empty."""
 
     header: Header
     namespace: str
     id: int32
     type: int32  # 2 sphere, 3 cylinder, 5 list of lines
-    action: int32  # 0 draws it, or draws it anew
+    action: int32  # 0 adds or replaces it
     pose: Pose
     scale: Vector3
     color: Color
@@ -156,16 +156,12 @@ def header_at(stamp: int, frame: str) -> Header:
 
 
 def decode(kind: type[M], payload: bytes) -> M:
-    """Read a message.
-
-    Raises:
-        MessageError: the payload is no CDR, too short or too long, or has a text that is no UTF-8.
-    """
+    """Read a message; raises MessageError for invalid CDR, a wrong length, or text that is not UTF-8."""
     if len(payload) < 4 or payload[0] != 0 or payload[1] not in (0, 1):
         raise MessageError("shape", "no CDR: the first two bytes are neither 0 0 nor 0 1")
     buffer = Buffer(payload, align_offset=4)
     try:
-        message = kind.deserialize(cast(bytes, buffer))  # which it takes, too
+        message = kind.deserialize(cast(bytes, buffer))  # which it accepts, too
     except (struct.error, ValueError) as error:
         raise MessageError("shape", f"no {kind.__name__} in CDR: {error}") from None
     if not 0 <= len(payload) - buffer.tell() <= _PADDING:

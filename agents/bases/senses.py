@@ -1,8 +1,8 @@
-"""A robot's position from odometry and poses, and whether it may be trusted.
+"""A robot's position from odometry and poses, with checks of both.
 
 Odometry measures displacement, and a pose, with a bounded error, the position at some time; odometry carries
-it to the present. Any fault of either stream invalidates both: the robot stands until both have been sound
-for `SETTLING` with the base at rest, and then starts again.
+it to the present. Any fault of either stream invalidates both: the robot stands until both have been free of
+faults for `SETTLING` with the base at rest, and then starts again.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from protocol.messages import BaseMotion, Sense, Vector
 from protocol.scenario.body import Base, Body
 from protocol.scenario.model import Scenario
 
-KEPT: Final = 400  # messages; a pose that is older than these is of no use
-_SLACK: Final = 0.005  # m, that a message may be off the one before, besides what the base can do
+KEPT: Final = 400  # messages kept; older poses are ignored
+_SLACK: Final = 0.005  # m, tolerated beyond the base's motion between two messages
 _TURN_SLACK: Final = 0.02  # rad
-SETTLING: Final = 0.5  # s for which everything has to be sound
+SETTLING: Final = 0.5  # s without faults before a start
 SILENCE: Final = 0.5  # s without timely odometry after which the position is unknown
-PAUSE: Final = 0.25  # s between two odometry messages, in which their publisher may have been restarted
-DRIFT: Final = 5e-4  # s that two clocks may diverge in a second, as slewing one of them makes them
-_EARLY: Final = 0.01  # s besides `latency` by which a message may be less late than any before
-_MOVED: Final = 0.01  # m, by which a base at rest may seem to move
-_TURNED: Final = 0.05  # rad, that a direction by odometry may be off besides its share of the turn
-_LEVEL: Final = 0.01  # by which a quaternion may miss unit length, or leave the plane
+PAUSE: Final = 0.25  # s between two odometry messages after which a restart of their publisher is considered
+DRIFT: Final = 5e-4  # s per second by which two clocks may diverge, as by slewing
+_EARLY: Final = 0.01  # s beyond `latency` by which a message may be less late than all before
+_MOVED: Final = 0.01  # m, tolerated motion of a base at rest
+_TURNED: Final = 0.05  # rad, error of a direction by odometry besides its share of the turn
+_LEVEL: Final = 0.01  # tolerance of a quaternion's length and tilt
 
 
 class Place(NamedTuple):
@@ -43,15 +43,15 @@ class Place(NamedTuple):
 
 
 class LinkDelay:
-    """Age of a stream's messages, although its clock and that of this process differ.
+    """Age of a stream's messages, whose stamps are from another clock.
 
-    Arrival less stamp is the difference of the clocks and the delay. The least of it that was seen has the
-    least delay; it may rise by `DRIFT`, since clocks drift apart, so that a delay that has grown for good
-    counts again as the least one some minutes later. A stamp before the last one raises it by as much: the
-    clock was set back, or one message of a late link has overtaken another, which makes none of them young.
+    Arrival less stamp is the difference of the clocks plus the delay. The least value seen so far has the
+    least delay. It may rise by `DRIFT`, since clocks drift apart; so after some minutes a lasting delay
+    becomes the least one. A stamp before the last one raises it by the difference: the clock was set back, or
+    one message of a late link has overtaken another, which makes none of them young.
 
     Attributes:
-        ahead: by how much the newest message had less delay than any before, s; infinite for the first one.
+        ahead: how much less the newest message was delayed than all before, s; infinite for the first.
     """
 
     def __init__(self) -> None:
@@ -59,7 +59,7 @@ class LinkDelay:
         self._stamp = self._arrived = -math.inf
 
     def take(self, stamp: float, now: float) -> None:
-        """A message with a stamp, s, arrived `now`."""
+        """Note a message with a stamp, s, that arrived `now`."""
         self._least += DRIFT * (now - self._arrived)
         if stamp < self._stamp:
             self._least += self._stamp - stamp + now - self._arrived
@@ -73,17 +73,17 @@ class LinkDelay:
 
 
 class Odometer:
-    """Checks and keeps odometry, a stream of poses in a frame of its own.
+    """Checks and keeps odometry, a stream of poses in its own frame.
 
     Args:
         base: frames that messages must name.
-        body: how fast it can be, and where the control point is.
+        body: its top speed, and its control point.
 
     Attributes:
         newest: the newest place, None before any.
-        oldest: s, that it may be old with which a tick begins.
-        arrived: when a message came last, s, by the clock of this process.
-        timely: when one came last that was young enough for a tick to begin with.
+        oldest: greatest age with which a tick may begin, s.
+        arrived: arrival of the last message, s, by the clock of this process.
+        timely: arrival of the last one that was young enough to begin a tick.
     """
 
     def __init__(self, base: Base, body: Body) -> None:
@@ -101,12 +101,12 @@ class Odometer:
         self._places: deque[Place] = deque(maxlen=KEPT)
 
     def forget(self) -> None:
-        """Begin anew with the next message."""
+        """Restart with the next message."""
         self.newest = None
         self._places.clear()
 
     def take(self, message: Odometry, now: float) -> str:
-        """Take in a message that arrived `now`; what is wrong with it, "" if nothing."""
+        """Add a message that arrived `now`; returns its fault, "" if none."""
         yaw = planar_yaw(message.pose)
         wrong = self._malformed(message, yaw)
         if wrong or yaw is None:
@@ -133,7 +133,7 @@ class Odometer:
         return math.inf if self.newest is None else self._least + self._link.age(self.newest.stamp, now)
 
     def _malformed(self, message: Odometry, yaw: float | None) -> str:
-        """What is wrong with a message by itself; "" if nothing."""
+        """Fault of a message by itself; "" if none."""
         frame, child = message.header.frame, message.child
         if (frame, child) != self._frames:
             known, of = self._frames
@@ -144,9 +144,9 @@ class Odometer:
         return ""
 
     def _restarted(self, passed: float) -> str:
-        """Why the publisher of a message that comes a time, s, after the last one may be another; "" if not.
+        """Sign that the publisher of a message, some time, s, after the last one, was restarted; "" if none.
 
-        A publisher that begins again may have another clock, and place its origin where the base stands.
+        A restarted publisher may have another clock, and put its origin at the position of the base.
         """
         if passed > PAUSE:
             return f"odometry pauses for {passed:.3g} s"
@@ -155,7 +155,7 @@ class Odometer:
         return ""
 
     def _impossible(self, passed: float, step: float, turn: float) -> str:
-        """What no base can do in a time, s: a step, m, or a turn, rad; "" if it can."""
+        """A step, m, or a turn, rad, that no base can make in a time, s; "" if there is none."""
         if passed < 0.0:
             return f"odometry goes back in time by {-passed:.3g} s"
         if step > self._speed * passed * (1.0 + self._share) + self._drift + _SLACK:
@@ -165,7 +165,7 @@ class Odometer:
         return ""
 
     def at(self, stamp: float) -> Place | None:
-        """The place of a time that the kept messages enclose; None of any other."""
+        """The interpolated place of a time within the kept messages, otherwise None."""
         places = self._places
         index = bisect_left(places, stamp, key=lambda place: place.stamp)
         if index == len(places) or (index == 0 and places[0].stamp != stamp):
@@ -179,7 +179,7 @@ class Odometer:
         return Place(stamp, x, y, yaw, way)
 
     def spread(self, way: float) -> float:
-        """By how much odometry may be off after a way, m."""
+        """Error bound of odometry over a path, m."""
         return (self._share * way + self._drift) / (1.0 - self._share)
 
     def _keep(self, place: Place) -> None:
@@ -188,7 +188,7 @@ class Odometer:
 
 
 def planar_yaw(pose: Pose) -> float | None:
-    """The direction of a pose in the plane, rad; None if it is none, or none of the plane."""
+    """The direction of a pose in the plane, rad; None if it is invalid or not planar."""
     x, y, z, w = pose.orientation
     if not all(map(math.isfinite, (*pose.position, x, y, z, w))):
         return None
@@ -215,8 +215,8 @@ class Senses:
     """Odometry and poses of one robot.
 
     Attributes:
-        note: why nothing is known; "" if all is well.
-        anew: whether all is well after it was not, so that what was known before is void.
+        note: the fault for which the position is unknown; "" if none.
+        anew: whether a fault has ended, so that earlier estimates are void.
     """
 
     def __init__(self, scenario: Scenario, robot: int, base: Base) -> None:
@@ -225,26 +225,26 @@ class Senses:
         self.anew = False
         self._odometer, self._base, self._offset = Odometer(base, body), base, body.offset
         self._period = scenario.time.step
-        self._skew = 2.0 * math.sin(0.5 * sensing.heading)  # off by heading, per way
+        self._skew = 2.0 * math.sin(0.5 * sensing.heading)  # error by heading, per length
         self._heading = sensing.heading
         self._bound = sensing.bound + self._skew * body.offset
         self._poses: deque[tuple[float, float, float, float]] = deque(maxlen=KEPT)  # stamp, x, y, yaw; unused
-        self._stamp = -math.inf  # of the newest pose
+        self._stamp = -math.inf  # stamp of the newest pose
         self._fix: Fix | None = None
-        self._fresh = False  # whether the fix was not read yet
-        self._settled_from = math.inf  # s: since when everything is sound
+        self._fresh = False  # whether the fix is unread
+        self._settled_from = math.inf  # s, begin of the time without faults
         self._rest: Place | None = None  # by odometry, since then
-        self._read: Place | None = None  # where the robot knows itself to have been
+        self._read: Place | None = None  # known past positions
 
     @property
     def sound(self) -> bool:
-        """Whether what is read can be relied on."""
+        """Whether both streams are free of faults."""
         return self.note == ""
 
-    # -- what arrives
+    # -- received messages
 
     def on_odometry(self, payload: bytes, now: float) -> None:
-        """An Odometry arrived."""
+        """Receive an Odometry."""
         try:
             wrong = self._odometer.take(decode(Odometry, payload), now)
         except MessageError as error:
@@ -257,7 +257,7 @@ class Senses:
             self._watch_rest(now)
 
     def on_pose(self, payload: bytes) -> None:
-        """A PoseStamped arrived."""
+        """Receive a PoseStamped."""
         try:
             message = decode(StampedPose, payload)
         except MessageError as error:
@@ -285,10 +285,10 @@ class Senses:
         self._fix = self._rest = self._read = None
         self._settled_from = math.inf
 
-    # -- what is known
+    # -- results
 
     def look(self, now: float) -> None:
-        """Apply the newest pose that odometry encloses, and check both streams."""
+        """Apply the newest pose within the kept odometry, and check both streams."""
         if self._odometer.newest is None:
             return
         if now - self._odometer.timely > SILENCE:
@@ -318,7 +318,7 @@ class Senses:
         return self._odometer.age(now)
 
     def is_late(self, now: float) -> bool:
-        """Whether that is too old to move by."""
+        """Whether the newest odometry is too old to move by."""
         return self.age(now) > self._odometer.oldest
 
     def read(self, tick: int, motion: BaseMotion | None, now: float) -> Sense | None:
@@ -387,7 +387,7 @@ class Senses:
         return self._odometer.spread(way) + self._skew * way
 
     def _watch_rest(self, now: float) -> None:
-        """Wait for the base to stand before anything is relied on."""
+        """Wait until the base has been at rest before the streams are trusted."""
         newest, rest = self._odometer.newest, self._rest
         if newest is None or rest is None:
             return

@@ -31,18 +31,18 @@ from protocol.errors import MessageError
 from protocol.messages import LARGEST, Line
 from protocol.scenario.body import Base
 
-PERIOD: Final = 0.1  # s between two transforms, at least
+PERIOD: Final = 0.1  # s, least time between two transforms
 _DRAWN: Final = 5  # transforms for each drawing
 _SPHERE, _CYLINDER, _LINES = 2, 3, 5
-_HEIGHT, _WIDTH = 0.05, 0.005  # m, of what is drawn
-_NEAR: Final = 6.0  # radii, within which a line is drawn
-_LIFETIME: Final = 2  # s, until what is drawn disappears if nothing replaces it
+_HEIGHT, _WIDTH = 0.05, 0.005  # m, of drawings
+_NEAR: Final = 6.0  # radii, drawn distance of a line
+_LIFETIME: Final = 2  # s, lifetime of drawings
 
 
 class RosTools:
     """The topics of one robot for tools. Sans-I/O.
 
-    The frame `<namespace>/disk` is its disk's; it has no other parent than the map.
+    The frame `<namespace>/disk` is its disk's; its only parent is the map.
 
     Args:
         base: names of frames and topics, for this robot.
@@ -68,10 +68,8 @@ class RosTools:
         self._due, self._told = -math.inf, 0
 
     def hear(self, topic: Topic, payload: bytes) -> bytes:
-        """Receive a message; returns the operation's request that follows from it, empty if none does.
-
-        Raises:
-            MessageError: it cannot be read, or its goal is in another frame than the map.
+        """Receive a message; returns the request for an operation that follows, empty if none. Raises
+        MessageError, also for a goal in another frame than the map.
         """
         if topic == self._stop:
             self.stopped = decode(Flag, payload).data
@@ -86,7 +84,7 @@ class RosTools:
         return msgspec.msgpack.encode({"goal": {"robot": self._robot, "points": [[x, y]]}})
 
     def is_due(self, now: float) -> bool:
-        """Whether `tell` wants to be called by `now`, s."""
+        """Whether `tell` is due at `now`, s."""
         return now >= self._due
 
     def tell(self, robot: Shown, now: float) -> Iterator[tuple[Topic, bytes]]:
@@ -102,7 +100,7 @@ class RosTools:
         self._told += 1
 
     def _located(self, header: Header, pose: Pose, robot: Shown) -> Odometry:
-        """The pose: no error is larger than the bound, so no variance is larger than its square."""
+        """The pose; the squared bound is an upper bound of the variance."""
         spread = [0.0] * 36
         spread[0] = spread[7] = robot.bound * robot.bound
         twist = Velocity([*turned(*robot.velocity, -robot.heading), 0.0], [0.0] * 3)
@@ -110,7 +108,6 @@ class RosTools:
 
 
 def _drawn(header: Header, pose: Pose, robot: Shown) -> list[Marker]:
-    """Disk, goal and separating lines."""
     goal = Pose([*robot.goal, 0.0], [0.0, 0.0, 0.0, 1.0])
     origin = Pose([0.0] * 3, [0.0, 0.0, 0.0, 1.0])
     width, size = 2.0 * robot.radius, 0.5 * robot.radius
@@ -125,7 +122,7 @@ def _drawn(header: Header, pose: Pose, robot: Shown) -> list[Marker]:
 
 
 def _piece(line: Line, robot: Shown) -> list[list[float]]:
-    """Two ends of the piece of a line that is next to a disk; none if that is far away."""
+    """Both ends of the segment of a line near a disk; empty if it is far."""
     _, nx, ny, limit = line
     (x, y), reach = robot.position, 2.0 * robot.radius
     away = limit - nx * x - ny * y
@@ -144,5 +141,4 @@ def _marker(
     color: list[float],
     points: list[list[float]] | None = None,
 ) -> Marker:
-    """A marker of one kind, which replaces the last of its name."""
     return Marker(header, name, 0, kind, 0, pose, scale, color, _LIFETIME, 0, False, points or [])

@@ -21,18 +21,15 @@ Array = NDArray[np.float64]
 
 @lru_cache(maxsize=1)
 def read_summary(key: str, payload: bytes) -> AnyMessage:
-    """`decode` a summary: once, if one payload comes to several robots of a process.
-
-    Raises:
-        MessageError: as `decode` does.
-    """
+    """`decode` a summary, once for all robots of a process; raises MessageError."""
     return decode(key, payload)
 
 
 @final
 @mypyc_attr(acyclic=True)
 class SummaryPlaces:
-    """One decoded summary. Immutable, and shared by all robots of a process.
+    """One decoded summary; raises MessageError if it is malformed. Immutable, and shared by all robots of a
+    process.
 
     Args:
         summary: as received.
@@ -44,9 +41,6 @@ class SummaryPlaces:
         index: position of each id in the arrays.
         x, y: positions, m; shape (n,).
         gammas, slices: as in the summary, m^2 and m.
-
-    Raises:
-        MessageError: the summary is malformed.
     """
 
     __slots__ = ("_radii", "_sizes", "gammas", "index", "robots", "runs", "slices", "tick", "x", "y")
@@ -139,22 +133,22 @@ class FarPicture:
         return far_field(self.tick, position, *terms, index)
 
 
-_EARLY: Final = 8  # summaries that are kept until they are due: more wait after a long pause only
+_EARLY: Final = 8  # most summaries kept until they are due; more wait only after a long pause
 
 
 @final
 class Arrivals:
-    """Summaries on their way to one robot: the tick alone decides when one takes effect."""
+    """Summaries received by one robot; the tick alone decides when one takes effect."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         self._period, self._turn = period(scenario), turn(scenario, robot)
-        self._said = self._due = -1  # tick of the newest summary; of that which has to be there
-        self._take = 0  # from that tick on, the summary of `_said` has to be there
+        self._said = self._due = -1  # ticks of the newest summary, and of the one due
+        self._take = 0  # tick from which the summary of `_said` is due
         self._arrived: dict[int, SummaryPlaces] = {}
-        self._picture: FarPicture | None = None  # taken in last
+        self._picture: FarPicture | None = None  # applied last
 
     def open(self, tick: int) -> None:
-        """A tick begins."""
+        """Begin a tick."""
         if self._said >= 0 and tick >= self._take and self._due != self._said:
             self._due = self._said
             self._arrived = {each: self._arrived[each] for each in self._arrived if each >= self._due}
@@ -167,16 +161,15 @@ class Arrivals:
             return
         self._arrived[places.tick] = places
         if len(self._arrived) > _EARLY:
-            del self._arrived[sorted(self._arrived)[-2]]  # the oldest may be due, and the newest is soon
+            del self._arrived[sorted(self._arrived)[-2]]  # the oldest may be due, the newest will be soon
 
     @property
     def has_summary(self) -> bool:
-        """Whether the summary that is due in this tick has arrived, if one is; or a later one."""
+        """Whether the summary that is due in this tick, if any, or a later one has arrived."""
         return self._due < 0 or self._taken >= self._due or max(self._arrived, default=-1) >= self._due
 
     @property
     def _taken(self) -> int:
-        """Tick of the summary that took effect last."""
         return -1 if self._picture is None else self._picture.tick
 
     def new_picture(self, radii: Mapping[int, float]) -> FarPicture | None:
@@ -196,24 +189,21 @@ class Arrivals:
 
 
 def _numbers(payload: bytes) -> Array:
-    """Numbers of single precision, read-only."""
-    with np.errstate(invalid="ignore"):  # one that is no number is refused, not warned of
+    with np.errstate(invalid="ignore"):  # NaN is refused below, without a warning
         numbers: Array = np.frombuffer(payload, dtype="<f4").astype(np.float64)
     numbers.setflags(write=False)
     return numbers
 
 
 def _column(numbers: Array, index: int) -> Array:
-    """A column, contiguous and read-only."""
     column: Array = numbers[:, index].copy()
     column.setflags(write=False)
     return column
 
 
-@lru_cache(maxsize=1)  # they seldom change
+@lru_cache(maxsize=1)  # ids seldom change
 def _ids(runs: bytes, count: int) -> tuple[NDArray[np.int64], Mapping[int, int]]:
-    """The ids that `runs` stand for (`protocol.messages.Summary`), of which there have to be `count`, and
-    where each is among them."""
+    """The ids that `runs` encode (`protocol.messages.Summary`), `count` in all, and the index of each."""
     if len(runs) % 8:
         raise MessageError("shape", "summary: a run of ids is two numbers")
     pairs = np.frombuffer(runs, dtype="<u4").astype(np.int64).reshape(-1, 2)
@@ -265,16 +255,16 @@ def far_field(
     slices: Array,
     known: Sequence[int] = (),
 ) -> FarField:
-    """The field of disks; those nearer than sqrt(2) times the distance of contact are left out of log beta.
+    """The field of disks; those nearer than sqrt(2) contact distances are left out of log beta.
 
     Args:
         tick: of the positions.
         position: the point of expansion, m.
         x, y: positions of the disks, m.
-        contacts: distance at which each touches, m.
+        contacts: contact distances, m.
         gammas: squared distances to their goals, m^2.
         slices: norms of their own slices, m.
-        known: indices of disks that do not count, each once.
+        known: indices of disks to leave out, each once.
     """
     field = FarField(tick, *position)
     field.count = len(gammas) - len(known)

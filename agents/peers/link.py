@@ -1,9 +1,9 @@
-"""Injected link faults: delay and loss of a peer's State between its arrival and the tick in which it counts.
+"""Injected link faults: delay and loss of a peer's State between its arrival and the tick of its delivery.
 
-States really travel robot to robot; delay, jitter, loss, duplication, partitions and the faults of a wireless
-network are added at the receiver. Each draw is keyed by (seed, receiver, tick of the State) with a
-column per sender, and those of radios by robot and tick: the order of arrival changes nothing, sender and
-receivers agree, and a later life of a robot draws the same faults as an earlier one.
+States travel from robot to robot; delay, jitter, loss, duplication, partitions and the faults of a wireless
+network are added at the receiver. Each draw is keyed by (seed, receiver, tick of the State) with a column per
+sender, and those of radios by robot and tick. So the order of arrival has no effect, sender and receivers
+agree, and all lives of a robot draw the same faults.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from protocol.scenario.model import Scenario
 from protocol.scenario.network import Burst, Partition, Roaming
 from protocol.scenario.network import Link as LinkFaults
 
-_BLOCK: Final = 64  # ticks drawn at once: making a generator costs as much as some hundred numbers
-_BLOCKS: Final = 4  # that are remembered: States are late
+_BLOCK: Final = 64  # ticks per draw: a generator costs as much as some hundred numbers
+_BLOCKS: Final = 4  # blocks kept for late States
 
 
 class Radio:
@@ -48,8 +48,8 @@ class Radio:
     def is_bad(self, tick: int) -> bool:
         """Whether its channel is bad, by the chain of Gilbert and Elliott.
 
-        A draw below `worse` makes it bad and one above 1 - `better` good, whatever it was: the last such draw
-        decides, and nothing has to be remembered.
+        A draw below `worse` makes it bad, and one above 1 - `better` good, whatever it was before: so the
+        last such draw decides, without a stored state.
         """
         for earlier in range(tick, -1, -1):
             if earlier == self._tick:
@@ -79,7 +79,6 @@ class Radio:
         return self._draws(tick)[1]
 
     def _gap(self, window: int) -> tuple[int, int]:
-        """First tick of a window's gap, and the first one after it."""
         low, high = span_of(self._roaming.gap)
         _, _, place, length = self._draws(window * self._window)
         begin = window * self._window + int(place * self._window)
@@ -96,15 +95,15 @@ class Radio:
         return block[row]
 
 
-_KEPT = 8  # ticks of draws and places that are remembered; any other can be drawn again
-_DRAWS = 6  # for each State, and as many again where the network is wireless
+_KEPT = 8  # ticks of draws and positions kept; others are drawn again
+_DRAWS = 6  # per State; twice as many in a wireless network
 
 
 class StateLink:
-    """States on their way to one robot.
+    """Delivery of States to one robot.
 
     Attributes:
-        ideal: whether there are no faults: every State counts at its own tick.
+        ideal: whether there are no faults: every State is delivered in its own tick.
         lost: number of States lost so far.
     """
 
@@ -117,10 +116,10 @@ class StateLink:
         drawn = () if self.ideal else scenario.ids
         self._column = {peer: column for column, peer in enumerate(drawn)}
         self._draws: dict[int, np.ndarray] = {}
-        self._early: list[PeerState] = []  # of ticks that this robot has not begun
+        self._early: list[PeerState] = []  # of ticks that have not begun
         self._radios: dict[int, Radio] = {}  # by robot
-        self._turns: tuple[int, list[float]] = (-1, [])  # of the newest tick, in their order
-        self._places: dict[int, Vector] = {}  # of this robot, m, by tick
+        self._turns: tuple[int, list[float]] = (-1, [])  # of the newest tick, sorted
+        self._places: dict[int, Vector] = {}  # positions of this robot, m, by tick
         faults = scenario.link
         self._is_wireless = any(each is not None for each in (faults.capacity, faults.burst, faults.distance))
         self._rows = _DRAWS * (1 + self._is_wireless)
@@ -134,9 +133,9 @@ class StateLink:
                 del self._places[next(iter(self._places))]
 
     def put(self, state: PeerState) -> None:
-        """Receive a peer's State, perhaps repeated; its faults decide the tick in which it is delivered.
+        """Receive a peer's State, perhaps repeated; its faults decide the tick of its delivery.
 
-        While the world waits for a robot, all States are repeated. A repeated one meets the same draws, so it
+        While the world waits for a robot, all States are repeated. A repeated one has the same draws, so it
         is lost if the first was, and delivered no earlier.
         """
         self._early.append(state)
@@ -146,8 +145,7 @@ class StateLink:
         return [state.robot for state in self._early if state.tick >= tick]
 
     def take(self, tick: int) -> list[PeerState]:
-        """All States due up to and including `tick`, by due tick, then by sender and age; without faults
-        in order of arrival, which for each sender is by age, too."""
+        """States due up to `tick`, by due tick, then sender and age; without faults in order of arrival."""
         early = self._take_early(tick)
         if self.ideal:
             return early
@@ -204,7 +202,7 @@ class StateLink:
                 return None
         if faults.capacity is not None:
             wait = self._turn(state) / faults.capacity
-            if wait > self._scenario.time.step:  # the sender's next State takes its place
+            if wait > self._scenario.time.step:  # the sender's next State replaces it
                 return None
             late += wait
         if faults.burst is not None:
@@ -217,7 +215,7 @@ class StateLink:
         return late
 
     def _turn(self, state: PeerState) -> int:
-        """How many States of a tick the medium has carried with this one: 1 for the first."""
+        """Number of States of its tick that the medium has carried with this one."""
         if state.tick != self._turns[0]:
             turns = sorted(self._radio(robot).turn(state.tick) for robot in self._scenario.ids)
             self._turns = state.tick, turns
@@ -252,7 +250,6 @@ def _by_sender(state: PeerState) -> tuple[int, int]:
 
 
 def _parted(partition: Partition, time: float, one: int, other: int) -> bool:
-    """Whether this partition keeps two robots apart at `time`."""
     if not partition.from_ <= time < partition.until:
         return False
     return not any(one in group and other in group for group in partition.groups)

@@ -15,7 +15,6 @@ from protocol.scenario.model import RobotSpec
 
 @keeps_newest
 def _by_id(members: tuple[Member, ...]) -> Mapping[int, Member]:
-    """Members by id; immutable, so robots of one process share it."""
     return {each.robot: each for each in members}
 
 
@@ -30,7 +29,7 @@ class KnownRoster:
     Attributes:
         version: of the roster; 0 before the first.
         members: its entries, by id, in its order.
-        obstacles: its obstacles that came or went.
+        obstacles: its obstacles that appeared or were removed.
         parts: the place of each part.
         shapes: of all obstacles that are present or appearing.
     """
@@ -68,8 +67,7 @@ class KnownRoster:
 
 
 def has_ended(roster: Roster, robot: int, incarnation: int) -> bool:
-    """Whether a roster says that this incarnation is over: its disk stands, or a newer incarnation is
-    there."""
+    """Whether a roster ends this incarnation: its disk is static, or the robot has a newer one."""
     for member in roster.members:
         if member.robot == robot and member.incarnation >= incarnation:
             return member.incarnation > incarnation or member.status != "live"
@@ -96,17 +94,16 @@ def fleet_of(robots: tuple[RobotSpec, ...]) -> FleetRadii:
 
 
 class Neighbours:
-    """The newest States of peers. Of each peer only the life counts that the roster names.
+    """The newest States of peers, each of the life in the roster.
 
     Args:
         radii: of all robots, m, by id; not modified.
-        hears_all: whether this robot receives the States of all peers; else a new life may be too far to be
-            received.
+        hears_all: whether this robot receives the States of all peers; otherwise a new life may be too far.
 
     Attributes:
         members: entries of the newest roster, by id; shared, not modified.
         standing: roster entries of disks that are static or appearing, by id.
-        picture: the newest summary of all positions; None before the first, and where all peers are received.
+        picture: the newest summary of all positions; None before the first, and if all peers are received.
         far: terms in the slice of the peers whose States are not received.
         radii: newest known, m, by id.
     """
@@ -125,7 +122,7 @@ class Neighbours:
         return self._states.get(peer)
 
     def on_state(self, state: PeerState, tick: int) -> bool:
-        """Accept a peer's State in a tick if it is newer, and of the present life; returns whether it is."""
+        """Accept a peer's State if it is newer, and of the present life; returns whether it is."""
         member = self.members.get(state.robot)
         if member is not None and (member.incarnation != state.incarnation or member.status != "live"):
             return False
@@ -153,7 +150,7 @@ class Neighbours:
             self._states.pop(robot, None)
 
     def _keep(self, robot: int, state: PeerState | None) -> None:
-        """Keep peers in the order of their ids: sums over peers depend on it in the last bit."""
+        """Keep peers in the order of their ids, on which sums depend in the last bit."""
         if robot in self._states:
             self._states[robot] = state
         else:
@@ -181,8 +178,7 @@ class Neighbours:
         return [state for state in self.heard() if state.robot not in self.standing]
 
     def disks(self) -> list[Peer]:
-        """Peers with a known position. A static one has gamma 0, as an obstacle has: that it never arrives
-        must not keep the others from their goals."""
+        """Peers with a known position. A static one has gamma 0, like an obstacle, since it never arrives."""
         if not self.standing:
             return [state for state in self._states.values() if state is not None and state.placed]
         disks: list[Peer] = []

@@ -1,10 +1,8 @@
 """A peer's State as a robot keeps it, and its decoder.
 
 In a large fleet nearly all proposals and answers in a State concern other pairs: the decoder checks them, and
-creates no objects for them.
-
-By `protocol.codec` and `addressed_to` alone a State takes 1.5 us instead of 0.2: to a robot among 32
-that would be another 45 us a tick, as much as all the rest of its step takes.
+creates no objects for them. By `protocol.codec` and `addressed_to` alone a State takes 1.5 us instead of 0.2:
+for a robot among 32 another 45 us per tick, as much as all the rest of its step.
 """
 
 from __future__ import annotations
@@ -37,18 +35,18 @@ class Peer:
 class PeerState(Peer):
     """A State as one receiver needs it; the other fields are those of `protocol.messages.State`.
 
-    Laws and lines read its numbers several times a tick, for every peer. In a message these are objects of
-    Python: compiled, a pass over 63 peers takes 1.7 us over messages, and 0.1 us over these.
+    Laws and lines read its numbers several times a tick, for every peer. In a message these are Python
+    objects: compiled, a pass over 63 peers takes 1.7 us over messages, and 0.1 us over these.
 
     Args:
         placed: whether the peer knows its position.
         x, y: its estimate of the position, m; 0 unless `placed`.
-        vx, vy: the velocity that its law requests, m/s.
+        vx, vy: desired velocity of its law, m/s.
         radius: the peer's, m; see `size`.
-        claim: which part it fetches or carries.
+        claim: the part that it fetches or carries.
 
     Attributes: the arguments, and, set by `follow`:
-        transit: age of the State when it could be used first, ticks.
+        transit: age of the State at its first use, ticks.
         moved_x, moved_y: displacement of the peer per tick from the State before to this one, m.
     """
 
@@ -97,11 +95,10 @@ class PeerState(Peer):
         self.transit, self.moved_x, self.moved_y = 0, 0.0, 0.0
 
     def follow(self, before: PeerState | None, tick: int) -> bool:
-        """Replace the State received before; False if that one is of the same or a later tick, or of a later
-        life.
+        """Replace the State `before`; False if that is as new, or of a later life.
 
         Args:
-            tick: that begins, or has begun, when this State is delivered.
+            tick: the present or next tick, at delivery.
         """
         if before is not None and self.incarnation <= before.incarnation:
             if self.incarnation < before.incarnation or self.tick <= before.tick:
@@ -115,8 +112,9 @@ class PeerState(Peer):
         return True
 
     def size(self, told: float) -> None:
-        """Set the radius, m: that of the roster, or the larger one of the peer's claim. To be called when the
-        State is delivered: at its arrival an older roster may be in force."""
+        """Set the radius, m, to the roster's, or the larger one of the peer's claim. Call it at the delivery
+        of the State: at its arrival an older roster may be in force.
+        """
         self.radius = told if self.claim is None else max(told, self.claim.radius)
 
     @property
@@ -131,7 +129,7 @@ class PeerState(Peer):
 
 
 class Plausible(NamedTuple):
-    """Bounds of a State's numbers in a scenario; a robot that sends numbers beyond them is faulty or lies.
+    """Bounds of a State's numbers in a scenario; a robot that exceeds them is faulty or hostile.
 
     Attributes:
         place: of the absolute value of each coordinate, m.
@@ -189,7 +187,7 @@ def addressed_to(robot: int, state: State, radius: float = 0.0) -> PeerState:
     return found
 
 
-_COMPILED: Final = not __file__.endswith(".py")  # as Python, a cursor is slower than msgspec
+_COMPILED: Final = not __file__.endswith(".py")  # uncompiled, a cursor is slower than msgspec
 _LIMIT: Final = STREAMS["state"].limit
 _ANY: Final = Plausible(LARGEST, LARGEST, LARGEST**2, LARGEST)
 _FIELDS = 1 + len(State.__struct_fields__)  # the tag and all others
@@ -218,9 +216,8 @@ class PeerReader:
     def read(self, payload: bytes) -> PeerState:
         """The State in `payload`, as this robot needs it.
 
-        Raises:
-            MessageError: it is malformed, another robot's, or out of bounds in any of its entries, those for
-                other robots included: all receivers refuse the same States, so the sender is given up.
+        Raises MessageError if it is malformed, another robot's, or out of bounds in any entry, including
+        those for other robots: all receivers refuse the same States, so the sender is excluded.
         """
         try:
             state = self._usual(payload) if _COMPILED else None
@@ -268,7 +265,6 @@ class PeerReader:
         return state if self._limits.allows(state) else None
 
     def _proposals(self, cursor: Cursor) -> tuple[Proposal, ...]:
-        """The proposals to this robot."""
         found: tuple[Proposal, ...] = ()
         for _ in range(cursor.array()):
             cursor.enter(6)
@@ -281,7 +277,6 @@ class PeerReader:
         return found
 
     def _answers(self, cursor: Cursor) -> tuple[Answer, ...]:
-        """The answers to this robot."""
         found: tuple[Answer, ...] = ()
         for _ in range(cursor.array()):
             cursor.enter(4)

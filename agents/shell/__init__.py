@@ -1,1 +1,1 @@
-"""A robot's node: the modules that bind its core to a bus and a wall clock."""
+"""The node of a robot: binds its core to a bus and a wall clock."""

@@ -1,4 +1,4 @@
-"""The base of a robot that is not simulated, on the bus: its velocities, and reports of its faults."""
+"""An external base on the bus: its velocities, and reports of its faults."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _BOOT = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
 
 
 def since_boot() -> float:
-    """Time, s, that passes in a suspended computer, too, where its system has such a clock."""
+    """Time, s, that passes while the computer is suspended, too, if its system has such a clock."""
     return time.clock_gettime(_BOOT)
 
 
 class AttachedBase:
     """One base, for one life of its robot after another.
 
-    Its lease and the age of odometry count while the computer is suspended; deadlines are monotonic time.
+    Its lease and the age of odometry use time that includes suspension; deadlines use monotonic time.
 
     Args:
         base: the base.
@@ -37,7 +37,7 @@ class AttachedBase:
     Attributes:
         hears: topics to subscribe to.
         trouble: the fault reported last; "" if none.
-        in_place: whether the base was sound, and the robot where it may begin, at least once.
+        in_place: whether the base was free of faults, with the robot at a valid start, at least once.
     """
 
     def __init__(
@@ -58,7 +58,7 @@ class AttachedBase:
 
     @property
     def due(self) -> float:
-        """When `wake` wants to be called next, s, monotonic."""
+        """Time of the next `wake`, s, monotonic."""
         return time.monotonic() + self._base.due - self._clock()
 
     @property
@@ -71,7 +71,7 @@ class AttachedBase:
         return self._base.hear(topic, payload, self._clock())
 
     def on_driver(self, token: str, alive: bool) -> None:
-        """The token of a process that drives this base came or went. Of several, each stands."""
+        """A token of a process that drives this base came or went. If there are several, the robot stands."""
         if token == self._own:
             return
         (self._others.add if alive else self._others.discard)(token)
@@ -87,11 +87,11 @@ class AttachedBase:
         return sense
 
     def obey(self, command: Command) -> None:
-        """Execute the Command of the tick that began last; to be called before it is sent."""
+        """Execute the Command of the newest tick; called before it is sent."""
         self._base.obey(command, self._clock())
 
     def stand(self, core: Robot, *, founded: bool) -> None:
-        """Brake at once: no tick goes on. The parameters are those of `wake`."""
+        """Brake at once, outside of a tick. The parameters are those of `wake`."""
         self._base.stand(self._clock())
         self.wake(core, founded=founded)
 
@@ -100,7 +100,7 @@ class AttachedBase:
 
         Args:
             core: the robot that it moves.
-            founded: whether the run had begun when the robot was admitted: it begins where its disk stands.
+            founded: whether the run had begun when the robot was admitted: then it starts at its disk.
         """
         for payload in self._base.wake(self._clock()):
             self._tell(payload)

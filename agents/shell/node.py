@@ -1,10 +1,10 @@
 """A robot as a participant: joins a run, and binds a `Robot` to a bus.
 
 Lock-step: the node publishes the State when the Tick arrives, the Command when all awaited States have
-arrived. When the world repeats a Tick, the node publishes both again, or in place of the Command the list of
+arrived. When the world repeats a Tick, the node publishes both again, or instead of the Command the list of
 missing States. Real time: it publishes both at once, without waiting for peers. When a run ends, or the world
-has fenced this life, the node joins again: as a new life, or to receive the verdict.
-A robot that is not simulated has a base, too: it shows its token once it knows where it is.
+has fenced this life, the node joins again: as a new life, or to receive the verdict. A robot with an external
+base shows its token once it knows its position.
 """
 
 from __future__ import annotations
@@ -35,22 +35,18 @@ REPORT_PERIOD: Final = 0.5  # s between health messages
 
 
 class RobotNode:
-    """One robot id, one life after another, on one bus.
+    """One robot id, one life after another, on one bus; raises as `WorldSession.ask`.
 
     Args:
         bus: a connection of its own.
         run: name of the run.
         robot: own id.
         patience: s, see PATIENCE.
-        wait: s that there may be no world yet.
-        namespace: of the own base's topics, if it must have a base; empty, as the scenario has it.
+        wait: longest time without a world at the start, s.
+        namespace: of the own base's topics, if it must have a base; if empty, as in the scenario.
         say: takes warnings for the operator.
         note: takes lines for the log.
         read: decodes an answer to a request to join; its result is never changed.
-
-    Raises:
-        JoinError: the world refuses this id.
-        BusError: the world is gone, or was never there.
     """
 
     def __init__(
@@ -81,29 +77,28 @@ class RobotNode:
         self._lockstep = True
         self._founded = False  # whether the run had begun when this robot was admitted
         self._declared = self._announced = False
-        self._noted = 0  # troubles of the robot that were said
+        self._noted = 0  # reported troubles of the robot
         self._ended = self._over = False  # this life; the run
         self._commanded = True
         self._rejected: Counter[str] = Counter()
-        self._said_state = self._said_command = b""  # newest, as they were sent
+        self._said_state = self._said_command = b""  # newest payloads
         self._published = self._received = 0
         self._due = self._reported = time.monotonic()
 
     @property
     def deadline(self) -> float:
-        """When `wake` wants to be called next, s, monotonic."""
+        """Time of the next `wake`, s, monotonic."""
         return self._due if self._base is None else min(self._due, self._base.due)
 
     # -- joining
 
     def _join(self) -> None:
-        """Request a life: the first, or the next after one has ended."""
         try:
             reply = self._world.ask(self._health() if self.core is not None and self._ended else None)
         except BusError:
             if not self._over:
                 raise
-            self.finished = True  # the world left first, and not even the end of its token was heard
+            self.finished = True  # the world left first, and the end of its token was missed
             return
         now = time.monotonic()
         if reply is None:
@@ -149,7 +144,7 @@ class RobotNode:
             self._declare(self.core)
 
     def _declare(self, core: Robot) -> None:
-        """Subscriptions before publishers before the token: where the token is seen, the rest is there."""
+        """Declare subscriptions, publishers and the token, in this order: the token implies the rest."""
         bus, run, robot = self._bus, self._run, self._robot
         bus.watch(world_tokens(run))
         bus.subscribe(robot_key(run, robot, "tick"))
@@ -165,7 +160,6 @@ class RobotNode:
         self._declared = True
 
     def _declare_topics(self, core: Robot) -> None:
-        """Topics of ROS, of a robot that has any."""
         ros = ros_of(core.scenario, self._robot, self._namespace)
         if ros is None:
             return
@@ -196,7 +190,6 @@ class RobotNode:
                     self._say(f"ignores what is no message of its topics: {error}")
 
     def _on_presence(self, event: Presence) -> None:
-        """A world's token came or went, or that of a process that drives the same base."""
         if is_driver(event.key):
             if self._base is not None:
                 self._base.on_driver(event.key, event.alive)
@@ -233,7 +226,7 @@ class RobotNode:
             self._command_if_complete(core)
 
     def _on_foreign(self, link: RosLink, event: Foreign) -> None:
-        """A message of ROS, or the world's reply to what one asked for; raises MessageError."""
+        """Receive a ROS message, or the world's reply to an operation; raises MessageError."""
         base, tools, core = self._base, self._tools, self.core
         if tools is not None and tools.is_reply(event):
             return
@@ -251,7 +244,7 @@ class RobotNode:
         return read_summary(key, payload) if key == self._summary else decode(key, payload)
 
     def _on_message(self, core: Robot, message: AnyMessage | None) -> None:
-        """Anything but the State of a peer that is heard."""
+        """Receive any message other than the State of a known peer."""
         if isinstance(message, Tick | Summary) and message.epoch != core.epoch:
             self._rejected["epoch"] += 1
         elif isinstance(message, Tick):
@@ -261,7 +254,7 @@ class RobotNode:
         elif isinstance(message, Wish):
             core.tell(message.velocity)
         elif isinstance(message, State) and not core.scenario.hears_near:
-            self._rejected["identity"] += 1  # of no robot that takes part
+            self._rejected["identity"] += 1  # of no active robot
 
     def _on_summary(self, core: Robot, summary: Summary) -> None:
         try:
@@ -289,7 +282,6 @@ class RobotNode:
             self._open(core, tick)
 
     def _open(self, core: Robot, tick: Tick) -> None:
-        """Begin a tick: publish the State."""
         if tick.roster is not None:
             self._peers.on_roster(tick.roster, hears_all=not core.scenario.hears_near)
         if tick.grants is not None and core.scenario.hears_near:
@@ -336,7 +328,7 @@ class RobotNode:
             self._tell_command(encode(core.complaint()))
 
     def _rejoin(self, core: Robot) -> None:
-        """This life is over; ask for the next. What still arrives is not for this life."""
+        """End this life, and request the next. Later messages are not for this life."""
         self._ended = True
         self._report()
         self._due = time.monotonic()
@@ -355,7 +347,7 @@ class RobotNode:
             self._look(now)
 
     def _look_at_place(self, base: AttachedBase) -> None:
-        """Show the token once the robot is where it may begin."""
+        """Show the token once the robot is at a valid start."""
         if base.in_place and not self._announced:
             self._announce()
 

@@ -40,7 +40,7 @@ class RosLink:
         return self._bus.foreign(self._dialect.key(topic), self._dialect.attach(token))
 
     def claim(self, topic: Topic) -> str:
-        """Announce this process as the one that publishes a topic, and watch for others; the own token."""
+        """Announce this process as the publisher of a topic, and watch for others; returns the token."""
         name = f"{self._domain}/{topic.name}"
         own = driver_token(name, self._bus.identity)
         self._bus.watch(driver_token(name, "*"))
@@ -48,18 +48,14 @@ class RosLink:
         return own
 
     def subscribe(self, *topics: Topic) -> None:
-        """Ask for messages: events of the bus, which `topic_of` tells apart."""
+        """Subscribe to topics; `topic_of` assigns events of the bus to them."""
         for topic in topics:
             self._topics[topic.name] = topic
             self._bus.listen(self._dialect.expression(topic))
             self._announce("MS", topic)
 
     def topic_of(self, event: Foreign) -> Topic:
-        """The topic of an event.
-
-        Raises:
-            MessageError: it has none, or another type, hash or attachment.
-        """
+        """The topic of an event; raises MessageError if there is none, or if type, hash or attachment differ."""
         topic = self._topics.get(self._dialect.name(event.key))
         if topic is None:
             raise MessageError("key", f"{event.key} is no topic of this robot")
@@ -115,7 +111,7 @@ class AttachedTools:
         return self._tools.stopped
 
     def tell(self, core: Robot, command: Command, heading: float) -> None:
-        """Publish the payloads that are due, once a robot with `heading`, rad, has commanded."""
+        """Publish the payloads that are due, after a Command of a robot with `heading`, rad."""
         now, (position, bound) = time.monotonic(), core.place
         if position is None or not self._tools.is_due(now):
             return

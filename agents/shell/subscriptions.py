@@ -1,4 +1,4 @@
-"""The States that one robot's process is subscribed to, and what reads them."""
+"""Subscriptions of one robot's process to States, and their decoders."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from protocol.joining import Admission
 from protocol.keys import robot_key
 from protocol.messages import Roster
 
-_TURNS: Final = 4  # ticks in which robots withdraw subscriptions: it keeps a router busy
+_TURNS: Final = 4  # ticks over which robots spread the end of subscriptions, which load a router
 
 
 @final
@@ -33,14 +33,14 @@ class Subscriptions:
         self._bus, self._run, self._robot = bus, run, robot
         self._fleet: frozenset[int] = frozenset()  # all peers
         self._epoch = 0  # of the coordinator
-        self._near: frozenset[int] = frozenset()  # peers near now or soon; empty if that was never said
-        self._before = self._near  # those named before them
-        self._named = False  # whether `attend` named a peer since the last `tend`
-        self._dropped: set[str] = set()  # keys to withdraw from
-        self._heard: set[str] = set()  # keys that are subscribed to: a later life may know of more peers
+        self._near: frozenset[int] = frozenset()  # peers near now or soon; empty before the first `attend`
+        self._before = self._near  # the previous ones
+        self._named = False  # whether `attend` was called since the last `tend`
+        self._dropped: set[str] = set()  # keys to unsubscribe
+        self._heard: set[str] = set()  # subscribed keys, kept over lives
 
     def begin(self, admission: Admission) -> None:
-        """An incarnation begins: subscribe to all peers, unless the world will name the near ones."""
+        """Begin a life: subscribe to all peers, unless the world will name the near ones."""
         scenario = admission.scenario
         self._limits = plausible(scenario)
         self._fleet = fleet_of(scenario.robots).ids
@@ -52,8 +52,7 @@ class Subscriptions:
         self._subscribe(self.readers)
 
     def on_roster(self, roster: Roster, *, hears_all: bool) -> None:
-        """Note the robots that joined the fleet since this process was admitted, and subscribe to them if
-        this robot receives the States of all peers."""
+        """Note the robots added since the admission; subscribe to them if all peers are received."""
         for member in roster.members:
             peer = member.robot
             if peer == self._robot or peer in self._fleet:
@@ -63,13 +62,13 @@ class Subscriptions:
                 self._subscribe((self._know(peer),))
 
     def attend(self, near: Iterable[int]) -> None:
-        """Note the peers that are near now or soon; `tend` subscribes to them, and later withdraws from those
-        that were."""
+        """Note the peers near now or soon, for `tend` to subscribe to and to unsubscribe from others."""
         self._before, self._near, self._named = self._near, frozenset(near), True
 
     def tend(self, tick: int) -> None:
-        """To be called once a tick, when no peer waits for this robot: subscribe to those that `attend`
-        named; later, not all robots in the same tick, withdraw from those that are not near any more."""
+        """Called once a tick, when no peer waits for this robot: subscribe to the peers of `attend`; later,
+        in different ticks for different robots, unsubscribe from those that are not near any more.
+        """
         if self._named:
             self._named = False
             self._hear()
@@ -97,13 +96,11 @@ class Subscriptions:
         return robot_key(self._run, peer, "state")
 
     def _know(self, peer: int) -> str:
-        """Prepare the decoder of a peer's States; returns their key."""
         key = self._key(peer)
         self.readers[key] = PeerReader(self._robot, peer, self._epoch, self._limits)
         return key
 
     def _subscribe(self, keys: Iterable[str]) -> None:
-        """Subscribe to keys, each once."""
         fresh = [key for key in keys if key not in self._heard]
         if fresh:
             self._bus.subscribe(*fresh)

@@ -14,12 +14,12 @@ from protocol.errors import BusError, JoinError, MessageError
 from protocol.keys import robot_key, session_of
 from protocol.messages import Health
 
-PATIENCE: Final = 10.0  # s without a message of the world before it is asked for a sign of life, or given up
-RETRY: Final = 0.2  # s until the next question after one that was of no use
-_TIMEOUT = 2.0  # s that a question may take
-_BRIEF = 0.1  # s that it may take when the run is over: the end of the world's token may have been missed
-_REFUSALS = 5  # a dead predecessor's token may take a moment to go
-_NEWS = 2.0  # s that the world may be gone before a warning: a launcher that ends the run ends robots, too
+PATIENCE: Final = 10.0  # s without a message of the world before a probe, or before giving up
+RETRY: Final = 0.2  # s between two requests
+_TIMEOUT = 2.0  # s, timeout of a request
+_BRIEF = 0.1  # s, the same when the run is over: the end of the world's token may have been missed
+_REFUSALS = 5  # the token of an ended predecessor may remain for a moment
+_NEWS = 2.0  # s without the world before a warning: at the end of a run robots end, too
 
 
 @final
@@ -31,16 +31,15 @@ class WorldSession:
         run: name of the run.
         robot: own id.
         patience: s, see PATIENCE.
-        wait: s that there may be no world yet.
+        wait: longest time without a world at the start, s.
         say: takes warnings for the operator.
         read: decodes an answer.
 
     Attributes:
         session: of this process.
         epoch: of the coordinator that admitted this process last, 0 for none.
-        heard: when the last message of the world arrived, s, monotonic.
-        back: whether it was gone and is back, or another one has taken its place: this life may have ended
-            meanwhile.
+        heard: arrival of the world's last message, s, monotonic.
+        back: whether it, or another world in its place, is back: meanwhile this life may have ended.
     """
 
     def __init__(
@@ -58,31 +57,30 @@ class WorldSession:
         self.heard = time.monotonic()
         self.back = False
         self._bus, self._run, self._robot, self._say, self._read = bus, run, robot, say, read
-        self._former: set[int] = set()  # epochs of coordinators that this process has left for another one
-        self._others: set[str] = set()  # sessions of other worlds that are there
+        self._former: set[int] = set()  # epochs of previous coordinators
+        self._others: set[str] = set()  # sessions of other present worlds
         self._patience = patience
-        self._bearable, self._timeout = wait, _TIMEOUT  # s without an answer; s that one question may take
-        self._away = 0.0  # s that the world may be gone and still come back, as it said itself
-        self._gone = inf  # s, monotonic: since when its token is missing
+        self._bearable, self._timeout = wait, _TIMEOUT  # s without an answer; s, timeout of a request
+        self._away = 0.0  # s after which the world may still return, as it announced
+        self._gone = inf  # s, monotonic: loss of its token
         self._told_gone = False  # whether the operator was warned
         self._refused = 0
 
     def ask(self, health: Health | None) -> joining.Reply | None:
-        """Ask to take part, with `health` if an incarnation of this process has ended. To ask without it
-        changes nothing for one that goes on, and finds out whether it does.
-
-        Returns the answer; None if it is worth while to ask again a little later.
+        """Request to join, with `health` if an incarnation of this process has ended; otherwise the request
+        only confirms the present life. Returns the answer; None if the request should be repeated a little
+        later.
 
         Raises:
             JoinError: the world refuses this id.
-            BusError: the world is gone, or was never there.
+            BusError: the world is lost, or was never present.
         """
         request = joining.encode_request(joining.Join(self._robot, self.session, health))
         try:
             reply = self._answer(request)
         except (BusError, MessageError) as error:
             if time.monotonic() <= self.heard + self._bearable:
-                return None  # not there yet, cut off for a moment, or the reply was lost
+                return None  # not yet present, briefly disconnected, or the reply was lost
             text = f"run {self._run!r}: no world answers ({error}); is it running, under this name?"
             raise BusError(text) from error
         self.heard = time.monotonic()
@@ -94,7 +92,7 @@ class WorldSession:
         return reply
 
     def _answer(self, request: bytes) -> joining.Reply:
-        """The reply of the only coordinator; with two of them the request fails."""
+        """The reply of the only coordinator; raises BusError if two reply."""
         replies = self._ask(request)
         if len(replies) > 1:
             raise BusError(f"{len(replies)} worlds of this run answer, end all but one")
@@ -107,7 +105,7 @@ class WorldSession:
         return self._bus.ask(robot_key(self._run, self._robot, "join"), request, self._timeout)
 
     def admitted(self, admission: joining.Admission) -> None:
-        """An incarnation begins."""
+        """Note the admission of an incarnation."""
         if self.epoch not in (0, admission.epoch):
             self._former.add(self.epoch)
         self.epoch, self._gone, self._told_gone = admission.epoch, inf, False
@@ -116,12 +114,12 @@ class WorldSession:
         self._bearable, self._timeout = max(self._patience, admission.away), _TIMEOUT
 
     def over(self) -> None:
-        """The run is over: the world may leave at any moment, and is waited for only if it may be back."""
+        """The run is over: the world may leave at any moment, and is awaited only if it may return."""
         self._bearable, self._timeout = max(_TIMEOUT, self._away), _BRIEF
 
     @property
     def may_return(self) -> bool:
-        """Whether the world said that it may be gone and come back."""
+        """Whether the world announced that it may be lost and return."""
         return self._away > 0.0
 
     def is_own(self, session: str) -> bool:
@@ -129,8 +127,7 @@ class WorldSession:
         return self.epoch > 0 and session == session_of(self.epoch)
 
     def on_token(self, session: str, alive: bool) -> None:
-        """A world's token came or went. While the own one is missing the robot stands, and joins another one
-        that is there, or comes."""
+        """A world's token appeared or disappeared. Without its own the robot stands, and joins another."""
         own = self.is_own(session)
         if not own:
             (self._others.add if alive else self._others.discard)(session)
@@ -146,16 +143,12 @@ class WorldSession:
             self._gone = inf
 
     def check(self, now: float) -> None:
-        """Look whether the world is there at `now`, s.
-
-        Raises:
-            BusError: it has been gone for too long, or gives no sign of life.
-        """
+        """Check the presence of the world at `now`, s; raises BusError after a long absence or silence."""
         if now > self._gone + _NEWS and not self._told_gone:
             self._told_gone = True
             self._say(f"the world of run {self._run!r} is gone; stands still")
         if now > self._gone + self._bearable:
             raise BusError(f"run {self._run!r}: the world has been gone for {self._bearable:g} s; gives up")
         if now > self.heard + self._patience and self._gone == inf:
-            self._ask(b"")  # raises if nothing answers; a held clock is no reason to leave
+            self._ask(b"")  # raises without an answer; a paused world answers
             self.heard = time.monotonic()
