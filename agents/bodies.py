@@ -246,7 +246,7 @@ class InertialBody:
     def _candidate(
         self, desired: Vector, sides: Sequence[HalfPlane], taken: Sequence[float], cuts: Sequence[HalfPlane]
     ) -> Vector:
-        """The velocity whose stop is nearest to that of the desired velocity, as if all arcs were straight."""
+        """The velocity whose stop is nearest to that of the desired one, as if arcs were straight."""
         kinematics, motion, tolerance = self._kinematics, self._motion, self._tolerance
         excess = max(1.0, math.hypot(*desired) / self._speed)
         want = kinematics.lead(motion, (desired[0] / excess, desired[1] / excess))

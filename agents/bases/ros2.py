@@ -70,7 +70,7 @@ class Ros2Base:
         return self._senses.heading()
 
     def hear(self, topic: Topic, payload: bytes, now: float) -> Vector | None:
-        """Receive a message of one of `hears`; returns a wish for an external law, m/s. Raises MessageError."""
+        """Receive a message of one of `hears`; returns a wish for an external law, m/s, if any."""
         if self._shared and topic in (self._odometry, self._pose):
             return None
         if topic == self._odometry:

@@ -40,7 +40,7 @@ class RosLink:
         return self._bus.foreign(self._dialect.key(topic), self._dialect.attach(token))
 
     def claim(self, topic: Topic) -> str:
-        """Announce this process as the publisher of a topic, and watch for others; returns the token."""
+        """Announce this process as publisher of a topic, and watch for others; returns the token."""
         name = f"{self._domain}/{topic.name}"
         own = driver_token(name, self._bus.identity)
         self._bus.watch(driver_token(name, "*"))
