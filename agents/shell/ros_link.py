@@ -40,7 +40,7 @@ class RosLink:
         return self._bus.foreign(self._dialect.key(topic), self._dialect.attach(token))
 
     def claim(self, topic: Topic) -> str:
-        """Announce this process as publisher of a topic, and watch for others; returns the token."""
+        """Announce this process as publisher of a topic and watch for others; returns the token."""
         name = f"{self._domain}/{topic.name}"
         own = driver_token(name, self._bus.identity)
         self._bus.watch(driver_token(name, "*"))
@@ -55,7 +55,7 @@ class RosLink:
             self._announce("MS", topic)
 
     def topic_of(self, event: Foreign) -> Topic:
-        """The topic of an event; raises MessageError if there is none, or if type, hash or attachment differ."""
+        """The topic of an event; raises MessageError without one, or if type, hash or attachment differ."""
         topic = self._topics.get(self._dialect.name(event.key))
         if topic is None:
             raise MessageError("key", f"{event.key} is no topic of this robot")
