@@ -9,6 +9,7 @@ The comment beside a field begins with its unit, if it has one; `docs/streams.md
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Annotated, Final, Literal
 
 import msgspec
@@ -72,6 +73,11 @@ class FirstLine(msgspec.Struct, frozen=True, array_like=True, gc=False):
     offset: Real  # m, as of a Proposal
 
 
+@lru_cache(maxsize=8192)  # the same obstacles, for every robot and again until they are acknowledged
+def _defect(points: tuple[Vector, ...]) -> str:
+    return defect(points)
+
+
 class ListedBinding(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """A binding in force, as the ledger tells it to the life at one end."""
 
@@ -83,7 +89,7 @@ class ListedBinding(msgspec.Struct, frozen=True, array_like=True, gc=False):
     static: bool = False  # whether it stands as long as the binding is in force
 
     def __post_init__(self) -> None:
-        if len(self.points) > 1 and (problem := defect(self.points)):
+        if len(self.points) > 1 and (problem := _defect(self.points)):
             raise ValueError(f"the place of disk {self.peer} {problem}")
         if self.static and not self.points:
             raise ValueError(f"disk {self.peer} stands, and has no place")
@@ -142,7 +148,7 @@ class PlacedObstacle(msgspec.Struct, frozen=True, array_like=True, gc=False):
     radius: Size = 0.0  # m, of a disk
 
     def __post_init__(self) -> None:
-        problem = "" if self.status == "gone" or len(self.points) == 1 else defect(self.points)
+        problem = "" if self.status == "gone" or len(self.points) == 1 else _defect(self.points)
         if problem:
             raise ValueError(f"obstacle {self.number} {problem}")
 

@@ -50,7 +50,7 @@ class Question(NamedTuple):
 
 _EACH_TICK = "once a tick and robot; again if lock-step waits for a robot for 0.5 s"
 _STREAMS = (
-    Stream("tick", Tick, "world", ("itself",), _EACH_TICK, True, True, 512 * 1024),
+    Stream("tick", Tick, "world", ("itself",), _EACH_TICK, True, True, 8 * 1024**2),
     Stream("state", State, "robot", ("robots",), _EACH_TICK, True, True, 128 * 1024),
     Stream("command", Command, "robot", ("world",), _EACH_TICK, True, True, 8 * 1024),
     Stream(

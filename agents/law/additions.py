@@ -50,6 +50,7 @@ class AugmentedLaw:
         self._attraction: Attraction | None = None
         if "obstacles" in additions:
             self._attraction = Attraction(self._room, spec.radius, alone=len(scenario.robots) == 1)
+            self._attraction.prepare(tuple(scenario.shapes.values()))
         self._progress = Progress(scenario.time.step, self._lap) if "escape" in additions else None
         self._gives_way = "jams" in additions
         self._right_of_way = RightOfWay(robot, spec.radius, self._lap, scenario.time.step)

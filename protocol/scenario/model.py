@@ -59,6 +59,7 @@ MOST_POINTS = 512  # that a robot has ahead, those of earlier orders included
 MOST_CELLS = 1e6  # of that grid: some 50 MB of each robot's memory
 DEFAULT_RADIUS = 0.30  # m, of the workspace
 CROWD = 32  # robots, up to which each receives all States unless the scenario says otherwise
+LARGE_MAP = 200  # obstacles, up to which it does
 
 
 @dataclass(frozen=True, slots=True)
@@ -330,7 +331,7 @@ class Scenario:
             return False  # part carriers plan with the ways of all robots
         interest = self.network.interest
         if interest is None:
-            return len(self.robots) > CROWD and not self.is_external
+            return (len(self.robots) > CROWD or len(self.obstacles) > LARGE_MAP) and not self.is_external
         return interest == "near"
 
     @property

@@ -84,5 +84,5 @@ class Network:
     """Which States a robot hears: all, or those of robots near it, and of the others, twice a second,
     where they are."""
 
-    interest: Literal["near", "all"] | None = None  # unless given, near from 33 robots on
+    interest: Literal["near", "all"] | None = None  # unless given, near above 32 robots or 200 obstacles
     reach: Positive | None = None  # m, gap of two disks below which they are near; by speed unless given

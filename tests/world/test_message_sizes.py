@@ -144,6 +144,14 @@ def test_a_roster_of_all_obstacles_that_there_may_be_fits() -> None:
     tick = Tick(IDS[0], LIFE, LIFE, IDS, 7, None, roster, POINT, grants=grants)
     assert_fits(tick, robot_key("r", IDS[0], "tick"))
     assert_fits(Clock(LIFE, 1e6, IDS, (), "", obstacles=obstacles.changes), world_key("r", "clock"))
+    assert ROUNDISH.points is not None
+    listed = [
+        ListedBinding(LIFE + n, -n, (1.0, 0.0, 0.1), ROUNDISH.points, 0.0, True) for n in range(1, 5001)
+    ]
+    grants = msgspec.structs.replace(
+        grants, bindings=(*grants.bindings, *listed)
+    )  # of all that a scenario may list
+    assert_fits(msgspec.structs.replace(tick, grants=grants), robot_key("r", IDS[0], "tick"))
 
 
 @pytest.mark.slow

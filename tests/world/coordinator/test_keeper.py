@@ -8,7 +8,7 @@ import pytest
 
 from protocol.geometry import Disk
 from protocol.messages import Command, FirstLine, Grants, Vector
-from protocol.scenario.model import Scenario
+from protocol.scenario.model import Obstacle, Scenario
 from protocol.scenario.network import Network
 from tests.world.driving import scenario
 from world.coordinator.keeper import Keeper
@@ -122,6 +122,20 @@ def test_in_a_large_fleet_only_robots_whose_regions_meet_are_bound() -> None:
     told = news(keeper, 1)
     assert told.region == pytest.approx((-0.1, 0.0, 0.09))
     assert 2 not in {each.peer for each in told.bindings}
+
+
+def test_on_a_large_map_a_robot_is_bound_to_the_obstacles_near_it_only() -> None:
+    many = replace(
+        fleet(), obstacles=tuple(Obstacle(center=(0.001 * n, 0.2), radius=0.001) for n in range(201))
+    )
+    keeper = Keeper(many)
+    keeper.found({1: Disk(*PLACES[1], 0.04)}, {n: each.shape for n, each in enumerate(many.obstacles, 1)})
+    keeper.rejoin(1)
+    keeper.advance(PLACES)
+    told = news(keeper, 1)
+    assert told.region is not None
+    assert len(told.bindings) < 201
+    assert not replace(many, obstacles=many.obstacles[:200]).hears_near
 
 
 def test_a_region_follows_its_robot_and_robots_that_part_are_told() -> None:
