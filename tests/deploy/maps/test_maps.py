@@ -152,10 +152,10 @@ def test_a_bad_yaml_file_is_named_with_the_place(tmp_path: Path, change: tuple[s
     [
         (b"P5 20000 20000 255\n", f"too many pixels, at most {MOST_CELLS:,}"),
         (b"P5 5000 4000 255\n", f"has 5000 x 4000 pixels, at most {MOST_CELLS:,}"),
-        (b"P5 4 -4 255\n", "no whole"),
-        (b"P5 40 40 255\n1234", "no whole"),
-        (b"GIF89a", "no whole"),
-        (b"", "no whole"),
+        (b"P5 4 -4 255\n", "not a complete"),
+        (b"P5 40 40 255\n1234", "not a complete"),
+        (b"GIF89a", "not a complete"),
+        (b"", "not a complete"),
     ],
 )
 def test_a_bad_picture_is_named(tmp_path: Path, content: bytes, said: str) -> None:

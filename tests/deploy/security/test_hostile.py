@@ -144,7 +144,7 @@ def test_certificates_that_expire_during_the_run_end_it_standing(
         began = time.monotonic()
         report = fleet.execute(lambda: time.monotonic() > began + 8.0 * _LIFE)
     assert report["verdict"] == "aborted"
-    assert f"the certificates in {tmp_path / 'keys'} ended at" in report["reason"]
+    assert f"the certificates in {tmp_path / 'keys'} expired at" in report["reason"]
     assert "make new ones" in report["reason"]
     assert report["collisions"] == 0
     assert any("and all links, expire" in message for message in caplog.messages)

@@ -94,7 +94,7 @@ def test_files_that_are_missing_or_of_other_goals_are_refused(pair: Certificate,
     with pytest.raises(ProofError, match="cannot be read"):
         fetch(tmp_path / "nowhere.json")
     store(pair, tmp_path / "pair.json")
-    with pytest.raises(ProofError, match=r"pair.json.*\n.*other goals"):
+    with pytest.raises(ProofError, match=r"pair.json.*\n.*the scenario's goals"):
         fetch(tmp_path / "pair.json", TRIPLE)
 
 
