@@ -12,11 +12,11 @@ from typing import Final
 
 from agents.bodies import body_of
 from agents.estimate import Estimate
-from agents.hearing import PeerInbox
 from agents.law import GuardedLaw, View
 from agents.law.pace import may_move
 from agents.parts.carrier import PartCarrier
-from agents.peers.neighbours import KnownRoster, has_ended
+from agents.peers.neighbours import PeerInbox
+from agents.peers.roster import KnownRoster, has_ended
 from agents.peers.state import plausible
 from agents.safety_filter import SafetyFilter
 from protocol.crowd import period
@@ -71,7 +71,7 @@ class Robot:
         self._estimate = self._nothing_known()
         self._roster = KnownRoster(robot, scenario.shapes)
         self._filter = SafetyFilter(scenario, robot, spec.radius, self._body)
-        self.hearing = PeerInbox(scenario, robot, self._filter.lines, lockstep=lockstep)
+        self.hearing = PeerInbox(scenario, robot, self._filter.lines.on_state, lockstep=lockstep)
         self._law = GuardedLaw(scenario, robot)
         self._mover = PartCarrier(scenario, robot) if scenario.parts else None
         self._reports = scenario.is_external
@@ -132,7 +132,7 @@ class Robot:
         self.hearing.neighbours.members = self._roster.members
         for member in news:
             self.hearing.neighbours.on_member(member)
-        own = self._roster.member(self.robot)
+        own = self._roster.members.get(self.robot)
         if first and own is not None and own.radius != self._filter.radius:
             self._filter.resize(own.radius)  # an earlier life may carry a part
 
@@ -264,7 +264,7 @@ class Robot:
 
         The radius never falls below the roster's: a disk of that radius is the obstacle if this robot fails.
         """
-        own = self._roster.member(self.robot)
+        own = self._roster.members.get(self.robot)
         before = filter_.radius
         told = before if own is None else own.radius
         part, radius = -mover.held, mover.radius

@@ -15,7 +15,7 @@ from typing import Final
 from agents.parts.grid import Layout
 from agents.parts.perception import Perception, Traffic, Traveller, first, traveller
 from agents.parts.planner import Planner
-from agents.peers.neighbours import KnownRoster
+from agents.peers.roster import KnownRoster
 from agents.peers.state import PeerState
 from protocol.messages import Claim, Handling, Member, Vector
 from protocol.scenario.model import Part, Scenario

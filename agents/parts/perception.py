@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.parts.grid import Grid, Layout, Reals
-from agents.peers.neighbours import KnownRoster
+from agents.peers.roster import KnownRoster
 from agents.peers.state import PeerState
 from protocol.geometry import Disk, Shape
 from protocol.messages import Claim, Member, Vector

@@ -10,19 +10,12 @@ import numpy as np
 from mypy_extensions import mypyc_attr
 from numpy.typing import NDArray
 
-from protocol.codec import decode
 from protocol.crowd import LEAD, period, turn
 from protocol.errors import MessageError
-from protocol.messages import LARGEST, AnyMessage, Summary, Vector
+from protocol.messages import LARGEST, Summary, Vector
 from protocol.scenario.model import Scenario
 
 Array = NDArray[np.float64]
-
-
-@lru_cache(maxsize=1)
-def read_summary(key: str, payload: bytes) -> AnyMessage:
-    """`decode` a summary, once for all robots of a process; raises MessageError."""
-    return decode(key, payload)
 
 
 @final
@@ -43,7 +36,7 @@ class SummaryPlaces:
         gammas, slices: as in the summary, m^2 and m.
     """
 
-    __slots__ = ("_radii", "_sizes", "gammas", "index", "robots", "runs", "slices", "tick", "x", "y")
+    __slots__ = ("gammas", "index", "robots", "runs", "slices", "tick", "x", "y")
 
     def __init__(self, summary: Summary) -> None:
         self.tick, self.runs = summary.tick, summary.robots
@@ -63,31 +56,9 @@ class SummaryPlaces:
         robots, index = _ids(summary.robots, count)
         self.robots: NDArray[np.int64] = robots
         self.index: Mapping[int, int] = index
-        self._radii: Mapping[int, float] | None = None
-        self._sizes = self.x
-
-    def sizes(self, radii: Mapping[int, float]) -> Array:
-        """Radii of `robots`, m; 0 for ids that `radii` lacks. Robots of one process share the array.
-
-        Args:
-            radii: of all known robots, m, by id.
-        """
-        if self._radii is not radii:
-            self._radii = radii
-            self._sizes = np.array([radii.get(robot, 0.0) for robot in self.index], dtype=np.float64)
-        return self._sizes
 
 
-places_of = lru_cache(maxsize=1)(SummaryPlaces)
-
-
-@lru_cache(maxsize=16)
-def drift(before: SummaryPlaces, after: SummaryPlaces) -> tuple[Array, Array]:
-    """Mean displacement of each robot per tick between two summaries, m; zero if their robots differ."""
-    ticks = after.tick - before.tick
-    if before.runs != after.runs or ticks <= 0:
-        return np.zeros_like(after.x), np.zeros_like(after.y)
-    return (after.x - before.x) / ticks, (after.y - before.y) / ticks
+places_of = lru_cache(maxsize=1)(SummaryPlaces)  # robots of one process share the newest
 
 
 @final
@@ -96,12 +67,11 @@ class FarPicture:
 
     Args:
         places: of the summary.
-        radii: of all robots, m.
-        before: the picture before; radii are reused, and the drift is measured from it.
+        radii: of all robots, m, by id; 0 for ids that it lacks.
+        before: the picture before, from which robots moved.
 
     Attributes:
-        tick: of the summary.
-        places: of the summary.
+        tick, places: of the summary.
     """
 
     def __init__(
@@ -109,24 +79,23 @@ class FarPicture:
     ) -> None:
         self.tick, self.places, self._radii = places.tick, places, radii
         self._before = places if before is None else before.places
-        self._sizes: Array
         if before is not None and before._radii is radii and before.places.runs == places.runs:
-            self._sizes = before._sizes
+            self._sizes: Array = before._sizes
         else:
-            self._sizes = places.sizes(radii)
+            self._sizes = np.array([radii.get(robot, 0.0) for robot in places.index], dtype=np.float64)
 
     def courses(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Of all robots: x and y, their displacements per tick, and radii, m."""
-        return (self.places.x, self.places.y, *drift(self._before, self.places), self._sizes)
+        """Of all robots: x and y, mean displacement in x and y per tick since the summary before (0 if that
+        has other robots), and radii, m."""
+        now, before = self.places, self._before
+        ticks = now.tick - before.tick
+        if before.runs != now.runs or ticks <= 0:
+            return now.x, now.y, np.zeros_like(now.x), np.zeros_like(now.y), self._sizes
+        return now.x, now.y, (now.x - before.x) / ticks, (now.y - before.y) / ticks, self._sizes
 
     def field(self, position: Vector, radius: float, known: Collection[int]) -> FarField:
-        """The terms that all robots but the `known` add to a robot's slice near its own position.
-
-        Args:
-            position: own, m.
-            radius: own, m.
-            known: robots to leave out, as their own States are known; own id included, each once.
-        """
+        """The terms that all robots but the `known` (own id included, each once) add to the slice of a robot
+        of `radius`, m, near its position, m."""
         far = self.places
         index = [far.index[robot] for robot in known if robot in far.index]
         terms = (far.x, far.y, radius + self._sizes, far.gammas, far.slices)
@@ -173,11 +142,7 @@ class Arrivals:
         return -1 if self._picture is None else self._picture.tick
 
     def new_picture(self, radii: Mapping[int, float]) -> FarPicture | None:
-        """The summary that is due, returned once; None if there is no newer one.
-
-        Args:
-            radii: of all robots, m.
-        """
+        """The summary that is due, returned once, with the radii of all robots, m; None if there is none."""
         if self._due <= self._taken:
             return None
         coming = sorted([tick for tick in self._arrived if tick >= self._due])

@@ -1,109 +1,36 @@
-"""A robot's peers: the roster, the newest State received from each, and the static disks."""
+"""A robot's peers: when each State counts, and the newest of each peer.
+
+Sender and tick of a State decide whether it is accepted; its arrival time does not. Proposals and answers
+take effect only between a Tick and the own Command, when no command is in force; later ones wait for the
+next Tick.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import NamedTuple, final
+from collections.abc import Callable, Iterable, Mapping
+from typing import Final
 
-from agents.peers.far import NOTHING, FarPicture
+from agents.peers.far import NOTHING, Arrivals, FarPicture, places_of
+from agents.peers.link import StateLink
+from agents.peers.roster import radii_of
 from agents.peers.state import Peer, PeerState
-from protocol.codec import keeps_newest
-from protocol.geometry import Shape
-from protocol.messages import Member, PartPlace, PlacedObstacle, Roster
-from protocol.scenario.model import RobotSpec
+from protocol.messages import Member, Summary, Tick, Vector
+from protocol.scenario.model import Scenario
 
-
-@keeps_newest
-def _by_id(members: tuple[Member, ...]) -> Mapping[int, Member]:
-    return {each.robot: each for each in members}
-
-
-@final
-class KnownRoster:
-    """The newest roster received by one life of one robot.
-
-    Args:
-        robot: own id.
-        listed: shapes of the scenario's obstacles, by number.
-
-    Attributes:
-        version: of the roster; 0 before the first.
-        members: its entries, by id, in its order.
-        obstacles: its obstacles that appeared or were removed.
-        parts: the place of each part.
-        shapes: of all obstacles that are present or appearing.
-    """
-
-    def __init__(self, robot: int, listed: Mapping[int, Shape]) -> None:
-        self.version = 0
-        self.obstacles: tuple[PlacedObstacle, ...] = ()
-        self.parts: tuple[PartPlace, ...] = ()
-        self._robot, self._listed = robot, listed
-        self.members: Mapping[int, Member] = {}
-        self.shapes = tuple(listed.values())
-
-    def update(self, roster: Roster) -> list[Member]:
-        """Adopt a roster if it is newer; returns the entries of peers that changed, by id."""
-        if roster.version <= self.version:
-            return []
-        before, self.members = self.members, _by_id(roster.members)
-        if roster.obstacles != self.obstacles:
-            shapes = dict(self._listed)
-            for obstacle in roster.obstacles:
-                shapes.pop(obstacle.number, None)
-                if obstacle.status != "gone":
-                    shapes[obstacle.number] = obstacle.shape
-            self.shapes = tuple(shapes.values())
-        self.version, self.obstacles, self.parts = roster.version, roster.obstacles, roster.parts
-        return [
-            each
-            for each in self.members.values()
-            if each.robot != self._robot and before.get(each.robot) != each
-        ]
-
-    def member(self, robot: int) -> Member | None:
-        """The entry of an id; None if the roster has none."""
-        return self.members.get(robot)
-
-
-def has_ended(roster: Roster, robot: int, incarnation: int) -> bool:
-    """Whether a roster ends this incarnation: its disk is static, or the robot has a newer one."""
-    for member in roster.members:
-        if member.robot == robot and member.incarnation >= incarnation:
-            return member.incarnation > incarnation or member.status != "live"
-    return False
-
-
-class FleetRadii(NamedTuple):
-    """The robots of a fleet. Immutable.
-
-    Attributes:
-        ids: of all robots.
-        radii: of their disks, m, by id.
-    """
-
-    ids: frozenset[int]
-    radii: Mapping[int, float]
-
-
-@keeps_newest
-def fleet_of(robots: tuple[RobotSpec, ...]) -> FleetRadii:
-    """The fleet of a scenario's robots."""
-    radii = {robot.id: robot.radius for robot in robots}
-    return FleetRadii(frozenset(radii), radii)
+_NEVER: Final = 2**62
 
 
 class Neighbours:
-    """The newest States of peers, each of the life in the roster.
+    """The newest States of peers, of the lives that the roster names.
 
     Args:
         radii: of all robots, m, by id; not modified.
-        hears_all: whether this robot receives the States of all peers; otherwise a new life may be too far.
+        hears_all: whether this robot receives the States of all peers, not of near ones only.
 
     Attributes:
         members: entries of the newest roster, by id; shared, not modified.
         standing: roster entries of disks that are static or appearing, by id.
-        picture: the newest summary of all positions; None before the first, and if all peers are received.
+        picture: the newest summary of all positions, if there is any.
         far: terms in the slice of the peers whose States are not received.
         radii: newest known, m, by id.
     """
@@ -134,8 +61,7 @@ class Neighbours:
         return True
 
     def on_member(self, member: Member) -> None:
-        """Apply a changed entry of a newer roster, whose entries are in `members`. The disk of a peer that
-        restarts is static until its first State."""
+        """Apply a changed entry of a newer roster. A peer that restarts is static until its first State."""
         robot = member.robot
         if self.radii.get(robot) != member.radius:
             self.radii = {**self.radii, robot: member.radius}  # the others share the one given
@@ -178,7 +104,7 @@ class Neighbours:
         return [state for state in self.heard() if state.robot not in self.standing]
 
     def disks(self) -> list[Peer]:
-        """Peers with a known position. A static one has gamma 0, like an obstacle, since it never arrives."""
+        """Peers with a known position; a static one has gamma 0, as an obstacle has."""
         if not self.standing:
             return [state for state in self._states.values() if state is not None and state.placed]
         disks: list[Peer] = []
@@ -200,3 +126,107 @@ class Neighbours:
     def _stands_at(self, peer: int) -> tuple[float, float] | None:
         member = self.standing.get(peer)
         return None if member is None else member.position
+
+
+class PeerInbox:
+    """The inbox of one life of one robot.
+
+    Args:
+        scenario: the run.
+        robot: own id.
+        accepted: takes each State that counts, with its proposals and answers.
+        lockstep: whether the world waits for this robot. If it does not, States of missed ticks count.
+
+    Attributes:
+        neighbours: peers, by their newest States and the roster.
+    """
+
+    def __init__(
+        self, scenario: Scenario, robot: int, accepted: Callable[[PeerState], None], *, lockstep: bool
+    ) -> None:
+        self.neighbours = Neighbours(radii_of(scenario.robots), hears_all=not scenario.hears_near)
+        self._accepted = accepted
+        self._robot, self._tick, self._lockstep = robot, -1, lockstep
+        self._link = StateLink(scenario, robot)
+        self._far = Arrivals(scenario, robot) if scenario.hears_near else None
+        self._since: dict[int, int] = {}  # first tick of which a State counts, by peer
+        self._active: tuple[int, ...] = ()  # as the tick before named them
+        self._awaited: set[int] = set()
+        self._open = False  # whether the tick's State is out and its Command is not
+
+    def open(self, tick: Tick, place: Vector | None = None) -> None:
+        """Begin a tick at `place`, m: await the States of the peers that it names, and accept late ones."""
+        self._link.locate(tick.tick, place)
+        self._attend(tick)
+        self._tick = tick.tick
+        self._awaited = set(self._since).difference(self._link.ahead(tick.tick))
+        if self._far is not None:
+            self._far.open(tick.tick)
+        self._take(tick.tick - 1)
+        self._open = True
+
+    def _attend(self, tick: Tick) -> None:
+        """In lock-step, States of ticks that this robot missed are dropped: their arrival depends on the wall
+        clock, as no tick awaited it, and accepting them would make runs differ."""
+        before, now = self._since, tick.tick
+        if self._lockstep and now > self._tick + 1:
+            before = {}
+        elif tick.active == self._active:
+            return
+        self._active = tick.active
+        self._since = {peer: before.get(peer, now) for peer in tick.active if peer != self._robot}
+
+    def close(self) -> None:
+        """The tick's Command is due: accept the States that arrived in time."""
+        self._open = False
+        self._take(self._tick)
+
+    def reconsider(self, tick: Tick) -> None:
+        """The same tick again, with fewer active robots: await no State of those that left it."""
+        self._awaited.intersection_update(tick.active)
+
+    def on_state(self, state: PeerState) -> None:
+        """Receive a peer's State, perhaps repeated."""
+        tick = state.tick
+        if tick >= self._tick:  # of any incarnation: a wrong one must not block the tick
+            self._awaited.discard(state.robot)
+        if self._open and tick <= self._tick and self._link.ideal:
+            self._learn(state)  # as `close` would in a moment
+        else:
+            self._link.put(state)
+
+    def on_summary(self, summary: Summary) -> None:
+        """Receive the world's summary of all positions; raises MessageError if it is malformed."""
+        if self._far is not None:
+            self._far.on_summary(places_of(summary))
+
+    def look_afar(self, position: Vector, radius: float) -> None:
+        """Apply the summary that is due, once: the far field around the own disk (m)."""
+        picture = None if self._far is None else self._far.new_picture(self.neighbours.radii)
+        if picture is None:
+            return
+        known = {self._robot, *self.neighbours.known, *self.neighbours.standing}
+        self.neighbours.picture = picture
+        self.neighbours.far = picture.field(position, radius, known)
+
+    @property
+    def complete(self) -> bool:
+        """Whether all States awaited in this tick have arrived, and the summary that is due."""
+        return not self._awaited and (self._far is None or self._far.has_summary)
+
+    @property
+    def missing(self) -> list[int]:
+        """Robots whose States have not arrived."""
+        return sorted(self._awaited)
+
+    def _take(self, tick: int) -> None:
+        """Accept all States that are due by `tick`."""
+        for state in self._link.take(tick):
+            self._learn(state)
+
+    def _learn(self, state: PeerState) -> None:
+        if state.tick < self._since.get(state.robot, _NEVER):
+            return
+        state.size(self.neighbours.radii.get(state.robot, 0.0))
+        if self.neighbours.on_state(state, self._tick):
+            self._accepted(state)

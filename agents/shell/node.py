@@ -17,7 +17,6 @@ from typing import Final
 from msgspec.structs import replace
 
 from agents.bases.base import ros_of
-from agents.peers.far import read_summary
 from agents.robot import Robot
 from agents.shell.attached_base import AttachedBase
 from agents.shell.ros_link import AttachedTools, RosLink
@@ -70,7 +69,7 @@ class RobotNode:
         self._namespace = namespace
         self._world = WorldSession(bus, run, robot, patience, wait, say, read)
         self._peers = Subscriptions(bus, run, robot)
-        self._summary, self._health_key = world_key(run, "summary"), robot_key(run, robot, "health")
+        self._health_key = robot_key(run, robot, "health")
         self._link: RosLink | None = None
         self._base: AttachedBase | None = None
         self._tools: AttachedTools | None = None
@@ -148,7 +147,7 @@ class RobotNode:
         bus, run, robot = self._bus, self._run, self._robot
         bus.watch(world_tokens(run))
         bus.subscribe(robot_key(run, robot, "tick"))
-        bus.subscribe(self._summary)
+        bus.subscribe(world_key(run, "summary"))
         if core.scenario.control.law == "external":
             bus.subscribe(robot_key(run, robot, "wish"))
         self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
@@ -211,7 +210,7 @@ class RobotNode:
         try:
             peer = self._peers.readers.get(key)
             heard = None if peer is None else peer.read(payload)
-            message = None if peer is not None else self._decode(key, payload)
+            message = None if peer is not None else decode(key, payload)
         except MessageError as error:
             self._rejected[error.reason] += 1
             return
@@ -239,9 +238,6 @@ class RobotNode:
             tools.hear(topic, event.payload)
             if tools.stopped and base is not None and core is not None:
                 base.stand(core, founded=self._founded)
-
-    def _decode(self, key: str, payload: bytes) -> AnyMessage:
-        return read_summary(key, payload) if key == self._summary else decode(key, payload)
 
     def _on_message(self, core: Robot, message: AnyMessage | None) -> None:
         """Receive any message other than the State of a known peer."""

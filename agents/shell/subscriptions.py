@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Final, final
 
-from agents.peers.neighbours import fleet_of
+from agents.peers.roster import radii_of
 from agents.peers.state import PeerReader, plausible
 from protocol.bus.bus import Bus
 from protocol.joining import Admission
@@ -43,7 +43,7 @@ class Subscriptions:
         """Begin a life: subscribe to all peers, unless the world will name the near ones."""
         scenario = admission.scenario
         self._limits = plausible(scenario)
-        self._fleet = fleet_of(scenario.robots).ids
+        self._fleet = frozenset(radii_of(scenario.robots))
         self._epoch, self._near = admission.epoch, frozenset()
         self._before, self._named, self._dropped = self._near, False, set()
         self.readers = {}

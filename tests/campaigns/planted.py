@@ -20,8 +20,8 @@ Fault = Callable[[Modules, pytest.MonkeyPatch], None]
 # in the order of their imports, up to those that a fleet is made of
 _CHAIN = (
     *("agents.lines.boundary", "agents.lines.safe_velocity", "agents.bodies", "protocol.kernel.pair"),
-    *("protocol.kernel.robot", "agents.peers.neighbours", "agents.lines.negotiation"),
-    *("agents.lines.separating_lines", "agents.peers.link", "agents.safety_filter", "agents.hearing"),
+    *("protocol.kernel.robot", "agents.peers.link", "agents.peers.neighbours"),
+    *("agents.lines.negotiation", "agents.lines.separating_lines", "agents.safety_filter"),
     *("agents.robot", "agents.shell.node", "deploy.run.local"),
 )
 
@@ -77,7 +77,7 @@ def drawing_as_it_comes(modules: Modules, _: pytest.MonkeyPatch) -> None:
 
 def sizing_as_it_comes(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A peer is the disk of the roster that is known as its State arrives."""
-    hearing = modules["agents.hearing"].PeerInbox
+    hearing = modules["agents.peers.neighbours"].PeerInbox
     before = hearing.on_state
 
     def on_state(self: Any, state: Any) -> None:
@@ -86,14 +86,14 @@ def sizing_as_it_comes(modules: Modules, _: pytest.MonkeyPatch) -> None:
 
     def learn(self: Any, state: Any) -> None:
         if state.tick >= self._since.get(state.robot, 2**62) and self.neighbours.on_state(state, self._tick):
-            self._lines.on_state(state)
+            self._accepted(state)
 
     hearing.on_state, hearing._learn = on_state, learn
 
 
 def hearing_what_nobody_waited_for(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """A robot hears what was said before its life, or while it was paused, if it still arrives."""
-    hearing = modules["agents.hearing"].PeerInbox
+    hearing = modules["agents.peers.neighbours"].PeerInbox
     before = hearing._attend
 
     def attend(self: Any, tick: Any) -> None:

@@ -12,7 +12,7 @@ from dataclasses import replace
 from random import Random
 from typing import Any
 
-from agents.peers.neighbours import KnownRoster
+from agents.peers.roster import KnownRoster
 from protocol.messages import Claim, Handling
 from protocol.scenario.model import Carrying, Part, Scenario
 from tests.agents.lines.models.product import Product

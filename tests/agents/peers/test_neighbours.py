@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from agents.peers.neighbours import KnownRoster, Neighbours, has_ended
+from agents.peers.neighbours import Neighbours
+from agents.peers.roster import KnownRoster, has_ended
 from agents.peers.state import PeerState
 from protocol.geometry import Disk
 from protocol.messages import Member, PlacedObstacle, Roster, Vector

@@ -15,7 +15,7 @@ _KERNEL = [
     "protocol.region",
 ]
 _LINES = [
-    "agents.peers.neighbours",
+    *("agents.peers.roster", "agents.peers.neighbours"),
     *(f"agents.lines.{name}" for name in ("own_set", "boundary", "negotiation", "separating_lines")),
 ]
 _ROBOT = [
@@ -23,7 +23,7 @@ _ROBOT = [
     "agents.lines.safe_velocity",
     "agents.bodies",
     "agents.safety_filter",
-    *("agents.hearing", "agents.robot"),
+    "agents.robot",
 ]
 _WORLD = [
     *(
