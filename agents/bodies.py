@@ -18,56 +18,20 @@ import math
 from collections.abc import Sequence
 from typing import Final, Protocol, final
 
-from agents.lines.boundary import Boundary
-from agents.lines.own_set import Polygon
-from agents.lines.safe_velocity import nearest, safe_velocity, wedge
+from agents.lines.safe_velocity import Limits, nearest, safe_velocity, wedge
 from protocol.bodies.kinematics import Kinematics, Motion
 from protocol.bodies.sweep import Sweep, Tolerance, sweep
 from protocol.line import HalfPlane
 from protocol.messages import BaseMotion, Vector
 from protocol.scenario.model import Scenario
 
-_TRIES: Final = 6  # programs per tick
-_SHARES: Final = (0.5, 0.2, 0.05)  # of the difference of the present velocity and the last candidate
-_STEEPEST: Final = 0.99  # largest relative error in the program; the exact sweep is tested
-_FACING: Final = 16  # directions per half circle, for `standoff`
-_LEAST: Final = 1e-9  # m, smallest decrease of a limit
-_TINY: Final = 1e-100  # m, smallest divisor
+_TRIES: Final = 6  # programs that are solved in a tick
+_SHARES: Final = (0.5, 0.2, 0.05)  # of the way from the present velocity to the last candidate
+_STEEPEST: Final = 0.99  # share that the program takes an error for at most; the sweep is tested as it is
+_FACING: Final = 16  # parts of half a circle, in which directions to leave an edge are tried
+_LEAST: Final = 1e-9  # m, by which a limit is lowered at least
 
 STILL: Vector = (0.0, 0.0)  # to a base: brake
-
-
-@final
-class Limits:
-    """The constraints of a robot in a tick.
-
-    Args:
-        position: estimated own position, m.
-        half_planes: constraints on the estimated centre.
-        boundary: bound of the true centre.
-        shape: possible offsets of the true centre from the estimate; None if it is exact.
-    """
-
-    __slots__ = ("boundary", "half_planes", "position", "shape")
-
-    def __init__(
-        self, position: Vector, half_planes: Sequence[HalfPlane], boundary: Boundary, shape: Polygon | None
-    ) -> None:
-        self.position, self.half_planes, self.boundary, self.shape = position, half_planes, boundary, shape
-
-    def cut(self, passed: Sweep) -> HalfPlane | None:
-        """A half-plane of displacements that a sweep violates by leaving the boundary."""
-        found: HalfPlane | None = None
-        x, y = self.position
-        for index, margin in enumerate(passed.margins):
-            dx, dy = passed.xs[index], passed.ys[index]
-            if dx == dy == 0.0 and margin > 0.0:
-                dx = _TINY  # a path back to its start, except for the margin
-            way = math.hypot(dx, dy)
-            if way > 0.0:
-                cut = self.boundary.cut(x, y, self.shape, dx, dy, noise=margin / way)
-                found = cut if cut is not None else found
-        return found
 
 
 class BodyModel(Protocol):
@@ -126,16 +90,7 @@ class PointBody:
         pass  # it stands
 
     def velocity(self, desired: Vector, limits: Limits) -> Vector:
-        return safe_velocity(
-            desired,
-            limits.position,
-            limits.half_planes,
-            boundary=limits.boundary,
-            speed=self._speed,
-            period=self._period,
-            shape=limits.shape,
-            noise=self._noise,
-        )
+        return safe_velocity(desired, limits, speed=self._speed, period=self._period, noise=self._noise)
 
 
 @final

@@ -9,10 +9,11 @@ from __future__ import annotations
 from math import inf
 from typing import Final, final
 
-from agents.bodies import BodyModel, Limits
+from agents.bodies import BodyModel
 from agents.estimate import Estimate
 from agents.lines.boundary import BothBoundaries, Boundary, RoundBoundary, boundary_of
 from agents.lines.own_set import Polygon
+from agents.lines.safe_velocity import Limits
 from agents.lines.separating_lines import SeparatingLines
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario

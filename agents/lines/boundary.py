@@ -1,10 +1,10 @@
 """Boundaries that a disk must not leave, workspace and region, as half-planes.
 
 A centre x that moves by d stays inside if n.(x + d) <= W for every direction n, W the largest distance from
-the origin. Of x only a set that contains it is known, with support h(n), and that x is inside. So n.d <=
-max(0, W - h(n)) for every n suffices, and d = 0 is always allowed: for n = (x + d) / |x + d|, either n.d <= W
-- h(n), and n.(x + d) <= W, or n.d <= 0, and n.(x + d) <= n.x <= W. As there are infinitely many n,
-half-planes are made one by one, for a displacement that violates them. A convex polygon has its walls.
+the origin. Of x only a set is known, with support h(n), and that it is inside. So n.d <= max(0, W - h(n))
+for every n suffices, and d = 0 is always allowed: for n = (x + d) / |x + d|, either n.d <= W - h(n), and
+n.(x + d) <= W, or n.d <= 0, and n.(x + d) <= n.x <= W. As there are infinitely many n, `cut` gives one that a
+displacement violates. Of a convex polygon the walls are all.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from mypy_extensions import mypyc_attr
 from agents.lines.own_set import Polygon
 from protocol.geometry import Disk, Shape
 from protocol.line import ROUNDING, HalfPlane, room_of
+from protocol.messages import Vector
 
 _WORTH: Final = 0.05  # least depth of a cut, radii of the set
 
@@ -56,25 +57,18 @@ class RoundBoundary:
         return math.hypot(x - self.cx, y - self.cy) + bound + ROUNDING <= self.radius
 
     def cut(
-        self,
-        x: float,
-        y: float,
-        shape: Polygon | None,
-        dx: float,
-        dy: float,
-        *,
-        noise: float = 0.0,
-        tolerance: float = 0.0,
+        self, place: Vector, shape: Polygon | None, step: Vector, noise: float = 0.0, tolerance: float = 0.0
     ) -> HalfPlane | None:
-        """A half-plane of displacements that the displacement (dx, dy) violates, if any.
+        """A half-plane of displacements that the displacement `step`, m, violates; None if it violates none.
 
         Args:
-            x, y, shape: set that contains the own centre, m; without `shape` it is (x, y).
+            place, shape: the set where the own centre can be, m; without `shape` it is the place.
             noise: bound on the relative execution noise: executed is d + |d| w, |w| <= noise.
             tolerance: ignored violation, as a share of the distance from the origin.
         """
+        dx, dy = step
         extra = noise * math.hypot(dx, dy)
-        x, y = x - self.cx, y - self.cy
+        x, y = place[0] - self.cx, place[1] - self.cy
         if shape is None:
             return self._cut_of_point(x, y, dx, dy, extra, tolerance)
         rim = self.radius - shape.margin - 2.0 * ROUNDING
@@ -139,21 +133,11 @@ class StraightBoundary:
         return all(wall.slack(x, y) >= bound + ROUNDING for wall in self.walls)
 
     def cut(
-        self,
-        x: float,
-        y: float,
-        shape: Polygon | None,
-        dx: float,
-        dy: float,
-        *,
-        noise: float = 0.0,
-        tolerance: float = 0.0,
+        self, place: Vector, shape: Polygon | None, step: Vector, noise: float = 0.0, tolerance: float = 0.0
     ) -> HalfPlane | None:
-        """`RoundBoundary.cut`.
-
-        Args:
-            tolerance: ignored violation, m, unless the displacement has to lead away.
-        """
+        """As `RoundBoundary.cut`; a violation by less than `tolerance`, m, does not count, unless it has to
+        lead away."""
+        (x, y), (dx, dy) = place, step
         extra = noise * math.hypot(dx, dy)
         worst, found = tolerance, None
         for wall in self.walls:
@@ -171,7 +155,7 @@ class StraightBoundary:
 @final
 @mypyc_attr(acyclic=True)
 class BothBoundaries:
-    """The workspace, and a round region in it."""
+    """The workspace, and a region in it, at once."""
 
     __slots__ = ("region", "room")
 
@@ -183,20 +167,11 @@ class BothBoundaries:
         return self.room.beyond(x, y, shape) or self.region.beyond(x, y, shape)
 
     def cut(
-        self,
-        x: float,
-        y: float,
-        shape: Polygon | None,
-        dx: float,
-        dy: float,
-        *,
-        noise: float = 0.0,
-        tolerance: float = 0.0,
+        self, place: Vector, shape: Polygon | None, step: Vector, noise: float = 0.0, tolerance: float = 0.0
     ) -> HalfPlane | None:
-        """The cut of either."""
-        return self.room.cut(x, y, shape, dx, dy, noise=noise, tolerance=tolerance) or self.region.cut(
-            x, y, shape, dx, dy, noise=noise, tolerance=tolerance
-        )
+        """As of either."""
+        found = self.room.cut(place, shape, step, noise, tolerance)
+        return found or self.region.cut(place, shape, step, noise, tolerance)
 
 
 Boundary = RoundBoundary | StraightBoundary | BothBoundaries

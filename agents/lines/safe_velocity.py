@@ -12,67 +12,88 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Final
+from typing import Final, final
 
 from agents.lines.boundary import Boundary
 from agents.lines.own_set import Polygon
+from protocol.bodies.sweep import Sweep
 from protocol.line import HalfPlane, room_of
 from protocol.messages import Vector
 
-_CUTS: Final = 12  # largest number of half-planes of the boundary
+_CUTS: Final = 12  # half-planes of the boundary that are tried
+_TINY: Final = 1e-100  # m; what can be divided by
 _SHRINK = (1.0, 1.0, 1.0 - 1e-15, 1.0 - 1e-12, 1.0 - 1e-9, 1.0 - 1e-6, 0.999, 0.9, 0.5, 0.0)
 
 
+@final
+class Limits:
+    """Constraints of a robot in a tick.
+
+    Args:
+        position: estimated own centre, m.
+        half_planes: where the estimated centre must stay; one already violated must not be approached.
+        boundary: what the true centre must not leave.
+        shape: where the true centre can be, around the estimated one; None where that is exact.
+    """
+
+    __slots__ = ("boundary", "half_planes", "position", "shape")
+
+    def __init__(
+        self, position: Vector, half_planes: Sequence[HalfPlane], boundary: Boundary, shape: Polygon | None
+    ) -> None:
+        self.position, self.half_planes, self.boundary, self.shape = position, half_planes, boundary, shape
+
+    def cut(self, passed: Sweep) -> HalfPlane | None:
+        """A half-plane of displacements that a sweep violates by leaving the boundary."""
+        found: HalfPlane | None = None
+        for index, margin in enumerate(passed.margins):
+            dx, dy = passed.xs[index], passed.ys[index]
+            if dx == dy == 0.0 and margin > 0.0:
+                dx = _TINY  # it comes back to where it began, but for the margin
+            way = math.hypot(dx, dy)
+            if way > 0.0:
+                cut = self.boundary.cut(self.position, self.shape, (dx, dy), margin / way)
+                found = cut if cut is not None else found
+        return found
+
+
 def safe_velocity(
-    desired: Vector,
-    position: Vector,
-    half_planes: Sequence[HalfPlane],
-    *,
-    boundary: Boundary,
-    speed: float,
-    period: float,
-    shape: Polygon | None = None,
-    noise: float = 0.0,
+    desired: Vector, limits: Limits, *, speed: float, period: float, noise: float = 0.0
 ) -> Vector:
-    """The velocity nearest to `desired` that obeys all constraints until the end of the period, m/s.
+    """The velocity nearest to `desired`, m/s, that keeps to the limits until `period` is over.
 
     The result satisfies every constraint in floating point, with inward rounding.
 
     Args:
-        desired: m/s.
-        position: estimated own centre, m.
-        half_planes: constraints on the estimated centre; one already violated must not be approached.
-        boundary: of the true centre.
         speed: speed limit, m/s.
-        period: duration of the command, s.
-        shape: possible positions of the true centre, around the estimated one; None if that is exact.
+        period: how long the command holds, s.
         noise: bound on the relative execution noise, in [0, 1).
     """
     if desired == (0.0, 0.0):
         return desired
-    x, y = position
+    position, shape, boundary = limits.position, limits.shape, limits.boundary
     max_step = speed * period
     want = (desired[0] * period, desired[1] * period)
-    limits = _near(half_planes, x, y, max_step * (1.0 + noise), exact=shape is None)
+    near = _near(limits.half_planes, *position, max_step * (1.0 + noise), exact=shape is None)
     if noise > 0.0:
-        limits = [half for limit in limits for half in wedge(limit, noise)]
-    step = nearest(want, limits, max_step)
+        near = [half for limit in near for half in wedge(limit, noise)]
+    step = nearest(want, near, max_step)
     for _ in range(_CUTS):
-        cut = boundary.cut(x, y, shape, step[0], step[1], noise=noise, tolerance=1e-12)
+        cut = boundary.cut(position, shape, step, noise, 1e-12)
         if cut is None:
             break
-        limits = [*limits, *(wedge(cut, noise) if noise > 0.0 else (cut,))]
-        step = nearest(want, limits, max_step)
+        near = [*near, *(wedge(cut, noise) if noise > 0.0 else (cut,))]
+        step = nearest(want, near, max_step)
     for shrink in _SHRINK:
-        # Shrinking makes room at all edges except those through 0, for which the step is moved off.
-        step = _nudged((step[0] * shrink, step[1] * shrink), limits)
+        # Shrinking makes room at all edges but those through 0; only then can these be moved off.
+        step = _nudged((step[0] * shrink, step[1] * shrink), near)
         vx, vy = step[0] / period, step[1] / period
         dx, dy = vx * period, vy * period
         if (
             math.hypot(dx, dy) <= max_step
             and math.hypot(vx, vy) * period <= max_step
-            and all(each.nx * dx + each.ny * dy <= each.limit for each in limits)
-            and boundary.cut(x, y, shape, dx, dy, noise=noise) is None
+            and all(each.nx * dx + each.ny * dy <= each.limit for each in near)
+            and boundary.cut(position, shape, (dx, dy), noise) is None
         ):
             return vx, vy
     return 0.0, 0.0

@@ -49,11 +49,9 @@ def trusting_the_estimate(modules: Modules, _: pytest.MonkeyPatch) -> None:
     """The wall is kept for the estimate, as if that were exact."""
     boundary = modules["agents.lines.boundary"].RoundBoundary
 
-    def cut(
-        self: Any, x: float, y: float, _: Any, dx: float, dy: float, *, noise: float = 0.0, **more: Any
-    ) -> Any:
-        extra = noise * float(np.hypot(dx, dy))
-        return self._cut_of_point(x, y, dx, dy, extra, more.get("tolerance", 0.0))
+    def cut(self: Any, place: Any, _: Any, step: Any, noise: float = 0.0, tolerance: float = 0.0) -> Any:
+        extra = noise * float(np.hypot(*step))
+        return self._cut_of_point(*place, *step, extra, tolerance)
 
     boundary.cut = cut
 

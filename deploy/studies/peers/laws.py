@@ -20,7 +20,7 @@ from agents.law import View
 from agents.law.gradient import boundary_radius
 from agents.law.obstacles import Attraction, obstacle_disks
 from agents.lines.boundary import boundary_of
-from agents.lines.safe_velocity import safe_velocity
+from agents.lines.safe_velocity import Limits, safe_velocity
 from agents.peers.neighbours import Neighbours
 from protocol.draws import Purpose, generator
 from protocol.geometry import Shape
@@ -203,15 +203,9 @@ class Barrier:
                 return 0.0, 0.0
         vx, vy = float(wanted[0]), float(wanted[1])
         excess = max(1.0, math.hypot(vx, vy) / self._speed)
-        # A robot that moves along the round boundary would leave it: take the nearest velocity inside.
-        return safe_velocity(
-            (vx / excess, vy / excess),
-            view.position,
-            (),
-            boundary=self._boundary,
-            speed=self._speed,
-            period=self._period,
-        )
+        # The boundary curves towards a robot that moves along it: the nearest velocity that stays inside.
+        limits = Limits(view.position, (), self._boundary, None)
+        return safe_velocity((vx / excess, vy / excess), limits, speed=self._speed, period=self._period)
 
     def _barriers(self, own: Array, view: View) -> tuple[Array, Array]:
         """Rows a and limits c of a . v <= c, scaled to |a| = 1 so that the solver's tolerance is a speed."""

@@ -6,8 +6,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from agents.bodies import InertialBody, Limits
+from agents.bodies import InertialBody
 from agents.lines.boundary import RoundBoundary
+from agents.lines.safe_velocity import Limits
 from protocol.bodies.kinematics import Kinematics, Motion
 from protocol.bodies.sweep import Sweep, Tolerance
 from protocol.line import HalfPlane

@@ -46,7 +46,7 @@ def test_what_violates_nothing_takes_no_possible_place_out(shape, place, move, n
     x, y = ((W + out) * part for part in unit(angle))
     dx, dy = (REACH * move[1] * part for part in unit(move[0]))
     boundary = RoundBoundary(W)
-    if boundary.cut(x, y, polygon, dx, dy, noise=noise) is not None:
+    if boundary.cut((x, y), polygon, (dx, dy), noise) is not None:
         return
     corners = list(zip(polygon.xs, polygon.ys, strict=True))
     for a, b, c, turn in where:
@@ -79,8 +79,8 @@ def test_a_half_plane_is_violated_and_allows_to_stand_still(place, move, noise) 
     x, y = ((W + place[1]) * part for part in unit(place[0]))
     dx, dy = (REACH * move[1] * part for part in unit(move[0]))
     boundary, shape = RoundBoundary(W), around(0.005)
-    assert boundary.cut(x, y, shape, 0.0, 0.0, noise=noise) is None
-    cut = boundary.cut(x, y, shape, dx, dy, noise=noise)
+    assert boundary.cut((x, y), shape, (0.0, 0.0), noise) is None
+    cut = boundary.cut((x, y), shape, (dx, dy), noise)
     if cut is not None:
         assert cut.limit >= 0.0
         assert cut.nx * dx + cut.ny * dy + noise * math.hypot(dx, dy) > cut.limit - TINY
@@ -115,18 +115,15 @@ def test_a_robot_that_can_go_where_it_wants_to_does_not_stand(noise: float) -> N
         wish = draw.uniform(0.0, 2.0 * math.pi)
         ways = [unit(wish + 0.1 * turn) for turn in range(-14, 15)]
         if any(
-            boundary.cut(x, y, shape, 0.1 * REACH * dx, 0.1 * REACH * dy, noise=noise) is None
+            boundary.cut((x, y), shape, (0.1 * REACH * dx, 0.1 * REACH * dy), noise) is None
             for dx, dy in ways
         ):
             able += 1
             vx, vy = INNER.safe_velocity(
                 (SPEED * math.cos(wish), SPEED * math.sin(wish)),
-                (x, y),
-                (),
-                boundary=boundary,
+                INNER.Limits((x, y), (), boundary, shape),
                 speed=SPEED,
                 period=PERIOD,
-                shape=shape,
                 noise=noise,
             )
             assert math.hypot(vx, vy) > 0.0, seed
@@ -139,9 +136,9 @@ def test_a_robot_that_has_less_room_than_rounding_takes_stands_still(room: float
     boundary, shape = RoundBoundary(room), around(error, ROUNDING)
     for turn in range(16):
         dx, dy = (REACH * part for part in unit(turn * math.pi / 8.0))
-        assert boundary.cut(1.5 * error, 0.0, shape, dx, dy) is not None
-        assert boundary.cut(1.5 * error, 0.0, shape, dx, dy, noise=0.3) is not None
-    assert boundary.cut(1.5 * error, 0.0, shape, 0.0, 0.0) is None
+        assert boundary.cut((1.5 * error, 0.0), shape, (dx, dy)) is not None
+        assert boundary.cut((1.5 * error, 0.0), shape, (dx, dy), 0.3) is not None
+    assert boundary.cut((1.5 * error, 0.0), shape, (0.0, 0.0)) is None
 
 
 def excursion(seed: int, wall: Wall, ticks: int = 300) -> float:
@@ -182,16 +179,8 @@ def excursion(seed: int, wall: Wall, ticks: int = 300) -> float:
             far = math.hypot(x, y)
             ux, uy = x / far, y / far
             wish = (SPEED * (out * ux - side * uy), SPEED * (out * uy + side * ux))
-            vx, vy = INNER.safe_velocity(
-                wish,
-                estimate.position,
-                (),
-                boundary=boundary,
-                speed=SPEED,
-                period=PERIOD,
-                shape=estimate.shape,
-                noise=noise,
-            )
+            limits = INNER.Limits(estimate.position, (), boundary, estimate.shape)
+            vx, vy = INNER.safe_velocity(wish, limits, speed=SPEED, period=PERIOD, noise=noise)
             turn, size = draw.uniform(0.0, 2.0 * math.pi), draw.choice([0.0, noise])
             size *= math.hypot(vx, vy)
             moved = ((vx + size * math.cos(turn)) * PERIOD, (vy + size * math.sin(turn)) * PERIOD)

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.lines.boundary import RoundBoundary, StraightBoundary
-from agents.lines.safe_velocity import safe_velocity, wedge
+from agents.lines.safe_velocity import Limits, safe_velocity, wedge
 from protocol.line import ROUNDING, HalfPlane
 
 PERIOD, SPEED, ROOM = 0.05, 0.1, 0.26
@@ -37,9 +37,8 @@ def problems(draw: st.DrawFn) -> tuple[tuple[float, float], tuple[float, float],
 def solved(
     desired: tuple[float, float], position: tuple[float, float], planes: list[HalfPlane], noise: float = 0.0
 ) -> tuple[float, float]:
-    return safe_velocity(
-        desired, position, planes, boundary=RoundBoundary(ROOM), speed=SPEED, period=PERIOD, noise=noise
-    )
+    limits = Limits(position, planes, RoundBoundary(ROOM), None)
+    return safe_velocity(desired, limits, speed=SPEED, period=PERIOD, noise=noise)
 
 
 @given(problems(), st.sampled_from([0.0, 0.01, 0.3, 0.9]), angles)
@@ -70,7 +69,8 @@ def test_a_robot_that_slides_along_an_edge_does_not_creep_over_it(far: float, of
         boundary = StraightBoundary([edge] if of == "wall" else [])
         desired = SPEED * (0.3 * nx - ny), SPEED * (0.3 * ny + nx)
         for _ in range(500):
-            vx, vy = safe_velocity(desired, (x, y), planes, boundary=boundary, speed=SPEED, period=PERIOD)
+            limits = Limits((x, y), planes, boundary, None)
+            vx, vy = safe_velocity(desired, limits, speed=SPEED, period=PERIOD)
             x, y = x + vx * PERIOD, y + vy * PERIOD
             assert edge.slack(x, y) > 0.9 * ROUNDING
         assert math.dist(begin, (x, y)) > 450 * REACH

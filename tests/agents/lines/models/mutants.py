@@ -71,7 +71,7 @@ ITSELF = (
     without(
         "actuation-error",
         "a command leaves room for the stated error of its execution",
-        Edit("agents.bodies", "noise=self._noise,", "noise=0.0,"),
+        Edit("agents.bodies", "noise=self._noise)", "noise=0.0)"),
     ),
     without(
         "missed-odometry",
