@@ -1,11 +1,9 @@
 """Set-membership estimate of this robot's position, by a convex polygon.
 
 A measurement says: at tick `stamp` the truth was within `bound` of `position`. Odometry, which is immediate
-and has its own error bound, carries that to the present. So the truth lies in the intersection of all such
-disks; the workspace and the own side of every obeyed line reduce the set further (`confine`). An empty set
-means that a stated bound is wrong.
-
-Measurements with bound 0 reduce the set to a point, for which the set operations are skipped.
+and off by at most its own bound, carries that to the present. So the truth lies in every such disk at once;
+workspace and obeyed lines cut the set further (`confine`). An empty set says that a stated bound is wrong.
+Measurements with bound 0 reduce the set to a point.
 """
 
 from __future__ import annotations
@@ -20,16 +18,14 @@ from agents.lines.own_set import DIRECTIONS, SIDES, Polygon, around
 from protocol.line import ROUNDING, HalfPlane
 from protocol.messages import Sense, Vector
 
-HISTORY: Final = 64  # least ticks of odometry kept; older measurements are ignored
-_ULP: Final = 4.0 * 2.0**-53  # rounding error of a tick's sum, over |x| + |y|, in truth and estimate
+HISTORY: Final = 64  # ticks of odometry that are kept at least; a measurement older than kept is ignored
+_ULP: Final = 4.0 * 2.0**-53  # of |x| + |y|, which a tick's addition loses in truth and estimate
 
 
 @final
 @mypyc_attr(acyclic=True)
 class Move:
     """A displacement, or a position, with the error bound `spread`, m."""
-
-    __slots__ = ("spread", "x", "y")
 
     def __init__(self, x: float, y: float, spread: float) -> None:
         self.x, self.y, self.spread = x, y, spread
@@ -92,10 +88,8 @@ class Estimate:
         return own + (self.bound if self.shape is None else self.shape.extent(nx, ny))
 
     def update(self, tick: int, sense: Sense) -> None:
-        """Apply the odometry and the measurement of `tick`, unless it is an earlier tick.
-
-        Moves before the first tick of this life are unknown, so older measurements are ignored.
-        """
+        """Take in the odometry and the measurement of `tick`, unless it is not newer. A measurement of before
+        this life is of no use, as no odometry carries it on."""
         if self._tick is not None:
             if tick <= self._tick:
                 return
@@ -123,7 +117,7 @@ class Estimate:
         return True
 
     def _move(self, sense: Sense, passed: int) -> None:
-        """Apply odometry. Of missed ticks only the first had a command: all moved `max_step` at most."""
+        """Apply odometry. Missed ticks had no command but the first: together they led at most `max_step`."""
         if passed > 1:
             self._history.append(Move(0.0, 0.0, self._max_step))
             self._history.extend([Move(0.0, 0.0, self._coast)] * min(passed - 2, self._kept))

@@ -47,13 +47,11 @@ class Robot:
 
     Args:
         scenario: the run; k already a number.
-        robot: own id.
-        incarnation: as assigned by the world.
         lockstep: whether the world waits for it.
         epoch: of the coordinator that admitted it.
 
     Attributes:
-        goal: m; stored only here, since each Tick may change it.
+        goal: m; no other component keeps it, and every Tick may set another.
         hearing: receives the States of peers.
         stopped: whether it has to stand, apart from an emergency stop of all.
     """
@@ -82,12 +80,8 @@ class Robot:
     # -- phase 1: sense, follow the roster, accept late States, publish the State
 
     def begin(self, tick: Tick, sense: Sense | None = None) -> State:
-        """Open a tick; returns the State to publish.
-
-        Args:
-            tick: from the coordinator.
-            sense: from the own base and localisation; by default that of the Tick.
-        """
+        """Open a tick; returns the State to publish. `sense` is from the own base, unless the Tick brings
+        it."""
         self.tick = tick.tick
         self._ordered = self._ordered if tick.goal is None else tick.goal
         self.goal = self._first_goal if self._ordered is None else self._ordered
@@ -213,7 +207,7 @@ class Robot:
         )
 
     def _wish(self, position: Vector) -> Vector:
-        """The desired velocity: of the law, or straight to the aim of a mover of parts."""
+        """The velocity that the law desires; of a carrier with a waypoint, straight to that."""
         if not may_move(self._scenario, self.robot, self.tick):
             return STILL
         aim = None if self._mover is None else self._mover.aim
@@ -234,7 +228,7 @@ class Robot:
         )
 
     def _report(self) -> Report | None:
-        """The position as the tick began; None without odometry, since the base may have moved."""
+        """The position as the tick began; None in a tick without odometry."""
         position, bound = self.place
         if position is None or self._blind or self._estimate.lost:
             return None
@@ -260,10 +254,9 @@ class Robot:
         self.goal = mover.goal
 
     def _fit_to_load(self, mover: PartCarrier, filter_: SafetyFilter) -> Handling | None:
-        """Adopt the disk that parts require, if there is room for a larger one; returns the request if so.
-
-        The radius never falls below the roster's: a disk of that radius is the obstacle if this robot fails.
-        """
+        """Be the disk that parts need from this command on, a larger one only where there is room for it, and
+        never a smaller one than the roster's, which is the obstacle if this robot fails. Returns the request
+        for the part if it is that disk."""
         own = self._roster.members.get(self.robot)
         before = filter_.radius
         told = before if own is None else own.radius

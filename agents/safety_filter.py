@@ -1,7 +1,7 @@
-"""The only path of a velocity to the base. It enforces the lines, the region and the workspace boundary.
+"""The only path of a velocity to the base: the nearest to the law's that satisfies lines, region and
+workspace.
 
-The filter commands the velocity nearest to the law's that satisfies all constraints, and zero until the robot
-has adopted a region. The same constraints exclude positions of the robot, which tightens its estimate.
+It is zero until the robot has adopted a region. The same constraints tighten the estimate of its position.
 """
 
 from __future__ import annotations
@@ -24,18 +24,12 @@ CORNERS: Final = 4  # most cuts of the own set by workspace and region in a tick
 
 @final
 class SafetyFilter:
-    """All constraints of one life of one robot; with `filter = "none"` they are tracked, but not enforced.
-
-    Args:
-        scenario: the run.
-        robot: own id.
-        radius: of the own disk, m.
-        body: model of the base.
+    """All constraints of one life of one robot; with `filter = "none"` they are known, but not obeyed.
 
     Attributes:
         radius: of the own disk, m.
         lines: with robots and obstacles.
-        obeyed: whether the scenario enforces the constraints.
+        obeyed: whether the scenario has robots obey.
     """
 
     def __init__(self, scenario: Scenario, robot: int, radius: float, body: BodyModel) -> None:
@@ -54,13 +48,8 @@ class SafetyFilter:
         self._located = False  # whether the position is certain
 
     def locate(self, tick: int, estimate: Estimate, *, blind: bool) -> None:
-        """Set the position as a tick begins: the estimate, on the own side of all obeyed lines.
-
-        Args:
-            tick: that begins.
-            estimate: of the own position; is reduced by the constraints.
-            blind: whether the displacement of the last tick is unknown.
-        """
+        """Begin a tick: confine the estimate of the own position by all that is obeyed, and pass it to the
+        lines; `blind`: whether the last tick had no odometry."""
         if estimate.shape is not None and self.obeyed:
             self._confine(estimate, estimate.shape)
         position = estimate.position
@@ -90,13 +79,8 @@ class SafetyFilter:
         return BothBoundaries(self._workspace, RoundBoundary(region.radius - self.radius, region.x, region.y))
 
     def velocity(self, desired: Vector, estimate: Estimate) -> Vector:
-        """The velocity to command, m/s: within all constraints and the body's limits nearest to the desired
-        one, after that is turned away from peers that need room.
-
-        Args:
-            desired: by the law, m/s.
-            estimate: of the own position, which is known.
-        """
+        """The velocity to command, m/s: the nearest to the law's, turned away from what needs room, that
+        keeps to all constraints and to the body's limits."""
         if not self.obeyed:
             return desired
         position = estimate.position
@@ -106,13 +90,8 @@ class SafetyFilter:
         return self._body.velocity(wish, Limits(position, half_planes, self._boundary, estimate.shape))
 
     def reach(self, radius: float, part: int, estimate: Estimate) -> bool:
-        """Adopt a larger disk, if that satisfies all constraints; returns whether it does.
-
-        Args:
-            radius: of the larger disk, m.
-            part: a disk that only the present one keeps clear of; NO for none.
-            estimate: of the own position.
-        """
+        """Be a larger disk from now on, of `radius`, m, if that satisfies all that is obeyed and is inside
+        the workspace; whether it is. Of disk `part`, unless that is NO, only the present one keeps clear."""
         position = estimate.position
         if position is None or not (self._located and self.lines.ready):
             return False

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol, final
-
-from mypy_extensions import mypyc_attr
 
 from agents.peers.neighbours import Neighbours
 from protocol.geometry import Shape
@@ -15,33 +14,16 @@ from protocol.scenario.model import Scenario
 
 
 @final
-@mypyc_attr(acyclic=True)
+@dataclass
 class View:
-    """Input of a law in one tick. It must not be changed, or kept beyond the tick.
+    """One tick as its robot sees it. Nothing in it may be changed, or kept beyond the tick."""
 
-    Attributes:
-        tick: number of the tick.
-        position: own, m.
-        goal: own, m; it may change from tick to tick.
-        displacement: executed during the last tick, m.
-        neighbours: peers as last received, and static disks.
-        obstacles: static obstacles.
-    """
-
-    __slots__ = ("displacement", "goal", "neighbours", "obstacles", "position", "tick")
-
-    def __init__(
-        self,
-        *,
-        tick: int,
-        position: Vector,
-        goal: Vector,
-        displacement: Vector,
-        neighbours: Neighbours,
-        obstacles: Sequence[Shape] = (),
-    ) -> None:
-        self.tick, self.position, self.goal = tick, position, goal
-        self.displacement, self.neighbours, self.obstacles = displacement, neighbours, obstacles
+    tick: int  # that begins
+    position: Vector  # own, m
+    goal: Vector  # own, m; it may be another one in the next tick
+    displacement: Vector  # really executed during the last tick, m
+    neighbours: Neighbours  # peers as last received, and static disks
+    obstacles: Sequence[Shape] = ()  # that are static
 
 
 class Law(Protocol):

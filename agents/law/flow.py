@@ -30,8 +30,6 @@ _E32: Final = 6.0 + math.sqrt(2.0)
 class Flow:
     """The autonomous field y' = -scale D(y) + drift, m/s."""
 
-    __slots__ = ("drift", "scale", "slice")
-
     def __init__(self, field: Slice, scale: float, drift: Vector = (0.0, 0.0)) -> None:
         self.slice, self.scale, self.drift = field, scale, drift
 

@@ -71,8 +71,6 @@ class GradientLaw:
 class Gradient:
     """D_i (m) at a point and its Jacobian dD_i/dx, row by row (dimensionless)."""
 
-    __slots__ = ("dx", "dy", "xx", "xy", "yx", "yy")
-
     def __init__(self, dx: float, dy: float, xx: float, xy: float, yx: float, yy: float) -> None:
         self.dx, self.dy = dx, dy
         self.xx, self.xy, self.yx, self.yy = xx, xy, yx, yy
@@ -97,8 +95,6 @@ class Slice:
     Attributes:
         goal: own goal, m; may be changed.
     """
-
-    __slots__ = ("_edge", "_far", "_inverse_k", "_others", "_peers", "_radius", "goal")
 
     def __init__(
         self,

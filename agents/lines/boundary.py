@@ -33,8 +33,6 @@ class RoundBoundary:
         x, y: centre of the circle, m.
     """
 
-    __slots__ = ("cx", "cy", "radius")
-
     def __init__(self, radius: float, x: float = 0.0, y: float = 0.0) -> None:
         self.radius, self.cx, self.cy = radius, x, y
 
@@ -114,8 +112,6 @@ class RoundBoundary:
 class StraightBoundary:
     """The walls of a convex room, as half-planes for the own centre."""
 
-    __slots__ = ("walls",)
-
     def __init__(self, walls: Sequence[HalfPlane]) -> None:
         self.walls = list(walls)
 
@@ -156,8 +152,6 @@ class StraightBoundary:
 @mypyc_attr(acyclic=True)
 class BothBoundaries:
     """The workspace, and a region in it, at once."""
-
-    __slots__ = ("region", "room")
 
     def __init__(self, room: RoundBoundary | StraightBoundary, region: RoundBoundary) -> None:
         self.room, self.region = room, region

@@ -3,13 +3,10 @@
 No choice here is unsafe: an owner proposes only lines that its own body satisfies, and a follower adopts only
 those that its own body satisfies.
 
-A State carries the newest unanswered proposal of each pair. A follower that receives a proposal answers it in
-the States of the next few ticks. That suffices: an owner repeats an unanswered proposal until it is answered,
-so if all answers were lost, the next repetition that arrives causes another answer, which covers all older
-proposals.
-
-An owner may propose in every tick, without waiting for answers to earlier proposals: under delay that halves
-the age of the lines, and shortens arrival times accordingly.
+A State carries the newest unanswered proposal of each pair. A follower answers a proposal in the next few
+States; if all these are lost, the owner's next repetition causes another answer, which settles all older
+proposals. An owner proposes every tick, without waiting for answers: under delay that halves the age of the
+lines, and the arrival times with it.
 """
 
 from __future__ import annotations
@@ -47,8 +44,6 @@ class MovingDisk:
     last known velocity (ux, uy).
     """
 
-    __slots__ = ("radius", "ux", "uy", "vx", "vy", "x", "y")
-
     def __init__(
         self,
         x: float,
@@ -85,11 +80,12 @@ def fit_line(
     """The line that permits the desired motion of both for the longest time.
 
     The owner obeys it at once: its disk sweeps along its desired velocity for `ahead` seconds. The follower
-    obeys it from `begin` to `end` seconds after its State: its disk sweeps from its extrapolated position
-    then along its desired velocity. The line separates the two swept areas, and leaves the owner `share` of
-    the gap between them. If they meet, all times are reduced by the same largest factor, so two that approach
-    each other share the gap in proportion to their desired motion. Either keeps a `standoff` (m), the owner
-    first: if the known gap is less than two standoffs, at least one can make room.
+    obeys it from `begin` to `end` seconds after its State: its disk sweeps from where its seen velocity has
+    taken it by then to where its desired velocity leads. The line separates the two swept areas, and leaves
+    the owner `share` of the gap between them. If they meet, all times are shortened by one factor, so two
+    that drive at each other share the gap in proportion to what each wants of it. Either keeps a `standoff`
+    (m),
+    the owner first: where the gap seen is less than two, one at least can make room.
 
     None if the disks overlap by their States, and also after the desired motion.
     """
@@ -120,9 +116,8 @@ def fit_line(
 
 
 def _halfway(span: Span, mine: float, theirs: float) -> Line | None:
-    """The line in the middle of a gap that is narrower than lines need, between disks of these radii, m; None
-    if there is no gap. Two robots may come as near as that when one stands next to the other's earlier disk.
-    """
+    """The line in the middle of a gap that is narrower than what lines take, between disks of these radii,
+    m; None if nothing is left."""
     (ax, ay), (bx, by) = span
     length = _length(span)
     gap = length - mine - theirs
@@ -171,13 +166,8 @@ def _clamped(part: float, whole: float) -> float:
 
 
 def tangent(shape: Shape, x: float, y: float, low: bool, near: float) -> Line | None:
-    """The line between (x, y), m, and a static shape; None if (x, y) is inside.
-
-    A shape farther away than `near` (m) is replaced by the disk around it.
-
-    Args:
-        low: whether the robot has the lower id of the binding.
-    """
+    """The line between (x, y), m, and a static shape, of which the disk around it counts if that is more than
+    `near` (m) away; None if (x, y) is in it. `low`: whether the robot is the low end of the binding."""
     around = shape.around
     dx, dy = around.x - x, around.y - y
     distance = math.hypot(dx, dy)
@@ -195,7 +185,7 @@ def tangent(shape: Shape, x: float, y: float, low: bool, near: float) -> Line | 
 
 
 def deficit(shape: Shape, x: float, y: float, room: float) -> Vector:
-    """Displacement from (x, y), m, to a clearance of `room` (m) from a static shape."""
+    """How far to back off from (x, y), m, to be `room` (m) from a static shape."""
     px, py = shape.nearest(x, y)
     if px == x and py == y:
         px, py = shape.around.x, shape.around.y
@@ -211,19 +201,17 @@ def deficit(shape: Shape, x: float, y: float, room: float) -> Vector:
 
 @final
 class Bond:
-    """One binding with its half-planes for the own centre.
+    """One binding: the kernel's own end, and what follows from it.
 
     Args:
         bound: the kernel's own end.
-        own_radius: of the disk that obeys it, m.
+        own_radius: of the disk that keeps to it, m.
         state: newest State of the peer.
 
     Attributes:
         half_planes: constraints on the own centre.
         answers_left: number of States that still have to carry the answer.
     """
-
-    __slots__ = ("answers_left", "bound", "half_planes", "own_radius", "peer", "state")
 
     def __init__(self, bound: Bound[Region, Line], own_radius: float, state: PeerState | None) -> None:
         self.bound, self.peer = bound, bound.peer

@@ -29,8 +29,6 @@ _MOST: Final = 2 * SIDES  # corners
 class Polygon:
     """Corners (xs[i], ys[i]) in counterclockwise order, m, and all points within `margin` (m) of them."""
 
-    __slots__ = ("_far", "margin", "xs", "ys")
-
     def __init__(self, xs: list[float], ys: list[float], margin: float = 0.0) -> None:
         self.xs, self.ys, self.margin = xs, ys, margin
         self._far = -1.0  # distance of the farthest corner; -1: not computed yet
@@ -119,13 +117,11 @@ class OwnSet:
     """All possible positions of the own centre at the start of a tick, with its further motion. Immutable.
 
     Args:
-        x, y: the estimated position, m.
-        bound: largest distance of the centre from there, m; infinite if unknown.
-        shape: the set relative to that position; None: the disk of radius `bound`.
-        swept: motion from there until all sent commands have ended; None: no motion.
+        x, y: the own position, m.
+        bound: of how far the centre is from there, m; infinite as long as nothing is known.
+        shape: the set as seen from there; None: the disk of radius `bound`.
+        swept: what the centre passes from there until all commands that are out have ended; None: nothing.
     """
-
-    __slots__ = ("bound", "shape", "swept", "x", "y")
 
     def __init__(
         self, x: float, y: float, bound: float, shape: Polygon | None = None, swept: Sweep | None = None
@@ -171,8 +167,6 @@ class Cover:
         own: possible positions of the centre, with its further motion.
         radius: of the disk, m.
     """
-
-    __slots__ = ("own", "radius")
 
     def __init__(self, own: OwnSet, radius: float) -> None:
         self.own, self.radius = own, radius

@@ -36,8 +36,6 @@ class Limits:
         shape: where the true centre can be, around the estimated one; None where that is exact.
     """
 
-    __slots__ = ("boundary", "half_planes", "position", "shape")
-
     def __init__(
         self, position: Vector, half_planes: Sequence[HalfPlane], boundary: Boundary, shape: Polygon | None
     ) -> None:

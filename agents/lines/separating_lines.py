@@ -1,6 +1,6 @@
 """The constraints of one robot towards robots and obstacles: the kernel's bindings as half-planes.
 
-One tick is: `hear`, `locate`, `on_state` for received States, `entries` for the own State; `on_state` for the
+One tick is: `hear`, `locate`, `on_state` for late States, `entries` for the own one; `on_state` for the
 States of this tick, then `half_planes` for the velocity. No command is outstanding at these moments.
 """
 
@@ -142,9 +142,8 @@ class SeparatingLines:
         shape: Polygon | None = None,
         swept: Sweep | None = None,
     ) -> None:
-        """Set the own position (m) at the start of `tick`: the truth is within `bound` (m), and within
-        `shape` around it if given, and moves by `swept` until all sent commands have ended.
-        """
+        """Take the own position (m) at the start of `tick`, with `bound`, `shape` and `swept` as of
+        `OwnSet`."""
         self._tick = tick
         self._own = OwnSet(*position, bound, shape, swept)
         kernel = self.kernel
@@ -247,7 +246,7 @@ class SeparatingLines:
                 bond.renew()
 
     def entries(self, desired: Vector) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
-        """Proposals and answers for this tick's State; `desired` is the law's velocity, m/s."""
+        """Proposals and answers for this tick's State; `desired`: velocity that the law requests, m/s."""
         kernel = self.kernel
         if kernel is None:
             return (), ()
@@ -283,7 +282,8 @@ class SeparatingLines:
         return vx, vy
 
     def half_planes(self) -> list[HalfPlane]:
-        """Constraints on the estimated centre, within reach of a tick, less the own radius and set."""
+        """Where the estimated own centre must stay, as far as it is within reach in a tick; radius and extent
+        of the own set are subtracted."""
         own = self._own
         x, y = own.x, own.y
         near = own.bound + 2.0 * ROUNDING + 2.0 * self._reach
@@ -305,9 +305,8 @@ class SeparatingLines:
         ]
 
     def obeyed_lines(self) -> tuple[tuple[int, float, float, float], ...]:
-        """The obeyed lines towards robots, for a monitor: peer, nx, ny, limit; the own disk keeps n.x <=
-        limit. If there are too many, the tightest of each pair.
-        """
+        """Obeyed lines towards robots, for a monitor: peer, nx, ny, limit; the own disk keeps n.x <= limit.
+        All of them, or if those are too many, the tightest of each pair."""
         found = [(bond.peer, side) for bond in self._each if bond.peer > 0 for side in bond.half_planes]
         if len(found) > SHOWN:
             found.sort(key=self._slack, reverse=True)

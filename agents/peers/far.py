@@ -36,8 +36,6 @@ class SummaryPlaces:
         gammas, slices: as in the summary, m^2 and m.
     """
 
-    __slots__ = ("gammas", "index", "robots", "runs", "slices", "tick", "x", "y")
-
     def __init__(self, summary: Summary) -> None:
         self.tick, self.runs = summary.tick, summary.robots
         count = len(summary.gammas) // 4
@@ -196,8 +194,6 @@ class FarField:
         count: number of disks.
         tick: of their positions.
     """
-
-    __slots__ = ("count", "gamma", "largest", "log_x", "log_y", "slice", "tick", "x", "xx", "xy", "y", "yy")
 
     def __init__(self, tick: int = 0, x: float = 0.0, y: float = 0.0) -> None:
         self.tick = tick

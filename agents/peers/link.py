@@ -1,9 +1,9 @@
 """Injected link faults: delay and loss of a peer's State between its arrival and the tick of its delivery.
 
-States travel from robot to robot; delay, jitter, loss, duplication, partitions and the faults of a wireless
-network are added at the receiver. Each draw is keyed by (seed, receiver, tick of the State) with a column per
-sender, and those of radios by robot and tick. So the order of arrival has no effect, sender and receivers
-agree, and all lives of a robot draw the same faults.
+States travel robot to robot; the faults are added at the receiver. Each draw is keyed by (seed, receiver,
+tick of the State) with a column per sender, and those of radios by robot and tick: the order of arrival
+changes nothing, sender and receivers agree, and a later life of a robot draws the same faults as an earlier
+one.
 """
 
 from __future__ import annotations
@@ -29,12 +29,7 @@ _BLOCKS: Final = 4  # blocks kept for late States
 
 
 class Radio:
-    """Channel and access point of one robot's radio at each tick.
-
-    Args:
-        scenario: the run.
-        robot: id.
-    """
+    """Channel and access point of one robot's radio at each tick."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         self._scenario, self._robot = scenario, robot
@@ -133,11 +128,8 @@ class StateLink:
                 del self._places[next(iter(self._places))]
 
     def put(self, state: PeerState) -> None:
-        """Receive a peer's State, perhaps repeated; its faults decide the tick of its delivery.
-
-        While the world waits for a robot, all States are repeated. A repeated one has the same draws, so it
-        is lost if the first was, and delivered no earlier.
-        """
+        """Receive a peer's State. A repeated one meets the same draws: it is lost if the first was, and
+        delivered no earlier."""
         self._early.append(state)
 
     def ahead(self, tick: int) -> Iterable[int]:
