@@ -1,9 +1,9 @@
 """The carrier of one robot: claims a part, sets the robot's goal, and requests to take the part up or put it
 down.
 
-Each robot decides for itself, from the places of parts in the roster and the claims in peers' States. A claim
-is not a lock: if two robots approach the same part, the nearer continues, the other chooses another part, and
-the coordinator grants the part to one of them only.
+Each robot decides by the places of parts in the roster and the claims in peers' States. A claim is no lock:
+of two robots that approach the same part the nearer goes on, the other chooses another, and the coordinator
+grants it to one of them only.
 """
 
 from __future__ import annotations
@@ -27,10 +27,6 @@ MOVED: Final = 0.3  # least motion, own radii
 
 class PartCarrier:
     """Fetches and delivers parts for one robot.
-
-    Args:
-        scenario: the run, with the radii of robots without a part.
-        robot: own id.
 
     Attributes:
         goal: of the robot, m.
@@ -77,14 +73,8 @@ class PartCarrier:
         standing: Iterable[Member],
         ordered: Vector | None = None,
     ) -> None:
-        """Decide for a tick.
-
-        Args:
-            position: own, m.
-            peers: newest States of peers.
-            standing: roster entries of static disks.
-            ordered: goal of an operator's order, m; it takes precedence.
-        """
+        """Decide for a tick, at `position`, m, by the newest States of peers and the roster entries of static
+        disks. `ordered`: goal of an operator's order, m, which takes precedence."""
         self._tick, self._position = tick, position
         self._perception = Perception(self._scenario, roster, peers, standing)
         self.goal, self.claim, self.handles = self._home, None, None
@@ -123,7 +113,7 @@ class PartCarrier:
 
     def _is_mine(self, part: int) -> bool:
         """Whether a part can still be fetched, and no peer has a better claim."""
-        if part not in self._perception.layout.parts or self._perception.is_at(part, self._spec(part).goal):
+        if part not in self._perception.layout.parts or self._planner.is_home(part, self._perception.layout):
             return False
         mine = (self._cost(), self._robot)
         return all(
@@ -131,9 +121,8 @@ class PartCarrier:
         )
 
     def _fits(self, part: int) -> bool:
-        """Whether a part is compatible with the newest claims of robots that take precedence; two robots may
-        have claimed parts at once for which there is only one order of delivery.
-        """
+        """Whether a part is compatible with the newest claims of robots that take precedence, which may have
+        been made at the same time."""
         claims = {robot: claim.part for robot, claim in self._perception.claims}
         if claims == self._known or not self._in_order:
             return True
@@ -173,10 +162,7 @@ class PartCarrier:
         self.held = self._perception.obstacles.get(part, 0)
         if self._place is None or self._seen != layout:
             self._seen = layout
-            errand = self._planner.errand(part, self._position, layout)
-            self._place = (
-                self._planner.beside(part, self._position, layout) if errand is None else errand.fetch
-            )
+            self._place = self._planner.fetch(part, self._position, layout)
         if self._place is None or self._is_stuck():
             self._give_up(part)
             return
@@ -188,7 +174,8 @@ class PartCarrier:
             self.handles = Handling(part, grown)
 
     def _carry(self, part: int) -> None:
-        """Bring a part to its goal, or elsewhere if only that leaves others a path, or no path opens."""
+        """Bring a part to its goal and put it down; elsewhere, if that leaves the others a path, or if there
+        is no path for long."""
         spec, carried, layout = self._spec(part), self._planner.loaded(part), self._perception.layout
         stuck, planner = self._is_stuck(), self._planner
         if self._task != part or self._target is None:

@@ -1,7 +1,7 @@
 """The layout of a room, and a grid of it: free cells for a disk, distance fields, reachable cells.
 
-`Reach` represents a set of cells by the bits of an integer, so that a step of a flood takes a few shifts of
-the whole grid, since reachability is evaluated much more often than distance.
+`Reach` represents a set of cells by an integer with a bit for each, so that a step of a flood takes a few
+shifts of the whole grid: the search for orders needs reachability far more often than distance.
 """
 
 from __future__ import annotations
@@ -87,19 +87,12 @@ class Grid:
         j = np.clip(np.rint((y - self._low) / self.size).astype(int), 0, far.shape[1] - 1)
         x, y = self.x[i, j] - x, self.y[i, j] - y
         wide = np.pad(far, 1, constant_values=np.inf)
-        beside = [(dx, dy) for dx in (-1, 0, 1) for dy in (-1, 0, 1)]
-        return np.asarray(
-            np.minimum.reduce(
-                [
-                    wide[i + 1 + dx, j + 1 + dy] + np.hypot(x + dx * self.size, y + dy * self.size)
-                    for dx, dy in beside
-                ]
-            )
-        )
-
-    def way(self, far: Reals, point: Vector) -> float:
-        """Length of such a path to one point, m."""
-        return float(self.lengths(far, [point])[0])
+        ways = [
+            wide[i + 1 + dx, j + 1 + dy] + np.hypot(x + dx * self.size, y + dy * self.size)
+            for dx in (-1, 0, 1)
+            for dy in (-1, 0, 1)
+        ]
+        return np.asarray(np.minimum.reduce(ways))
 
     def path(self, far: Reals, begin: Vector) -> list[Vector]:
         """Cells of such a path, from a point to its beginning, m; empty if there is none."""
@@ -241,21 +234,13 @@ _HOME: Final = 1e-9  # m
 
 @dataclass(frozen=True)
 class Layout:
-    """Static obstacles and parts; layouts with equal ones are equal.
+    """Static obstacles and parts; layouts are equal if these are."""
 
-    Attributes:
-        parts: position of each, m; a part on a static robot has the robot's position.
-        others: obstacles that are not parts, and static robots, as disks without a part.
-        held: radius of the common disk of a static robot and its part, m, by part.
-        promised: target of each part that live robots carry or claim, m.
-        robots: positions of live peers, m.
-    """
-
-    parts: Mapping[int, Vector]
-    others: tuple[Shape, ...] = ()
-    held: Mapping[int, float] = field(default_factory=dict)
-    promised: Mapping[int, Vector] = field(default_factory=dict, compare=False)
-    robots: tuple[Vector, ...] = field(default=(), compare=False)
+    parts: Mapping[int, Vector]  # positions, m; that of a part on a static robot is the robot's
+    others: tuple[Shape, ...] = ()  # obstacles that are not parts, and static robots without their parts
+    held: Mapping[int, float] = field(default_factory=dict)  # radius of a static robot with its part, by part
+    promised: Mapping[int, Vector] = field(default_factory=dict, compare=False)  # of parts claimed or carried
+    robots: tuple[Vector, ...] = field(default=(), compare=False)  # positions of live peers, m
 
     @property
     def settled(self) -> Layout:
@@ -272,13 +257,7 @@ class Layout:
 
 
 class GridPlaces:
-    """Places to take parts up and to put them down, for robots of one radius.
-
-    Args:
-        scenario: with the radii of robots that carry nothing.
-        radius: of a robot that carries nothing, m.
-        grid: of the room.
-    """
+    """Places to take parts up and to put them down, for robots of one radius, m, without a part."""
 
     def __init__(self, scenario: Scenario, radius: float, grid: Grid) -> None:
         self.parts: dict[int, Part] = dict(enumerate(scenario.parts, 1))

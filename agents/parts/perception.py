@@ -32,20 +32,13 @@ _KEPT: Final = 16  # cached distance fields
 
 @dataclass(frozen=True)
 class Traveller:
-    """A robot on its way.
+    """A robot on the way."""
 
-    Attributes:
-        at, to: its position and its goal, m.
-        radius: of its disk, m.
-        among: obstacles.
-        leaves: obstacles that it will leave at its goal: the part that it puts down.
-    """
-
-    at: Vector
-    to: Vector
-    radius: float
-    among: tuple[Shape, ...]
-    leaves: tuple[Shape, ...] = ()
+    at: Vector  # its position, m
+    to: Vector  # its goal, m
+    radius: float  # of its disk, m
+    among: tuple[Shape, ...]  # obstacles on its way
+    leaves: tuple[Shape, ...] = ()  # obstacles that it leaves at its goal: the part that it puts down
 
 
 class Traffic:
@@ -56,11 +49,7 @@ class Traffic:
         self._fields: dict[tuple[Vector, float, tuple[Shape, ...]], tuple[Cells, Reals]] = {}
 
     def aim(self, me: Traveller, first: Sequence[Traveller]) -> Vector:
-        """The next waypoint, m: along the own path, off the paths of preceding robots.
-
-        Args:
-            first: robots that precede this one.
-        """
+        """The next waypoint, m: along the own path, off the paths of robots that precede (`first`)."""
         ways = [self._way(each) for each in first]
         if self._is_in_the_way(me.at, me, first, ways):
             aside = self._aside(me, first, ways)
@@ -96,7 +85,8 @@ class Traffic:
     def _aside(
         self, me: Traveller, first: Sequence[Traveller], ways: Sequence[Sequence[Vector]]
     ) -> Vector | None:
-        """A waypoint off the others' paths, m, if possible one that their parts will not enclose."""
+        """A waypoint off the paths of others, m, not enclosed by the parts that they put down if possible;
+        None if there is none."""
         free = self._grid.clear(me.among, me.radius)
         wanted = free.copy()
         for each, way in zip(first, ways, strict=True):
@@ -126,15 +116,12 @@ class Traffic:
         self, at: Vector, me: Traveller, first: Sequence[Traveller], ways: Sequence[Sequence[Vector]]
     ) -> bool:
         return any(
-            self._distance(at, [each.at, *way]) < self._room(me, each)
+            min(math.dist(at, point) for point in [each.at, *way]) < self._room(me, each)
             for each, way in zip(first, ways, strict=True)
         )
 
     def _room(self, me: Traveller, other: Traveller) -> float:
         return me.radius + other.radius + ASIDE * me.radius
-
-    def _distance(self, point: Vector, way: Sequence[Vector]) -> float:
-        return min(math.dist(point, each) for each in way)
 
     def _away(self, way: Sequence[Vector]) -> Reals:
         """Distance of each cell from a path, m."""
@@ -146,11 +133,6 @@ class Traffic:
 
 class Perception:
     """Parts and peers in one tick.
-
-    Args:
-        scenario: the run, with the radii of robots without a part.
-        peers: newest States of peers.
-        standing: roster entries of static disks.
 
     Attributes:
         carriers: part carried by each live robot, by robot.
@@ -175,13 +157,16 @@ class Perception:
         self.carriers = {robot: part for robot, part in carried.items() if robot not in stand}
         self.obstacles = {each.part: each.obstacle for each in roster.parts if not each.carrier}
         fallen = {part: stand[robot] for robot, part in carried.items() if robot in stand}
-        at = self._on_the_ground(roster)
+        shapes = {part: roster.numbered.get(number) for part, number in self.obstacles.items()}
+        at = {part: (disk.x, disk.y) for part, disk in shapes.items() if isinstance(disk, Disk)}
         at |= {part: each.position for part, each in fallen.items() if each.position is not None}
         robots = {each.robot: self._empty(each, carried) for each in stand.values() if each.position}
         self._under = {part: robots[each.robot] for part, each in fallen.items() if each.robot in robots}
+        parts = {each.obstacle for each in roster.parts}
+        others = [shape for number, shape in sorted(roster.numbered.items()) if number not in parts]
         self.layout = Layout(
             at,
-            (*self._obstacles(roster), *robots.values()),
+            (*others, *robots.values()),
             {part: each.radius for part, each in fallen.items()},
             self._promised([state.robot for state in self.peers]),
             tuple(state.position for state in self.peers if state.position is not None),
@@ -220,18 +205,6 @@ class Perception:
         parts |= {part for robot, part in self.carriers.items() if robot in robots}
         return {part: self._scenario.parts[part - 1].goal for part in parts}
 
-    def _obstacles(self, roster: KnownRoster) -> list[Shape]:
-        """Obstacles, present or appearing, that are not parts."""
-        first = len(self._scenario.obstacles)
-        shapes = {number: shape for number, shape in self._scenario.shapes.items() if number <= first}
-        parts = {each.obstacle for each in roster.parts}
-        for obstacle in roster.obstacles:
-            if obstacle.status == "gone":
-                shapes.pop(obstacle.number, None)
-            elif obstacle.number not in parts:
-                shapes[obstacle.number] = obstacle.shape
-        return [shapes[number] for number in sorted(shapes)]
-
     def _empty(self, member: Member, carried: dict[int, int]) -> Disk:
         """The disk of a static robot without its part."""
         assert member.position is not None
@@ -240,26 +213,6 @@ class Perception:
         with_it = part is not None and member.radius <= self._scenario.parts[part - 1].radius
         radius = known.get(member.robot, member.radius) if with_it else member.radius
         return Disk(*member.position, radius + member.bound)
-
-    def _on_the_ground(self, roster: KnownRoster) -> dict[int, Vector]:
-        """Positions of parts on the floor, m."""
-        came = {
-            obstacle.number: obstacle.points[0]
-            for obstacle in roster.obstacles
-            if obstacle.status == "standing"
-        }
-        first, parts = len(self._scenario.obstacles), self._scenario.parts
-        listed = {first + number: part.start for number, part in enumerate(parts, 1)}
-        known = {**listed, **came}
-        return {part: known[obstacle] for part, obstacle in self.obstacles.items() if obstacle in known}
-
-    def is_at(self, part: int, goal: Vector) -> bool:
-        """Whether a part is at a place, m."""
-        return (
-            part in self.obstacles
-            and part in self.layout.parts
-            and math.dist(self.layout.parts[part], goal) < 1e-9
-        )
 
 
 def first(perception: Perception, robot: int, claim: Claim | None) -> list[PeerState]:

@@ -10,9 +10,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import islice
-from typing import Final
+from typing import Final, NamedTuple
 
 from agents.parts.grid import MARGIN, Grid, GridPlaces, Layout, Reach, Reals
 from agents.parts.perception import Perception
@@ -134,26 +133,15 @@ _TRIES: Final = 60  # spare places considered
 _ORDERS: Final = 12  # spare places for which an order is searched
 
 
-@dataclass(frozen=True)
-class Errand:
-    """A part to fetch.
-
-    Attributes:
-        fetch: place of the robot to take it up, m.
-        cost: length of the path there, m.
-    """
+class Errand(NamedTuple):
+    """To fetch a part."""
 
     part: int
-    fetch: Vector
-    cost: float
+    fetch: Vector  # place of the robot to take it up, m
 
 
 class Planner:
-    """Plans for robots of one radius.
-
-    Args:
-        scenario: with the radii of robots without a part.
-        radius: of a robot without a part, m.
+    """Plans for robots of one radius, m, without a part.
 
     Attributes:
         grid: of the room.
@@ -165,7 +153,8 @@ class Planner:
         self.grid = Grid(scenario.workspace.shape, smallest / CELLS)
         self._places = GridPlaces(scenario, radius, self.grid)
         self.orders = PartOrders(self._places, Reach(self.grid))
-        self._parts, self.loaded = self._places.parts, self._places.loaded
+        self._parts = self._places.parts
+        self.loaded, self.is_home = self._places.loaded, self._places.is_home
         self._homes = [Disk(*robot.goal, robot.radius) for robot in scenario.robots]
 
     def errands(self, position: Vector, layout: Layout) -> Iterator[Errand]:
@@ -173,30 +162,29 @@ class Planner:
         far = self._far(position, layout)
         near = []
         for part in layout.parts:
-            if not self._places.is_home(part, layout):
+            if not self.is_home(part, layout):
                 places = self._by_way(self._places.to_take(part, layout), far)
                 if places:
-                    near.append((self.grid.way(far, places[0]), part))
+                    near.append((float(self.grid.lengths(far, places[:1])[0]), part))
         for _, part in sorted(near):
             errand = self._errand(part, layout, far)
             if errand is not None:
                 yield errand
 
-    def errand(self, part: int, position: Vector, layout: Layout) -> Errand | None:
-        """The errand that brings one part on the floor to its goal; None if there is no path."""
-        return self._errand(part, layout, self._far(position, layout))
-
-    def beside(self, part: int, position: Vector, layout: Layout) -> Vector | None:
-        """The nearest place to take a part up, for any target, m; None if there is no path."""
-        places = self._by_way(self._places.to_take(part, layout), self._far(position, layout))
-        return places[0] if places else None
+    def fetch(self, part: int, position: Vector, layout: Layout) -> Vector | None:
+        """The place to take a part up, m: on the shortest path to the part's goal, or the nearest if there is
+        no such path; None if none can be reached."""
+        far = self._far(position, layout)
+        errand = self._errand(part, layout, far)
+        if errand is not None:
+            return errand.fetch
+        return next(iter(self._by_way(self._places.to_take(part, layout), far)), None)
 
     def delivery(
         self, part: int, target: Vector, position: Vector, layout: Layout, attempt: int = 0
     ) -> Vector | None:
-        """Place from which the carrier puts a part down at `target`, m; None if there is no path. The nearest
-        at the first attempt, others at later ones; if possible one after which all parts can be delivered.
-        """
+        """The place from which the carrier puts a part down at `target`, m, if possible one after which all
+        parts can be delivered; the nearest at the first attempt, others later; None if there is no path."""
         places = self._places.to_put(part, target, layout)
         found = self._by_way(places, self._far(position, layout, part))
         after = layout.moved(part, target)
@@ -244,7 +232,7 @@ class Planner:
                 continue
             aside = (self.spare if bars else self._aside)(part, places[0], without)
             if aside is not None:
-                return Errand(part, places[0], self.grid.way(far, places[0]))
+                return Errand(part, places[0])
         return None
 
     def _aside(self, part: int, position: Vector, layout: Layout) -> Vector | None:
@@ -283,18 +271,13 @@ class Planner:
         back = self.grid.distance_field(open_, ends)
         costs = self.grid.lengths(far, begins) + self.grid.lengths(back, begins)
         cost, fetch = min(zip(map(float, costs), begins, strict=True))
-        return Errand(part, fetch, self.grid.way(far, fetch)) if math.isfinite(cost) else None
+        return Errand(part, fetch) if math.isfinite(cost) else None
 
     # -- the next part, given the claims of peers
 
     def choose(self, position: Vector, perception: Perception, avoided: Collection[int]) -> Errand | None:
-        """The nearest part after which all others can be delivered by any robot; if there is no such order,
-        one that makes room; None to wait.
-
-        Args:
-            position: own, m.
-            avoided: parts that could not be reached.
-        """
+        """The nearest part after which any robot can deliver all others, too; if there is no order for all,
+        one that makes room; None to wait. `avoided`: parts that could not be reached."""
         nearest: Errand | None = None
         layout = perception.layout
         for errand in self.errands(position, layout):
@@ -308,9 +291,8 @@ class Planner:
         return self.clearing(position, layout) or nearest
 
     def fits(self, part: int, position: Vector, perception: Perception) -> bool:
-        """Whether all parts can be delivered if a robot delivers this one next, in parallel with the claims:
-        each claim has a path after any one of the others, and after all of them.
-        """
+        """Whether all parts can be delivered if a robot delivers this one next, in parallel with the claims,
+        each of which has a path after any one of the others, and after all of them."""
         if not self.leads_on(part, perception.layout, position):
             return False
         at = {peer.robot: peer.position for peer in perception.peers}

@@ -31,6 +31,7 @@ class KnownRoster:
         obstacles: its obstacles that came or went.
         parts: the place of each part.
         shapes: of all obstacles that are present or appearing.
+        numbered: the same shapes, by number.
     """
 
     def __init__(self, robot: int, listed: Mapping[int, Shape]) -> None:
@@ -39,6 +40,7 @@ class KnownRoster:
         self.parts: tuple[PartPlace, ...] = ()
         self._robot, self._listed = robot, listed
         self.members: Mapping[int, Member] = {}
+        self.numbered = listed
         self.shapes = tuple(listed.values())
 
     def update(self, roster: Roster) -> list[Member]:
@@ -52,7 +54,7 @@ class KnownRoster:
                 shapes.pop(obstacle.number, None)
                 if obstacle.status != "gone":
                     shapes[obstacle.number] = obstacle.shape
-            self.shapes = tuple(shapes.values())
+            self.numbered, self.shapes = shapes, tuple(shapes.values())
         self.version, self.obstacles, self.parts = roster.version, roster.obstacles, roster.parts
         return [
             each
