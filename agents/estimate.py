@@ -35,16 +35,15 @@ class Estimate:
     """The own position as the set of all possible positions.
 
     Args:
-        max_step: longest motion until the robot stands after a velocity for one tick, m; assumed for ticks
-            whose odometry was missed.
-        trusting: whether to restart from the newest measurement when two contradict each other.
-        coasts: whether it may move on in ticks without a command, by `max_step` in all.
-        oldest: greatest age of a measurement at arrival, ticks.
+        max_step: the longest way from a velocity for one tick until the robot stands, m, which is assumed of
+            ticks without odometry.
+        trusting: whether to reset to the newest measurement when two contradict each other.
+        coasts: whether it may move on in ticks without a command, `max_step` in all.
+        oldest: age of the oldest measurement that may come, ticks.
 
     Attributes:
-        x, y: a centre of the set, m, after the first measurement.
-        bound: radius of a disk around `position` that contains the set, m; infinite before the first
-            measurement.
+        x, y: a centre of the set, m, once anything is known.
+        bound: radius of a disk around `position` that contains the set, m; infinite until anything is known.
         shape: the set as seen from `position`; None for a point.
         contradiction: names the first two contradicting measurements; "" if none.
     """
@@ -81,11 +80,6 @@ class Estimate:
     def position(self) -> Vector | None:
         """A centre of the set, m."""
         return (self.x, self.y) if self.bound < math.inf else None
-
-    def support(self, nx: float, ny: float) -> float:
-        """The largest n.x over all possible positions x, for a unit vector n = (nx, ny), m."""
-        own = nx * self.x + ny * self.y
-        return own + (self.bound if self.shape is None else self.shape.extent(nx, ny))
 
     def update(self, tick: int, sense: Sense) -> None:
         """Take in the odometry and the measurement of `tick`, unless it is not newer. A measurement of before

@@ -98,7 +98,7 @@ class Robot:
             self._move_parts(self._mover, self._ordered)
         return self._state()
 
-    def begin_anew(self) -> None:
+    def reset_estimate(self) -> None:
         """Reset the position estimate: only measurements from now on count."""
         self._estimate = self._nothing_known()
 

@@ -107,8 +107,8 @@ class Ros2Base:
         self._blind = sense is None
         return sense
 
-    def begins_anew(self) -> bool:
-        """Whether a fault has ended, so that earlier estimates are void; True once."""
+    def take_reset(self) -> bool:
+        """Whether all is well after it was not, so that what was known before is void; says so once."""
         anew, self._senses.anew = self._senses.anew, False
         return anew
 

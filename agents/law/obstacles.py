@@ -1,14 +1,13 @@
 """Static obstacles: their repulsion, and the attraction around them.
 
 Disks enter beta as in a sphere world (Koditschek and Rimon, "Robot navigation functions on manifolds with
-boundary", 1990): beta = |x - c|^2 - (rho + r)^2. For a general convex set at distance d(x), beta = d^2 -
-rho^2. The gradient of d^2 is 2 (x - q), q the nearest point: that of a disk of radius 0 at q, as for a
-straight wall.
+boundary", 1990): beta = |x - c|^2 - (rho + r)^2. Of a convex set, or a straight wall, at the distance d(x),
+beta = d^2 - rho^2. The gradient of d^2 is 2 (x - q), q the nearest point: that of a disk of radius 0 at q.
 
-Straight attraction has a minimum behind a straight face that is turned away from the goal, for any k, since
-the face curves less than the circle around the goal. So unless the obstacles are the disks of a sphere world,
-the distance to the goal is that along the shortest path: a polygon through points beside corners, found in
-the visibility graph of the obstacles, enlarged by the own radius (Lozano-Perez and Wesley, 1979).
+Attraction straight to the goal has a minimum behind a straight face that is turned away from the goal,
+whatever k: the face curves less than the circle around the goal. So where obstacles are not the disks of a
+sphere world, the distance to the goal is taken along the shortest way, in the visibility graph of the
+obstacles, each widened by the own radius (Lozano-Perez and Wesley, 1979).
 """
 
 from __future__ import annotations

@@ -1,11 +1,10 @@
 """Gaps between obstacles, and the places that they separate.
 
-For the centre of a disk, obstacles are enlarged by its radius. Start and goal are in different components of
-free space exactly if a closed chain of overlapping enlarged obstacles, with the outside of the workspace as
-one of them, runs between the two: enlarged obstacles are convex, so chains through their overlaps represent
-every closed curve in their union, and a plane set separates two points exactly if a closed curve in it does
-(Alexander duality). A chain separates them if it crosses the straight line between them an odd number of
-times.
+For the centre of a disk, obstacles are inflated by its radius. Start and goal lie in different parts of free
+space exactly if a closed chain of overlapping inflated obstacles, the outside of the workspace among them,
+runs between the two: inflated obstacles are convex, so chains represent every closed curve in their union,
+and a plane set separates two points exactly if a closed curve in it does (Alexander duality): if it crosses
+the straight way from one to the other an odd number of times.
 """
 
 from __future__ import annotations

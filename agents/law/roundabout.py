@@ -37,14 +37,7 @@ class Encounter(NamedTuple):
 
 @final
 class Encounters:
-    """Predicts the encounters of one robot.
-
-    Args:
-        robot: own id.
-        radius: own, m.
-        period: of a tick, s.
-        ahead: longest prediction, s.
-    """
+    """Those of one robot with an id and a radius, m, up to `ahead` seconds; `period`: of a tick, s."""
 
     def __init__(self, robot: int, radius: float, period: float, ahead: float) -> None:
         self._robot, self._radius, self._period, self._ahead = robot, radius, period, ahead

@@ -80,8 +80,8 @@ class AttachedBase:
     def begin(self, core: Robot, tick: Tick) -> Sense | None:
         """Odometry and measurement as a tick begins; resets the core's estimate after a fault."""
         sense = self._base.begin(tick, self._clock())
-        if self._base.begins_anew():
-            core.begin_anew()
+        if self._base.take_reset():
+            core.reset_estimate()
         elif core.lost and not self._base.note:
             self._base.doubt(core.note)
         return sense

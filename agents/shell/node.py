@@ -1,10 +1,10 @@
 """A robot as a participant: joins a run, and binds a `Robot` to a bus.
 
 Lock-step: the node publishes the State when the Tick arrives, the Command when all awaited States have
-arrived. When the world repeats a Tick, the node publishes both again, or instead of the Command the list of
-missing States. Real time: it publishes both at once, without waiting for peers. When a run ends, or the world
-has fenced this life, the node joins again: as a new life, or to receive the verdict. A robot with an external
-base shows its token once it knows its position.
+arrived. When the world repeats a Tick, the node publishes both again, or in place of the Command the list of
+missing States. Real time: it publishes both at once. When a run ends, or the world has fenced this life, the
+node joins again: as a new life, or to receive the verdict. A robot with an external base shows its token once
+it knows its place.
 """
 
 from __future__ import annotations
@@ -40,12 +40,13 @@ class RobotNode:
         bus: a connection of its own.
         run: name of the run.
         robot: own id.
-        patience: s, see PATIENCE.
-        wait: longest time without a world at the start, s.
-        namespace: of the own base's topics, if it must have a base; if empty, as in the scenario.
-        say: takes warnings for the operator.
+        patience, wait, say, read: as of `WorldSession`.
+        namespace: as of `ros_of`.
         note: takes lines for the log.
-        read: decodes an answer to a request to join; its result is never changed.
+
+    Raises:
+        JoinError: the world refuses this id.
+        BusError: the world is gone, or was never there.
     """
 
     def __init__(
@@ -97,7 +98,7 @@ class RobotNode:
         except BusError:
             if not self._over:
                 raise
-            self.finished = True  # the world left first, and the end of its token was missed
+            self.finished = True  # the world left first
             return
         now = time.monotonic()
         if reply is None:
@@ -143,7 +144,7 @@ class RobotNode:
             self._declare(self.core)
 
     def _declare(self, core: Robot) -> None:
-        """Declare subscriptions, publishers and the token, in this order: the token implies the rest."""
+        """Declare subscriptions before publishers before the token, which shows that all are there."""
         bus, run, robot = self._bus, self._run, self._robot
         bus.watch(world_tokens(run))
         bus.subscribe(robot_key(run, robot, "tick"))
@@ -189,6 +190,7 @@ class RobotNode:
                     self._say(f"ignores what is no message of its topics: {error}")
 
     def _on_presence(self, event: Presence) -> None:
+        """The token of a world, or of another process that drives the same base, came or went."""
         if is_driver(event.key):
             if self._base is not None:
                 self._base.on_driver(event.key, event.alive)
@@ -308,13 +310,12 @@ class RobotNode:
             self._tools.tell(core, command, 0.0 if self._base is None else self._base.heading)
         self._published += 1
         self._commanded = True
-        self._peers.tend(core.tick)
+        self._peers.apply(core.tick)
         if self._world.heard >= self._reported + REPORT_PERIOD:
             self._report()
 
     def _repeat(self, core: Robot, tick: Tick) -> None:
-        """Answer a repeated Tick: the world waits for a robot, perhaps for one that has not received this
-        robot's State. A robot that cannot command yet names the States that it lacks."""
+        """Answer a repeated Tick, as the State may be lost; without a Command name the missing States."""
         self._tell_state(self._said_state)
         if self._commanded:
             self._tell_command(self._said_command)
@@ -324,7 +325,7 @@ class RobotNode:
             self._tell_command(encode(core.complaint()))
 
     def _rejoin(self, core: Robot) -> None:
-        """End this life, and request the next. Later messages are not for this life."""
+        """End this life, and ask for the next."""
         self._ended = True
         self._report()
         self._due = time.monotonic()
@@ -343,7 +344,7 @@ class RobotNode:
             self._look(now)
 
     def _look_at_place(self, base: AttachedBase) -> None:
-        """Show the token once the robot is at a valid start."""
+        """Show the token once the robot is near its start."""
         if base.in_place and not self._announced:
             self._announce()
 

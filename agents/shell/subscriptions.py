@@ -19,11 +19,6 @@ _TURNS: Final = 4  # ticks over which robots spread the end of subscriptions, wh
 class Subscriptions:
     """Subscriptions to the States of all peers, or of near ones.
 
-    Args:
-        bus: the process's own connection.
-        run: name of the run.
-        robot: own id.
-
     Attributes:
         readers: by the key of the State.
     """
@@ -33,11 +28,11 @@ class Subscriptions:
         self._bus, self._run, self._robot = bus, run, robot
         self._fleet: frozenset[int] = frozenset()  # all peers
         self._epoch = 0  # of the coordinator
-        self._near: frozenset[int] = frozenset()  # peers near now or soon; empty before the first `attend`
-        self._before = self._near  # the previous ones
-        self._named = False  # whether `attend` was called since the last `tend`
-        self._dropped: set[str] = set()  # keys to unsubscribe
-        self._heard: set[str] = set()  # subscribed keys, kept over lives
+        self._near: frozenset[int] = frozenset()  # peers near now or soon; empty if that was never said
+        self._before = self._near  # those named before them
+        self._named = False  # whether `attend` set near peers since the last `apply`
+        self._dropped: set[str] = set()  # keys to withdraw from
+        self._heard: set[str] = set()  # keys that are subscribed to: a later life may know of more peers
 
     def begin(self, admission: Admission) -> None:
         """Begin a life: subscribe to all peers, unless the world will name the near ones."""
@@ -52,7 +47,7 @@ class Subscriptions:
         self._subscribe(self.readers)
 
     def on_roster(self, roster: Roster, *, hears_all: bool) -> None:
-        """Note the robots added since the admission; subscribe to them if all peers are received."""
+        """Add robots that joined the fleet, and subscribe to them if all peers are heard."""
         for member in roster.members:
             peer = member.robot
             if peer == self._robot or peer in self._fleet:
@@ -62,13 +57,12 @@ class Subscriptions:
                 self._subscribe((self._know(peer),))
 
     def attend(self, near: Iterable[int]) -> None:
-        """Note the peers near now or soon, for `tend` to subscribe to and to unsubscribe from others."""
+        """Set the peers that are near now or soon; `apply` applies it."""
         self._before, self._near, self._named = self._near, frozenset(near), True
 
-    def tend(self, tick: int) -> None:
-        """Called once a tick, when no peer waits for this robot: subscribe to the peers of `attend`; later,
-        in different ticks for different robots, unsubscribe from those that are not near any more.
-        """
+    def apply(self, tick: int) -> None:
+        """Once a tick, when no peer waits for this robot: subscribe to near peers; in later ticks, which
+        differ by robot, withdraw from others."""
         if self._named:
             self._named = False
             self._hear()

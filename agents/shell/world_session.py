@@ -14,12 +14,12 @@ from protocol.errors import BusError, JoinError, MessageError
 from protocol.keys import robot_key, session_of
 from protocol.messages import Health
 
-PATIENCE: Final = 10.0  # s without a message of the world before a probe, or before giving up
-RETRY: Final = 0.2  # s between two requests
-_TIMEOUT = 2.0  # s, timeout of a request
-_BRIEF = 0.1  # s, the same when the run is over: the end of the world's token may have been missed
-_REFUSALS = 5  # the token of an ended predecessor may remain for a moment
-_NEWS = 2.0  # s without the world before a warning: at the end of a run robots end, too
+PATIENCE: Final = 10.0  # s
+RETRY: Final = 0.2  # s until the next question after one that was of no use
+_TIMEOUT = 2.0  # s that a question may take
+_BRIEF = 0.1  # s that it may take when the run is over: the end of the world's token may have been missed
+_REFUSALS = 5  # a dead predecessor's token may take a moment to go
+_NEWS = 2.0  # s that the world may be gone before a warning: a launcher that ends the run ends robots, too
 
 
 @final
@@ -28,18 +28,16 @@ class WorldSession:
 
     Args:
         bus: the process's own connection.
-        run: name of the run.
-        robot: own id.
-        patience: s, see PATIENCE.
-        wait: longest time without a world at the start, s.
+        patience: s without a message of the world before it is asked for a sign of life, or given up.
+        wait: s that there may be no world yet.
         say: takes warnings for the operator.
-        read: decodes an answer.
+        read: decodes an answer to a request to join; its result is never changed.
 
     Attributes:
         session: of this process.
         epoch: of the coordinator that admitted this process last, 0 for none.
-        heard: arrival of the world's last message, s, monotonic.
-        back: whether it, or another world in its place, is back: meanwhile this life may have ended.
+        heard: when the last message of the world arrived, s, monotonic.
+        back: whether it, or another one, has come back, so that this life may have ended meanwhile.
     """
 
     def __init__(
@@ -67,9 +65,8 @@ class WorldSession:
         self._refused = 0
 
     def ask(self, health: Health | None) -> joining.Reply | None:
-        """Request to join, with `health` if an incarnation of this process has ended; otherwise the request
-        only confirms the present life. Returns the answer; None if the request should be repeated a little
-        later.
+        """Request to join, with `health` if an incarnation of this process has ended; without it the reply
+        says whether that goes on. Returns the reply; None to ask again a little later.
 
         Raises:
             JoinError: the world refuses this id.
@@ -114,7 +111,7 @@ class WorldSession:
         self._bearable, self._timeout = max(self._patience, admission.away), _TIMEOUT
 
     def over(self) -> None:
-        """The run is over: the world may leave at any moment, and is awaited only if it may return."""
+        """The run is over: a world that leaves is awaited only if it may be back."""
         self._bearable, self._timeout = max(_TIMEOUT, self._away), _BRIEF
 
     @property
@@ -127,7 +124,7 @@ class WorldSession:
         return self.epoch > 0 and session == session_of(self.epoch)
 
     def on_token(self, session: str, alive: bool) -> None:
-        """A world's token appeared or disappeared. Without its own the robot stands, and joins another."""
+        """A world's token came or went. While the own one is missing the robot stands, and joins another."""
         own = self.is_own(session)
         if not own:
             (self._others.add if alive else self._others.discard)(session)

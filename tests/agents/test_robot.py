@@ -100,7 +100,7 @@ def test_a_robot_that_knows_nothing_any_more_adopts_nothing() -> None:
     robot.command()
     (bond,) = (each for each in robot._filter.lines._each if each.peer == owner)
     held = bond.bound.obeyed
-    robot.begin_anew()
+    robot.reset_estimate()
     robot.begin(replace(tick, tick=1, roster=None, grants=None, sense=Sense(None, 1, 0.0, (0.0, 0.0))))
     (line,) = held
     offer = Proposal(robot.robot, bond.bound.number, 1, line.nx, line.ny, line.offset)

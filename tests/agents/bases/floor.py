@@ -225,8 +225,8 @@ class Floor:
         if tick.tick <= core.tick or tick.incarnation != core.incarnation:
             return
         sense = base.begin(tick, self.now)
-        if base.begins_anew():
-            core.begin_anew()
+        if base.take_reset():
+            core.reset_estimate()
         elif core.lost and not base.note:
             base.doubt(core.note)
         state = core.begin(tick, sense)

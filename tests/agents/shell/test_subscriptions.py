@@ -25,7 +25,7 @@ def test_nothing_changes_before_there_is_time() -> None:
     bus, peers = near_only(1)
     peers.attend((2,))
     assert not bus.keys
-    peers.tend(0)
+    peers.apply(0)
     assert bus.keys == {robot_key("run", 2, "state")}
 
 
@@ -35,7 +35,7 @@ def test_subscriptions_follow_near_robots() -> None:
     for turn, near in enumerate(((2, 3), (3, 4), (4, 5), (4, 5))):
         peers.attend(near)
         for tick in range(PERIOD):
-            peers.tend(turn * PERIOD + tick)
+            peers.apply(turn * PERIOD + tick)
             if tick in (0, PERIOD - 1):
                 heard.append({peer for peer in range(2, 7) if robot_key("run", peer, "state") in bus.keys})
     assert heard == [{2, 3}, {2, 3}, {2, 3, 4}, {2, 3, 4}, {2, 3, 4, 5}, {3, 4, 5}, {3, 4, 5}, {4, 5}]
