@@ -140,20 +140,14 @@ class Robot:
             slice_norm = self._law.slice_norm(position, self.goal)
             if self._filter.obeyed:
                 proposals, answers = self._filter.lines.entries(self._desired)
-        return State(
-            self.robot,
-            self.incarnation,
-            self.tick,
-            position,
-            bound or 0,  # an integer takes one byte of nine
-            gamma,
-            slice_norm,
-            (_within(self._desired[0]), _within(self._desired[1])),
-            self.epoch,
-            proposals,
-            answers,
-            None if self._mover is None else self._mover.claim,
-        )
+        desired = _within(self._desired[0]), _within(self._desired[1])
+        claim = None if self._mover is None else self._mover.claim
+        sizes = bound or 0, gamma, slice_norm  # an integer takes one byte of nine
+        return State(*self._life, position, *sizes, desired, self.epoch, proposals, answers, claim)
+
+    @property
+    def _life(self) -> tuple[int, int, int]:
+        return self.robot, self.incarnation, self.tick
 
     @property
     def place(self) -> tuple[Vector | None, float]:
@@ -182,29 +176,15 @@ class Robot:
         if position is not None and not (self._halted or self.stopped):
             self._desired = self._wish(position)
             velocity = filter_.velocity(self._desired, self._estimate)
-        lines = filter_.lines
-        return Command(
-            self.robot,
-            self.incarnation,
-            self.tick,
-            velocity,
-            self.epoch,
-            self._roster.version,
-            (),
-            self._report() if self._reports else None,
-            lines.version,
-            lines.region,
-            lines.firsts(),
-            handles,
-            self._summed_up(),
-        )
+        lines, report = filter_.lines, self._report() if self._reports else None
+        versions, obeyed = (self.epoch, self._roster.version), (lines.version, lines.region)
+        found, norm = lines.firsts(), self._summed_up()
+        return Command(*self._life, velocity, *versions, (), report, *obeyed, found, handles, norm)
 
     def complaint(self) -> Command:
         """A Command without a velocity; it lists the robots with missing States."""
         lacking = tuple(self.hearing.missing[:NAMED])
-        return Command(
-            self.robot, self.incarnation, self.tick, STILL, self.epoch, self._roster.version, lacking
-        )
+        return Command(*self._life, STILL, self.epoch, self._roster.version, lacking)
 
     def _wish(self, position: Vector) -> Vector:
         """The velocity that the law desires; of a carrier with a waypoint, straight to that."""
@@ -324,18 +304,8 @@ class Robot:
         """The report for monitors."""
         heard = tuple(sorted((state.robot, state.tick) for state in self.hearing.neighbours.heard()))
         _, bound = self.place
-        return Health(
-            self.robot,
-            self.incarnation,
-            max(self.tick, 0),
-            bound,
-            published,
-            received,
-            rejected,
-            heard,
-            self.lines,
-            self.note,
-        )
+        life = self.robot, self.incarnation, max(self.tick, 0)
+        return Health(*life, bound, published, received, rejected, heard, self.lines, self.note)
 
 
 def _within(number: float) -> float:

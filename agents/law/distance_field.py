@@ -54,7 +54,7 @@ class Clearances:
         )
         xs: Reals = self._left + self.step * np.arange(self.width, dtype=np.float64)
         ys: Reals = self._low + self.step * np.arange(self._height, dtype=np.float64)
-        clear = np.minimum(self.reach, -_distances(room, xs[None, :], ys[:, None]))
+        clear = np.minimum(self.reach, -distances(room, xs[None, :], ys[:, None]))
         self._buckets: dict[tuple[int, int], list[tuple[Shape, Disk, float]]] = {}
         for shape in shapes:
             entry = shape, shape.around, (self.reach + shape.around.radius) ** 2
@@ -62,7 +62,7 @@ class Clearances:
             i, j = np.searchsorted(xs, (x0 - self.reach, x1 + self.reach)).tolist()
             k, m = np.searchsorted(ys, (y0 - self.reach, y1 + self.reach)).tolist()
             part = clear[k:m, i:j]
-            np.minimum(part, _distances(shape, xs[None, i:j], ys[k:m, None]), out=part)
+            np.minimum(part, distances(shape, xs[None, i:j], ys[k:m, None]), out=part)
             for column in range(self._bucket(x0 - self.reach), self._bucket(x1 + self.reach) + 1):
                 for row in range(self._bucket(y0 - self.reach), self._bucket(y1 + self.reach) + 1):
                     self._buckets.setdefault((column, row), []).append(entry)
@@ -243,8 +243,8 @@ class FieldRoute:
             self._sent += 1  # clearance may be smaller between two grid points
 
 
-def _distances(shape: Shape, x: Reals, y: Reals) -> Reals:
-    """Distance of points from a shape, m; negative inside."""
+def distances(shape: Shape, x: Reals, y: Reals) -> Reals:
+    """Distances of points from a shape, m; negative inside."""
     if isinstance(shape, Disk):
         away: Reals = np.hypot(x - shape.x, y - shape.y) - shape.radius
         return away

@@ -120,30 +120,9 @@ class Slice:
         return self._others + (x - self.goal[0]) ** 2 + (y - self.goal[1]) ** 2
 
     def __call__(self, x: float, y: float) -> tuple[float, float]:
-        """D_i at (x, y), m, without Jacobian, in 0.6 of the time of `gradient`."""
-        far = self._far
-        px, py = x - far.x, y - far.y
-        log_x = far.log_x + far.xx * px + far.xy * py  # of half the gradient of log beta
-        log_y = far.log_y + far.xy * px + far.yy * py
-        for peer in self._peers:
-            dx = x - peer.x
-            dy = y - peer.y
-            rho = self._radius + peer.radius
-            contact = rho * rho
-            square = dx * dx + dy * dy
-            if square > contact * _LIMIT:
-                inverse = 1.0 / (square - contact)  # 1/beta_ij
-            else:
-                inverse, _ = _beyond(square - contact, contact * _LIMIT - contact)
-            log_x += dx * inverse
-            log_y += dy * inverse
-        inverse = self._edge_inverse(x, y)[0]
-        log_x -= x * inverse
-        log_y -= y * inverse
-        ex = x - self.goal[0]
-        ey = y - self.goal[1]
-        share = (self._others + ex * ex + ey * ey) * self._inverse_k  # gamma/k
-        return 2.0 * (ex - share * log_x), 2.0 * (ey - share * log_y)
+        """D_i at (x, y), m."""
+        found = self.gradient(x, y)
+        return found.dx, found.dy
 
     def gradient(self, x: float, y: float) -> Gradient:
         """D_i and its Jacobian at (x, y), in one pass."""

@@ -294,7 +294,7 @@ class ReciprocalLaw:
         for disk in self._gradient.obstacles:
             if disk.radius > 0.0:
                 self._add(found, disk.x - x, disk.y - y, disk.radius, 0.0, 0.0, 1.0)
-        found.sort(key=_nearness)
+        found.sort(key=lambda each: each[0])
         return [each[1] for each in found]
 
     def _add(
@@ -316,10 +316,6 @@ class ReciprocalLaw:
         vx, vy = self._wish
         found.append((room, reciprocal(rx, ry, contact, vx, vy, ux, uy, horizon, share)))
         return True
-
-
-def _nearness(found: tuple[float, HalfPlane]) -> float:
-    return found[0]
 
 
 def _violated(vx: float, vy: float, limits: list[HalfPlane]) -> int:

@@ -96,7 +96,7 @@ class SeparatingLines:
             for number, line in self._firsts.items()
             if number in kernel.bound and number not in told
         }
-        self._each = sorted(self._bonds.values(), key=_by_peer)
+        self._each = sorted(self._bonds.values(), key=lambda bond: (bond.peer, bond.bound.number))
         self._still = [bond for bond in self._each if bond.bound.place is not None]
         self._lines = {bond.peer: bond for bond in self._each if not bond.bound.static}
 
@@ -333,7 +333,3 @@ def _told(grants: Grants) -> Told[Region, Line]:
             )
         )
     return Told(grants.life, grants.version, grants.number, region, listed)
-
-
-def _by_peer(bond: Bond) -> tuple[int, int]:
-    return bond.peer, bond.bound.number

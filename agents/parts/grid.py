@@ -14,6 +14,7 @@ from typing import Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.law.distance_field import distances
 from protocol.geometry import Disk, Shape
 from protocol.messages import Vector
 from protocol.scenario.model import Part, Scenario
@@ -43,7 +44,7 @@ class Grid:
             np.arange(left, right + size, size), np.arange(low, high + size, size), indexing="ij"
         )
         self.room = room
-        self._depth = depth(room, self.x, self.y)
+        self._depth = -distances(room, self.x, self.y)
 
     def clear(self, shapes: Iterable[Shape], radius: float) -> Cells:
         """Cells in which a disk of `radius` (m) is inside, and overlaps none of the shapes."""
@@ -54,7 +55,7 @@ class Grid:
 
     def blocked(self, shape: Shape, radius: float) -> Cells:
         """Cells in which a disk of `radius` (m) overlaps a shape."""
-        return np.asarray(distance_to(shape, self.x, self.y) < radius + _SAG * self.size)
+        return np.asarray(distances(shape, self.x, self.y) < radius + _SAG * self.size)
 
     def cell(self, point: Vector) -> tuple[int, int]:
         """The cell of a point."""
@@ -134,20 +135,6 @@ class Grid:
         shape = self.x.shape
         around = [(cell[0] + dx, cell[1] + dy) for dx, dy in _STEPS]
         return [(i, j) for i, j in around if 0 <= i < shape[0] and 0 <= j < shape[1]]
-
-
-def depth(room: Shape, x: Reals, y: Reals) -> Reals:
-    """Distance of points from the walls of a room, m; negative outside."""
-    if isinstance(room, Disk):
-        return np.asarray(room.radius - np.hypot(x - room.x, y - room.y))
-    return np.asarray(np.minimum.reduce([offset - nx * x - ny * y for nx, ny, offset in room.sides]))
-
-
-def distance_to(shape: Shape, x: Reals, y: Reals) -> Reals:
-    """Distance of points from a shape, m; beside corners a lower bound."""
-    if isinstance(shape, Disk):
-        return np.asarray(np.hypot(x - shape.x, y - shape.y) - shape.radius)
-    return np.asarray(np.maximum.reduce([nx * x + ny * y - offset for nx, ny, offset in shape.sides]))
 
 
 class Reach:
@@ -318,11 +305,11 @@ class GridPlaces:
         x = (centre[0] + np.outer(gaps, self._cos)).ravel()
         y = (centre[1] + np.outer(gaps, self._sin)).ravel()
         room = radius + MARGIN * self.reach
-        clear = depth(self._room, x, y) >= room
+        clear = -distances(self._room, x, y) >= room
         near = float(gaps.max()) + room
         for shape in rest:
             if shape.distance(*centre) < near:
-                clear &= distance_to(shape, x, y) >= room
+                clear &= distances(shape, x, y) >= room
         return [(float(x[n]), float(y[n])) for n in clear.nonzero()[0]]
 
 

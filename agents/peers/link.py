@@ -146,7 +146,7 @@ class StateLink:
                 self._waiting[due].append(state)
         taken: list[PeerState] = []
         for due in sorted([each for each in self._waiting if each <= tick]):
-            taken += sorted(self._waiting.pop(due), key=_by_sender)
+            taken += sorted(self._waiting.pop(due), key=lambda each: (each.robot, each.tick))
         return taken
 
     def _take_early(self, tick: int) -> list[PeerState]:
@@ -235,10 +235,6 @@ class StateLink:
             if len(self._draws) > _KEPT:
                 del self._draws[next(iter(self._draws))]
         return drawn
-
-
-def _by_sender(state: PeerState) -> tuple[int, int]:
-    return state.robot, state.tick
 
 
 def _parted(partition: Partition, time: float, one: int, other: int) -> bool:

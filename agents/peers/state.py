@@ -56,10 +56,10 @@ class PeerState(Peer):
         slice_norm: float,
         vx: float,
         vy: float,
-        *,
-        radius: float = 0.0,
         proposals: tuple[Proposal, ...] = (),
         answers: tuple[Answer, ...] = (),
+        *,
+        radius: float = 0.0,
         claim: Claim | None = None,
     ) -> None:
         self.robot, self.incarnation, self.tick = robot, incarnation, tick
@@ -130,24 +130,12 @@ def plausible(scenario: Scenario) -> Plausible:
 
 def addressed_to(robot: int, state: State, radius: float = 0.0) -> PeerState:
     """A State as `robot` needs it: without proposals and answers to other robots."""
+    life, place = (state.robot, state.incarnation, state.tick), state.position or (0.0, 0.0)
+    sizes = state.bound, state.gamma, state.slice
+    proposals = tuple([each for each in state.proposals if each.peer == robot])
+    answers = tuple([each for each in state.answers if each.peer == robot])
     placed = state.position is not None
-    x, y = state.position or (0.0, 0.0)
-    found = PeerState(
-        state.robot,
-        state.incarnation,
-        state.tick,
-        placed,
-        x,
-        y,
-        state.bound,
-        state.gamma,
-        state.slice,
-        *state.desired,
-        radius=radius,
-        proposals=tuple([each for each in state.proposals if each.peer == robot]),
-        answers=tuple([each for each in state.answers if each.peer == robot]),
-        claim=state.claim,
-    )
+    found = PeerState(*life, placed, *place, *sizes, *state.desired, proposals, answers, claim=state.claim)
     found.size(radius)
     return found
 
@@ -211,19 +199,7 @@ class PeerReader:
         if not (slice_norm <= LARGEST and abs(vx) <= LARGEST and abs(vy) <= LARGEST):
             return None
         state = PeerState(
-            self._peer,
-            incarnation,
-            tick,
-            placed,
-            x,
-            y,
-            bound,
-            gamma,
-            slice_norm,
-            vx,
-            vy,
-            proposals=proposals,
-            answers=answers,
+            self._peer, incarnation, tick, placed, x, y, bound, gamma, slice_norm, vx, vy, proposals, answers
         )
         return state if self._limits.allows(state) else None
 
