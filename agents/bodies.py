@@ -73,8 +73,6 @@ class PointBody:
     """A point: it follows every velocity at once, and stands at the end of the tick.
 
     Args:
-        speed: speed limit, m/s.
-        period: of a tick, s.
         noise: bound on the relative execution noise.
         longest: bound of any path, m.
     """
@@ -97,7 +95,6 @@ class InertialBody:
     """A body with inertia.
 
     Args:
-        kinematics: of the body.
         speed: speed limit of the control point, m/s.
         tolerance: largest deviation of the control point from its nominal path.
         longest: bound of any path, m.

@@ -77,7 +77,7 @@ class GuardedLaw(Law):
         failure: names the law and its first failure; "" if it has not failed.
 
     Raises:
-        UsageError: there is no such law, or one of its libraries is not installed.
+        UsageError: as `choose`.
     """
 
     def __init__(self, scenario: Scenario, robot: int) -> None:

@@ -31,12 +31,7 @@ _INFINITE: Final = math.inf
 
 
 class Clearances:
-    """Clearance from obstacles and walls on a grid, for robots of one radius. Immutable.
-
-    Args:
-        room: the workspace.
-        shapes: the obstacles.
-        radius: of the robot, m.
+    """Distances of points of a grid from obstacles and walls, for robots of one radius, m. Immutable.
 
     Attributes:
         step: between neighbouring points, m.
@@ -123,12 +118,7 @@ def clearances(room: Shape, shapes: tuple[Shape, ...], radius: float) -> Clearan
 
 
 class FieldRoute:
-    """Short paths to one goal at a time.
-
-    Args:
-        map_: of the obstacles.
-        clear: clearance of paths, m.
-    """
+    """Short ways to one goal after the other, which keep `clear` m of everything."""
 
     def __init__(self, map_: Clearances, clear: float) -> None:
         self._map, self._clear = map_, clear * (1.0 + MARGIN)
@@ -149,10 +139,7 @@ class FieldRoute:
         self._seen: tuple[Vector, Vector, float] | None = None  # from, to, and rest of the path, m
 
     def ahead(self, position: Vector, goal: Vector) -> tuple[Vector, float] | None:
-        """First corner of the path to the goal, and the path's length, m.
-
-        The goal itself if nothing is in between; None if no path was found.
-        """
+        """As `agents.law.obstacles.Route.ahead`."""
         if goal != self._goal:
             self._begin(goal)
         seen = self._seen

@@ -85,15 +85,12 @@ class Slice:
     exert no force.
 
     Args:
-        goal: own goal, m.
+        goal: own goal, m; an attribute that may be changed.
         radius: own radius, m.
         workspace: radius of the workspace, m; larger than `radius`.
         k: the navigation function's exponent.
-        peers: near peers.
-        far: contribution of all others.
-
-    Attributes:
-        goal: own goal, m; may be changed.
+        peers: all that are known closely.
+        far: what all others add.
     """
 
     def __init__(

@@ -35,14 +35,8 @@ _CRUMBS: Final = 4096
 
 
 class GivingWay:
-    """One robot's behaviour in jams; subclasses define a jam and the place to back off to.
-
-    Args:
-        robot: own id.
-        radius: own, m.
-        lap: time for the largest disk to move by its radius at full speed, s.
-        period: control period, s.
-    """
+    """One robot's part in jams; subclasses say what a jam is, and where to back off to. `lap`: time in which
+    the largest disk moves by its radius at full speed, s; `period`: of a tick, s."""
 
     def __init__(self, robot: int, radius: float, lap: float, period: float) -> None:
         self._robot, self._radius = robot, radius

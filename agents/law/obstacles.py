@@ -275,18 +275,13 @@ def obstacle_disks(room: Shape, shapes: Iterable[Shape], x: float, y: float) -> 
 
 
 class Attraction:
-    """The attraction of one robot.
+    """The pull on one robot of `radius`, m.
 
     In a sphere world it is straight, as in Koditschek and Rimon's navigation functions; elsewhere gamma_i is
     the squared length of the shortest path, whose gradient leads to its first corner.
 
     Two robots that meet in a passage with room for one block each other. So unless a robot is alone, it uses
     passages in which two can pass, if these lead to its goal.
-
-    Args:
-        room: the workspace.
-        radius: of the robot, m.
-        alone: whether it is the only robot.
 
     Attributes:
         winds: whether paths lead around obstacles, as of the last `aim`.

@@ -58,7 +58,7 @@ def separating(obstacles: Sequence[Shape], closed: Sequence[Gap], start: Vector,
     Args:
         obstacles: as indexed by the gaps.
         closed: gaps that are too narrow, in the order in which they close.
-        start, goal: places clear of all obstacles, m.
+        start, goal: places that keep clear of all obstacles, m.
     """
     chains = _Chains(len(obstacles) + 1)
     centres = [_inside(shape) for shape in obstacles]

@@ -81,14 +81,8 @@ def reciprocal(
 
 
 def nearest(wish: Vector, limits: Sequence[HalfPlane], speed: float, hard: int = 0) -> Vector:
-    """The nearest velocity to `wish` within all limits, m/s; otherwise the one that violates them least.
-
-    Args:
-        wish: m/s.
-        limits: of velocities, m/s.
-        speed: the largest, m/s.
-        hard: the first `hard` limits are compatible, and are kept even if the others are violated.
-    """
+    """The velocity nearest to `wish` within `limits` and `speed`, m/s. The first `hard` half-planes leave
+    room together, and are kept where all are too many."""
     x, y = wish
     length = math.hypot(x, y)
     if length > speed:

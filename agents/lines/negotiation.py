@@ -83,9 +83,8 @@ def fit_line(
     obeys it from `begin` to `end` seconds after its State: its disk sweeps from where its seen velocity has
     taken it by then to where its desired velocity leads. The line separates the two swept areas, and leaves
     the owner `share` of the gap between them. If they meet, all times are shortened by one factor, so two
-    that drive at each other share the gap in proportion to what each wants of it. Either keeps a `standoff`
-    (m),
-    the owner first: where the gap seen is less than two, one at least can make room.
+    that drive at each other share the gap in proportion to what each wants of it. Either keeps a `standoff`,
+    m, the owner first: where the gap seen is less than two, one at least can make room.
 
     None if the disks overlap by their States, and also after the desired motion.
     """
@@ -258,14 +257,11 @@ class Negotiation:
         *,
         standing: bool,
     ) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
-        """Proposals and answers for the State of a tick.
+        """Proposals and answers for the State of a tick, by the bonds with the present lives of peers.
 
         Args:
-            tick: of the State.
-            bonds: with the present lives of peers.
             me: own disk, its radius with the error bound, and its desired velocity.
-            kernel: decides which lines fit.
-            standing: whether this robot cannot move, and so needs none of the gap.
+            standing: whether this robot cannot move: then it needs none of the gap.
         """
         proposals: list[Proposal] = []
         answers: list[Answer] = []

@@ -161,12 +161,7 @@ class OwnSet:
 
 @final
 class Cover:
-    """All that a robot covers until no command has any effect: a disk with its centre in a set.
-
-    Args:
-        own: possible positions of the centre, with its further motion.
-        radius: of the disk, m.
-    """
+    """All that a robot covers now and until no command has any effect: a disk with its centre in a set, m."""
 
     def __init__(self, own: OwnSet, radius: float) -> None:
         self.own, self.radius = own, radius

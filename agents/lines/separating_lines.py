@@ -32,18 +32,16 @@ class SeparatingLines:
     """All bindings of one life of one robot, and its region.
 
     Args:
-        robot: own id.
-        radius: of the own disk, m.
-        speed: largest true speed of the robot, m/s.
+        speed: the highest that the robot really has, m/s.
         period: of one tick, s.
-        reach: longest motion from the start of a tick until the body stands, m; default: a tick at full
-            speed.
-        standoff: room that own lines leave on either side, m, if there is enough.
+        reach: the longest way from the beginning of a tick until the body stands, m; 0 for that of a tick at
+            full speed.
+        standoff: room that own lines leave at either side, m, as far as there is any.
 
     Attributes:
-        kernel: the constraints of this life; None before the first grants.
-        wanted: radius of the disk for which own lines leave room, if larger, m.
-        part: the disk of a part that is taken up, which constrains only the smaller own disk; NO for none.
+        kernel: the robot's end of all bindings; None before the first grants.
+        wanted: radius of the disk for which own lines leave room, if that is larger, m.
+        part: the disk that only a smaller own disk keeps clear of, as it is taken up; NO for none.
     """
 
     def __init__(
@@ -162,12 +160,12 @@ class SeparatingLines:
         kernel.locate(body, body if self._small == self._radius else Cover(self._own, self._small))
 
     def _turn(self, kernel: RobotLife[Region, Line, Cover], bond: Bond) -> None:
-        """Turn the half-plane of a static disk, or find the first line towards it."""
+        """Turn the half-plane towards a static disk, or find the first line towards it."""
         own, bound = self._own, bond.bound
         if bound.place is None or not (bond.is_asked or bound.static):
             return
         if bound.state == HALF and bond.half_planes[0].slack(own.x, own.y) > own.bound + _NEAR * self._reach:
-            return  # far enough
+            return  # far enough away
         near = bond.own_radius + own.bound + _NEAR * self._max_step
         line = tangent(bound.place.shape, own.x, own.y, bound.low, near)
         if line is None or not kernel.fits(bound, line):

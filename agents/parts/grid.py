@@ -29,12 +29,7 @@ _STEPS: Final = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1
 
 
 class Grid:
-    """Cells of a room.
-
-    Args:
-        room: the workspace.
-        size: of a cell, m.
-    """
+    """Cells of a room, of `size` m."""
 
     def __init__(self, room: Shape, size: float) -> None:
         (left, low), (right, high) = room.box

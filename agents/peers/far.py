@@ -24,11 +24,7 @@ class SummaryPlaces:
     """One decoded summary; raises MessageError if it is malformed. Immutable, and shared by all robots of a
     process.
 
-    Args:
-        summary: as received.
-
     Attributes:
-        tick: of the summary.
         runs: ids of its robots, encoded as in the summary.
         robots: the same ids, ascending.
         index: position of each id in the arrays.
@@ -222,10 +218,9 @@ def far_field(
         tick: of the positions.
         position: the point of expansion, m.
         x, y: positions of the disks, m.
-        contacts: contact distances, m.
-        gammas: squared distances to their goals, m^2.
-        slices: norms of their own slices, m.
-        known: indices of disks to leave out, each once.
+        contacts: distance at which each touches, m.
+        gammas, slices: as of `SummaryPlaces`.
+        known: indices of disks that do not count, each once.
     """
     field = FarField(tick, *position)
     field.count = len(gammas) - len(known)

@@ -41,11 +41,8 @@ class Radio:
         self._is_bad, self._tick = False, -1
 
     def is_bad(self, tick: int) -> bool:
-        """Whether its channel is bad, by the chain of Gilbert and Elliott.
-
-        A draw below `worse` makes it bad, and one above 1 - `better` good, whatever it was before: so the
-        last such draw decides, without a stored state.
-        """
+        """Whether its channel is bad, by the chain of Gilbert and Elliott: a draw below `worse` makes it bad,
+        one above 1 - `better` good, and the last such draw decides."""
         for earlier in range(tick, -1, -1):
             if earlier == self._tick:
                 break

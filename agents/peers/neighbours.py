@@ -132,8 +132,6 @@ class PeerInbox:
     """The inbox of one life of one robot.
 
     Args:
-        scenario: the run.
-        robot: own id.
         accepted: takes each State that counts, with its proposals and answers.
         lockstep: whether the world waits for this robot. If it does not, States of missed ticks count.
 

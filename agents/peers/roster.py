@@ -22,11 +22,10 @@ class KnownRoster:
     """The newest roster received by one life of one robot.
 
     Args:
-        robot: own id.
         listed: shapes of the scenario's obstacles, by number.
 
     Attributes:
-        version: of the roster; 0 before the first.
+        version: 0 before the first.
         members: its entries, by id, in its order.
         obstacles: its obstacles that came or went.
         parts: the place of each part.

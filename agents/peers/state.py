@@ -151,8 +151,6 @@ class PeerReader:
     """Decodes the payloads of the state key of `peer`, for `robot`.
 
     Args:
-        robot: own id.
-        peer: id of the sender.
         epoch: of the own coordinator.
         limits: bounds of a State's numbers.
     """

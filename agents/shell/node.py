@@ -38,8 +38,6 @@ class RobotNode:
 
     Args:
         bus: a connection of its own.
-        run: name of the run.
-        robot: own id.
         patience, wait, say, read: as of `WorldSession`.
         namespace: as of `ros_of`.
         note: takes lines for the log.
