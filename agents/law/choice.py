@@ -106,14 +106,13 @@ class GuardedLaw(Law):
         return 0.0, 0.0
 
     def slice_norm(self, position: Vector, goal: Vector) -> float:
-        """|D_i|, m, at most the bound; that of the attraction alone after a failure."""
-        norm = super().slice_norm(position, goal)
+        """|D_i|, m, at most the bound; that of the attraction alone once the law has failed."""
         if self._law is not None and not self._from_outside:
-            norm = self._law.slice_norm(position, goal)
-        elif self._law is not None and hasattr(self._law, "slice_norm"):
+            return min(self._law.slice_norm(position, goal), self._most)
+        if self._law is not None and hasattr(self._law, "slice_norm"):
             with self._guarded(f"no slice_norm at {position}"):
-                norm = max(0.0, _finite(float(self._law.slice_norm(position, goal))))
-        return min(norm, self._most)
+                return min(max(0.0, _finite(float(self._law.slice_norm(position, goal)))), self._most)
+        return min(super().slice_norm(position, goal), self._most)
 
     @contextmanager
     def _guarded(self, what: str) -> Iterator[None]:
