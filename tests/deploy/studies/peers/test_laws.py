@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from agents.law import Law, View, choose
+from agents.law import GuardedLaw, Law, View
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from deploy.library.load import load
@@ -81,12 +81,13 @@ def test_an_argument_that_a_law_does_not_take_is_refused(arguments: str) -> None
 
 @pytest.mark.parametrize("law", LAWS)
 def test_alone_it_goes_straight_to_any_goal_and_slows_to_arrive(law: str) -> None:
-    own = choose(bare(f"{law}(noise=0.0)", RobotSpec(1, 0.04, (-0.2, 0.0), GOAL)), 1)
-    alone = Neighbours({})
-    assert own.velocity(view((-0.2, 0.0), STILL, alone)) == pytest.approx((0.1, 0.0), abs=1e-6)
-    assert own.velocity(view((0.197, 0.0), (0.005, 0.0), alone, 1)) == pytest.approx((0.06, 0.0), abs=1e-6)
-    assert own.velocity(view(GOAL, STILL, alone, 2)) == pytest.approx(STILL, abs=1e-6)
-    elsewhere = view(STILL, STILL, alone, 3, goal=(0.0, 0.1))
+    own = GuardedLaw(bare(f"{law}(noise=0.0)", RobotSpec(1, 0.04, (-0.2, 0.0), GOAL)), 1)
+    nobody = Neighbours({})
+    assert own.velocity(view((-0.2, 0.0), STILL, nobody)) == pytest.approx((0.1, 0.0), abs=1e-6)
+    assert own.velocity(view((0.197, 0.0), (0.005, 0.0), nobody, 1)) == pytest.approx((0.06, 0.0), abs=1e-6)
+    assert own.velocity(view(GOAL, STILL, nobody, 2)) == pytest.approx(STILL, abs=1e-6)
+    assert own.slice_norm(STILL, GOAL) == pytest.approx(0.4)
+    elsewhere = view(STILL, STILL, nobody, 3, goal=(0.0, 0.1))
     assert own.velocity(elsewhere) == pytest.approx((0.0, 0.1), abs=5e-3)
 
 
@@ -95,7 +96,7 @@ def test_a_peer_stands_where_its_velocity_has_taken_it_since(law: str) -> None:
     """Old news of a peer in motion ask for what fresh news of its present place ask for."""
 
     def wish(known: Neighbours) -> Vector:
-        own: Law = choose(crossing(f"{law}(noise=0.0)"), 1)
+        own: Law = GuardedLaw(crossing(f"{law}(noise=0.0)"), 1)
         return own.velocity(view((0.0, 0.01), (0.005, 0.0), known, 10))
 
     late, fresh = heard(0.15, 0.0, (-0.1, 0.0), 0), heard(0.10, 0.0, (-0.1, 0.0), 10)
@@ -104,7 +105,7 @@ def test_a_peer_stands_where_its_velocity_has_taken_it_since(law: str) -> None:
 
 
 def test_a_barrier_binds_with_equality_and_a_robot_that_is_down_takes_no_half_of_it() -> None:
-    own = choose(crossing("Barrier(gain=1.0, noise=0.0, margin=0.0)"), 1)
+    own = GuardedLaw(crossing("Barrier(gain=1.0, noise=0.0, margin=0.0)"), 1)
     known = heard(0.1, 0.0)
     vx, vy = own.velocity(view(STILL, STILL, known))
     assert 2.0 * 0.1 * vx == pytest.approx(0.5 * (0.1**2 - 0.08**2), rel=1e-6)
@@ -115,7 +116,7 @@ def test_a_barrier_binds_with_equality_and_a_robot_that_is_down_takes_no_half_of
 
 def test_orca_goes_around_within_its_horizon_and_farther_with_a_margin() -> None:
     def wish(arguments: str) -> Vector:
-        own = choose(crossing(f"Orca(noise=0.0, {arguments})"), 1)
+        own = GuardedLaw(crossing(f"Orca(noise=0.0, {arguments})"), 1)
         return own.velocity(view((0.0, 0.01), (0.005, 0.0), heard(0.19, 0.0, (-0.1, 0.0))))
 
     assert 0.003 < wish("margin=0.0")[1] < wish("margin=0.01")[1]
