@@ -223,68 +223,26 @@ def defect(points: Sequence[Point]) -> str:
     count = len(points)
     if count < 3:
         return "needs three points at least"
-    edges = [_difference(points[(n + 1) % count], points[n]) for n in range(count)]
-    for n, edge in enumerate(edges):
-        if math.hypot(*edge) < _SHORT:
+    edges = []
+    for n, (x, y) in enumerate(points):
+        end = points[(n + 1) % count]
+        edges.append((end[0] - x, end[1] - y))
+        if math.hypot(*edges[n]) < _SHORT:
             return f"points {n} and {(n + 1) % count} are the same, or nearly"
-    sense = 1.0 if signed_area(points) > 0.0 else -1.0
-    inward = [n for n in range(count) if sense * _turn(edges[n - 1], edges[n]) < -_STRAIGHT]
-    once = abs(abs(math.fsum(_angle(edges[n - 1], edges[n]) for n in range(count))) - math.tau) < 1.0
-    if (inward or not once) and (crossing := _crossing(points)):
-        return f"crosses itself: the side from point {crossing[0]} meets the side from point {crossing[1]}"
-    longest = max(math.hypot(*edge) for edge in edges)
-    if abs(signed_area(points)) < _THIN * longest * longest:
-        return "has no area"
-    if inward:
-        return f"is not convex at point {inward[0]}"
-    return "" if once else "goes around more than once"
-
-
-def _difference(one: Point, other: Point) -> Point:
-    return one[0] - other[0], one[1] - other[1]
+    area, longest = signed_area(points), max([math.hypot(*edge) for edge in edges])
+    if abs(area) < _THIN * longest * longest:
+        return "has no area: its points are on one line, or its sides cross"
+    turns = [_turn(edges[n - 1], edges[n]) for n in range(count)]
+    for n, turn in enumerate(turns):
+        left = math.copysign(1.0, area) * math.sin(turn)
+        if left < (_STRAIGHT if math.cos(turn) < 0.0 else -_STRAIGHT):  # a turn back is one inward
+            return f"is not convex at point {n}, or its sides cross"
+    return "" if abs(math.fsum(turns)) < 1.5 * math.tau else "goes around more than once"
 
 
 def _turn(one: Point, other: Point) -> float:
-    """Sine of the angle from one edge to the next; a turn back is one inward."""
-    cross = one[0] * other[1] - one[1] * other[0]
-    along = one[0] * other[0] + one[1] * other[1]
-    if along < 0.0 and abs(cross) <= _STRAIGHT * -along:
-        return -math.inf
-    return cross / (math.hypot(*one) * math.hypot(*other))
-
-
-def _angle(one: Point, other: Point) -> float:
     """From one edge to the next, rad."""
     return math.atan2(one[0] * other[1] - one[1] * other[0], one[0] * other[0] + one[1] * other[1])
-
-
-def _crossing(points: Sequence[Point]) -> tuple[int, int] | None:
-    """Two sides that are not neighbours and have a point in common."""
-    count = len(points)
-    for i in range(count):
-        for j in range(i + 2, count):
-            if (j + 1) % count != i and _meet(points[i], points[i + 1], points[j], points[(j + 1) % count]):
-                return i, j
-    return None
-
-
-def _meet(a: Point, b: Point, c: Point, d: Point) -> bool:
-    """Whether two segments have a point in common."""
-    one, other = (_left(a, b, c), _left(a, b, d)), (_left(c, d, a), _left(c, d, b))
-    if one == (0, 0):  # on one line
-        return _between(a, c, d) or _between(b, c, d) or _between(c, a, b)
-    return one[0] * one[1] <= 0 and other[0] * other[1] <= 0
-
-
-def _left(a: Point, b: Point, c: Point) -> int:
-    """1 where c is to the left of the line from a to b, -1 to the right, 0 on it."""
-    cross = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-    return (cross > 0.0) - (cross < 0.0)
-
-
-def _between(point: Point, one: Point, other: Point) -> bool:
-    """Whether a point of the line through two others lies between them."""
-    return all(min(a, b) <= p <= max(a, b) for p, a, b in zip(point, one, other, strict=True))
 
 
 def obstructed(room: Shape, shapes: Mapping[int, Shape], radius: float) -> Iterator[tuple[int, int]]:

@@ -51,7 +51,6 @@ def checked(scenario: Scenario, malformed: Collection[Steps]) -> list[Finding]:
         *_map(scenario),
         *_carriers(scenario, sound),
         *_times(scenario),
-        *_gaps(scenario),
         *_texts(scenario),
         *_bodies(scenario, sound),
         *_bases(scenario, sound),
@@ -87,30 +86,28 @@ def _times(scenario: Scenario) -> Iterator[Finding]:
         yield ("time", "limit"), f"{limit:g} s is less than one step of {step:g} s"
     elif limit > _LONGEST * step:
         yield ("time", "limit"), f"{limit:g} s are more than {_LONGEST:g} steps of {step:g} s"
-    places: list[tuple[Steps, float | tuple[float, float]]] = [
-        *((("sensing", n, "delay"), sensing.delay) for n, sensing in enumerate(scenario.sensing)),
-        (("link", "delay"), scenario.link.delay),
-        *((("link", "burst", "delay"), burst.delay) for burst in (scenario.link.burst,) if burst is not None),
-        *(
-            (("link", "roaming", "gap"), roaming.gap)
-            for roaming in (scenario.link.roaming,)
-            if roaming is not None
-        ),
-    ]
-    for steps, delay in places:
-        if isinstance(delay, tuple):
-            if delay[0] > delay[1]:
-                yield steps, f"the low end {delay[0]:g} is above the high end {delay[1]:g}"
-        elif delay < 0.0:
-            yield steps, f"must be at least 0, is {delay:g}"
-        elif delay > _LARGEST_SPAN:
-            yield steps, f"must be at most {_LARGEST_SPAN:g}, is {delay:g}"
-
-
-def _gaps(scenario: Scenario) -> Iterator[Finding]:
+    for steps, span in _spans(scenario).items():
+        if isinstance(span, tuple):
+            if span[0] > span[1]:
+                yield steps, f"the low end {span[0]:g} is above the high end {span[1]:g}"
+        elif span < 0.0:
+            yield steps, f"must be at least 0, is {span:g}"
+        elif span > _LARGEST_SPAN:
+            yield steps, f"must be at most {_LARGEST_SPAN:g}, is {span:g}"
     roaming = scenario.link.roaming
     if roaming is not None and (longest := max(span_of(roaming.gap))) > roaming.every:
         yield ("link", "roaming", "gap"), f"{longest:g} s is longer than `every`, {roaming.every:g} s"
+
+
+def _spans(scenario: Scenario) -> dict[Steps, float | tuple[float, float]]:
+    link = scenario.link
+    spans: dict[Steps, float | tuple[float, float]] = {("link", "delay"): link.delay}
+    spans |= {("sensing", n, "delay"): sensing.delay for n, sensing in enumerate(scenario.sensing)}
+    if link.burst is not None:
+        spans["link", "burst", "delay"] = link.burst.delay
+    if link.roaming is not None:
+        spans["link", "roaming", "gap"] = link.roaming.gap
+    return spans
 
 
 def _texts(scenario: Scenario) -> Iterator[Finding]:
@@ -283,13 +280,9 @@ def _external(scenario: Scenario) -> Iterator[Finding]:
 def _known(scenario: Scenario, sound: Sound) -> set[int] | None:
     """Ids that are there at some time, None while one is malformed."""
     ids = {spec.id for _, spec in described(scenario)}
-    orders = range(len(scenario.orders))
-    hidden = {
-        ("robots",),
-        ("orders",),
-        *(("orders", n) for n in orders),
-        *(("orders", n, "add") for n in orders),
-    }
+    hidden: set[Steps] = {("robots",), ("orders",)}
+    for n in range(len(scenario.orders)):
+        hidden |= {("orders", n), ("orders", n, "add")}
     return None if 0 in ids or not hidden.isdisjoint(sound.malformed) else ids
 
 

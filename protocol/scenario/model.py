@@ -74,6 +74,14 @@ class Workspace:
         if self.radius is None and self.points is None:
             object.__setattr__(self, "radius", DEFAULT_RADIUS)
 
+    def defect(self) -> str:
+        """Why it has no shape; "" if it has one."""
+        if self.points is None:
+            return ""
+        return (
+            defect(self.points) if self.radius is None else "is given by `radius` or by `points`, not by both"
+        )
+
     @property
     def shape(self) -> Shape:
         """The set that no disk leaves."""

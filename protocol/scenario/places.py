@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Final
 
-from protocol.geometry import ConvexPolygon, Disk, Shape, defect
-from protocol.scenario.model import CELLS, MOST_CELLS, Corners, Obstacle, Point, Scenario
+from protocol.geometry import ConvexPolygon, Disk, Shape
+from protocol.scenario.model import CELLS, MOST_CELLS, Obstacle, Point, Scenario, Workspace
 from protocol.scenario.tables import Finding, Steps
 
 _NAMED = 3  # overlaps of one disk that are spelled out
@@ -34,7 +34,7 @@ class Sound:
 
 def placed(scenario: Scenario, sound: Sound) -> tuple[Shape | None, list[Finding]]:
     """The workspace, None where it is malformed, and all findings about places."""
-    room, findings = _room(scenario, sound)
+    room, findings = _shape(scenario.workspace, ("workspace",), sound)
     robots: dict[str, list[_Named]] = {}
     for end in ("start", "goal"):
         found, robots[end] = _robots(scenario, end)
@@ -54,6 +54,15 @@ def placed(scenario: Scenario, sound: Sound) -> tuple[Shape | None, list[Finding
         for end, others in robots.items():
             findings += _parts(scenario, end, room, [*obstacles, *others])
     return room, findings
+
+
+def _shape(found: Workspace | Obstacle, steps: Steps, sound: Sound) -> tuple[Shape | None, list[Finding]]:
+    if not sound(*steps):
+        return None, []
+    if problem := found.defect():
+        is_polygon = found.points is not None and found.radius is None
+        return None, [((*steps, "points") if is_polygon else steps, problem)]
+    return found.shape, []
 
 
 def fits(room: Shape | None, radius: float, steps: Steps, **points: Point) -> Iterator[Finding]:
@@ -78,35 +87,10 @@ def obstacle(
     obstacle: Obstacle, steps: Steps, sound: Sound, room: Shape | None
 ) -> tuple[Shape | None, list[Finding]]:
     """The shape of an obstacle, None where it has none, and findings about it."""
-    shape: Shape | None = None
-    findings: list[Finding] = []
-    if not sound(*steps):
-        return None, []
-    if obstacle.points is not None and obstacle.center is None and obstacle.radius is None:
-        shape, findings = _polygon(obstacle.points, (*steps, "points"))
-    elif obstacle.center is not None and obstacle.radius is not None and obstacle.points is None:
-        shape = obstacle.shape
-    else:
-        findings = [(steps, "must be a disk, with `center` and `radius`, or a convex polygon, with `points`")]
+    shape, findings = _shape(obstacle, steps, sound)
     if shape is not None and room is not None and _outside(shape, room):
         findings = [((*steps, _where(shape)), "lies outside of the workspace")]
     return shape, findings
-
-
-def _room(scenario: Scenario, sound: Sound) -> tuple[Shape | None, list[Finding]]:
-    room = scenario.workspace
-    if not sound("workspace"):
-        return None, []
-    if room.points is None:
-        return room.shape, []
-    if room.radius is not None:
-        return None, [(("workspace",), "is given by `radius` or by `points`, not by both")]
-    return _polygon(room.points, ("workspace", "points"))
-
-
-def _polygon(points: Corners, steps: Steps) -> tuple[Shape | None, list[Finding]]:
-    problem = defect(points)
-    return (None, [(steps, problem)]) if problem else (ConvexPolygon(points), [])
 
 
 def _outside(shape: Shape, room: Shape) -> bool:

@@ -71,21 +71,12 @@ def test_convex_polygons_have_no_defect_in_either_sense(polygon):
         ([(0, 0), (1, 0), (1, 0), (0, 1)], "points 1 and 2 are the same, or nearly"),
         ([(0, 0), (1, 0), (0, 1), (0, 0)], "points 3 and 0 are the same, or nearly"),
         ([(0, 0), (1e-170, 0), (0, 1e-170)], "points 0 and 1 are the same, or nearly"),
-        ([(0, 0), (1, 1), (2, 2)], "has no area"),
-        ([(0, 0), (2, 0), (2, 2), (1, 0.5)], "is not convex at point 3"),
-        ([(0, 0), (1, 0.5), (2, 2), (2, 0)], "is not convex at point 1"),
-        (
-            [(0, 0), (1, 1), (1, 0), (0, 1)],
-            "crosses itself: the side from point 0 meets the side from point 2",
-        ),
-        (
-            [PENTAGON[2 * n % 5] for n in range(5)],
-            "crosses itself: the side from point 0 meets the side from point 2",
-        ),
-        (
-            [(0, 0), (3, 0), (1, 0), (1, 1)],
-            "crosses itself: the side from point 0 meets the side from point 2",
-        ),
+        ([(0, 0), (1, 1), (2, 2)], "has no area: its points are on one line, or its sides cross"),
+        ([(0, 0), (1, 1), (1, 0), (0, 1)], "has no area: its points are on one line, or its sides cross"),
+        ([(0, 0), (2, 0), (2, 2), (1, 0.5)], "is not convex at point 3, or its sides cross"),
+        ([(0, 0), (1, 0.5), (2, 2), (2, 0)], "is not convex at point 1, or its sides cross"),
+        ([(0, 0), (3, 0), (1, 0), (1, 1)], "is not convex at point 1, or its sides cross"),
+        ([PENTAGON[2 * n % 5] for n in range(5)], "goes around more than once"),
     ],
 )
 def test_each_defect_is_named(points, words):

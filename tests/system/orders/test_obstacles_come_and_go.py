@@ -101,6 +101,6 @@ def test_from_the_command_line(disknav: Forks) -> None:
     codes = [code for code, _ in said]
     assert codes == [0, 2, 0, 1, 0], said
     assert "obstacle 2 is in place" in said[0][1]
-    assert "crosses itself" in said[1][1]
+    assert "sides cross" in said[1][1]
     assert "no obstacle 1" in said[3][1]
     assert [obstacle["number"] for obstacle in json.loads(said[4][1])] == [2]

@@ -104,8 +104,11 @@ def test_an_obstacle_that_came_is_judged_and_then_forgotten() -> None:
 @pytest.mark.parametrize(
     ("order", "words"),
     [
-        (Listed(points=((0.0, 0.0), (0.1, 0.0), (0.1, 0.1), (0.05, 0.01))), "is not convex at point 3"),
-        (Listed(points=((0.0, 0.0), (0.1, 0.1), (0.1, 0.0), (0.0, 0.1))), "crosses itself"),
+        (
+            Listed(points=((0.0, 0.0), (0.1, 0.0), (0.1, 0.1), (0.05, 0.01))),
+            "is not convex at point 3, or its sides cross",
+        ),
+        (Listed(points=((0.0, 0.0), (0.1, 0.1), (0.1, 0.0), (0.0, 0.1))), "sides cross"),
         (Listed(center=(0.0, 0.0)), "must be a disk, with `center` and `radius`, or"),
         (Listed(center=(0.0, 0.0), radius=1.0, points=BOX), "must be a disk"),
         (Listed(center=(2.0, 0.0), radius=0.1), "outside of the workspace"),
