@@ -58,7 +58,7 @@ def main(
             kept = Checkpoint(checkpoint, checked_run(run), scenario, LOG.warning)
         epochs = () if kept is None else kept.progress.epochs
         if kept is not None and epochs:
-            LOG.warning(f"goes on at tick {kept.progress.past.coordinator.tick} of {scenario.name!r}")
+            LOG.warning(f"goes on at tick {kept.progress.past.tick} of {scenario.name!r}")
         with closing(ZenohBus(connection)) as bus:
             look_for_others(bus, run, epochs)
             node = WorldNode(

@@ -23,7 +23,7 @@ def result_of(world: WorldCore) -> dict[str, Any]:
     the truth is unknown: everything here is judged by what robots reported of themselves, each time off by
     no more than `reported_bound`, m, unless a stated bound is wrong.
     """
-    scenario, coordinator, referee = world.scenario, world.coordinator, world.referee
+    scenario, referee = world.scenario, world.referee
     step, totals, segment = scenario.time.step, referee.record.totals, referee.record.segment
     truth, lengths = totals.truth, world.simulation.lengths
     return {
@@ -50,11 +50,11 @@ def result_of(world: WorldCore) -> dict[str, Any]:
         "tight": tight(segment.disks, segment.goals),
         "ticks": truth.tick,
         "sim_time": truth.tick * step,
-        "missed_commands": coordinator.commands.missed,
-        "rejected_commands": dict(coordinator.commands.refused),
-        "down": [fenced.robot for fenced in coordinator.lives.roster.standing],
-        "orders": [_order(tick, order, refused) for tick, order, refused in coordinator.schedule.done],
-        "faults": _faults(scenario, coordinator.lives, world.simulation.measurements),
+        "missed_commands": world.exchange.missed,
+        "rejected_commands": dict(world.exchange.refused),
+        "down": [fenced.robot for fenced in world.lives.roster.standing],
+        "orders": [_order(tick, order, refused) for tick, order, refused in world.schedule.done],
+        "faults": _faults(scenario, world.lives, world.simulation.measurements),
         "phi": {"first": totals.first.phi, "last": truth.phi, "increases": totals.increases},
         "log_potential": {"first": totals.first.log_potential, "last": truth.log_potential},
         "positions": {

@@ -1,17 +1,24 @@
 """The world: one run of a scenario, as coordinator, simulation and referee make it together.
 
 Sans-I/O: no clock, no socket; the caller says when robots joined, went, and when a tick is over.
-One tick: `open_tick` (and `coordinator.join` for each awaited robot), `accept` commands, `close_tick`.
+One tick: `open_tick` (and `join` for each awaited robot), `accept` Commands, `close_tick`. What decides on
+membership, Commands and grants (`world.coordinator`) knows no truth but the places that it is told.
 """
 
 from __future__ import annotations
 
+from collections import Counter
+
 import msgspec
 
-from protocol.messages import Command, GoalStatus, Tick, Truth
+from protocol.messages import Command, Count, GoalStatus, Tick, Truth
 from protocol.operations import Outcome
 from protocol.scenario.model import Journey, Obstacle, Operation, RobotSpec, Scenario
-from world.coordinator.coordinator import Coordinator, PastCoordinator
+from world.coordinator.exchange import Exchange
+from world.coordinator.lives import Lives, PastLives
+from world.coordinator.membership import FleetChange, Membership
+from world.coordinator.missions import Mission, Missions, Schedule
+from world.coordinator.parts import Parts
 from world.external import External
 from world.judge.verdict import PastReferee, Referee
 from world.plants.plant import PastDisks
@@ -24,7 +31,15 @@ class Past(msgspec.Struct, frozen=True):
     It is not the state of a process: lives, lines, grants and messages under way end with their world.
     """
 
-    coordinator: PastCoordinator = PastCoordinator()
+    tick: Count = 0  # that was open, or was to be opened next
+    founded: bool = False
+    stopped: bool = False
+    lives: PastLives | None = None
+    missions: list[tuple[Mission, GoalStatus]] = []
+    fleet: FleetChange | None = None
+    orders: list[str] = []  # of the scenario, that were carried out, as `Schedule.past`
+    missed: Count = 0  # Commands
+    refused: dict[str, Count] = {}  # Commands, by reason
     disks: PastDisks | None = None
     referee: PastReferee | None = None
 
@@ -39,65 +54,102 @@ class WorldCore:
         returning: s for which a robot that was fenced may yet come back, before the run is over without it.
 
     Attributes:
-        coordinator: membership, commands, orders.
+        exchange: Ticks and Commands.
+        lives, membership, missions, parts, schedule: of the robots, of parts, and of the scenario's orders.
         simulation: where the disks are, and what robots sense; of an external fleet, what it reports.
         referee: what happened, and how the run ended.
+        stopped: whether an emergency stop was asked for.
+        contested: whether another coordinator of this run is there.
     """
 
     def __init__(self, scenario: Scenario, past: Past = Past(), *, returning: float = 0.0) -> None:
-        coordinator = self.coordinator = Coordinator(scenario, returning, past.coordinator)
-        fleet, obstacles = coordinator.scenario, coordinator.lives.obstacles.standing
+        self.stopped, self.contested = past.stopped, False
+        lives = self.lives = Lives(scenario, returning, past.lives, past.tick)
+        self.membership = Membership(scenario, lives, past.fleet)
+        fleet = self.membership.scenario
+        self.missions = Missions(fleet, past.missions)
+        self.parts = Parts(fleet, lives)
+        self.schedule = Schedule(scenario, past.orders)
+        self.exchange = Exchange(scenario, lives, self.missions, past.tick)
+        self.exchange.missed, self.exchange.refused = past.missed, Counter(past.refused)
         self.simulation: External | SimulatedFleet
         if fleet.is_external:
             self.simulation = External(fleet, past.disks, self.tick)
         else:
             self.simulation = SimulatedFleet(fleet, past.disks)
-        plant, loaded = self.simulation.plant, coordinator.parts.loaded(fleet)
-        self.referee = Referee(loaded, plant.positions, plant.parts, past.referee, obstacles)
-        if past.coordinator.founded:
-            coordinator.found(self.simulation.places, self.simulation.founding_bounds)
+        plant, obstacles = self.simulation.plant, lives.obstacles.standing
+        self.referee = Referee(self.parts.loaded, plant.positions, plant.parts, past.referee, obstacles)
+        if past.founded:
+            self._found()
             self._turn_over()
-        if coordinator.halted:
+        if self.halted:
             self.simulation.stop(self.tick)
 
     @property
     def past(self) -> Past:
         """What another world needs to go on from here."""
-        return Past(self.coordinator.past, self.simulation.past, self.referee.past)
+        return Past(
+            self.tick,
+            self.lives.founded,
+            self.stopped,
+            self.lives.past,
+            self.missions.past,
+            self.membership.fleet,
+            self.schedule.past,
+            self.exchange.missed,
+            self.exchange.refused,
+            self.simulation.past,
+            self.referee.past,
+        )
 
     @property
     def tick(self) -> int:
         """The tick that is open, or that is to be opened next."""
-        return self.coordinator.tick
+        return self.exchange.tick
 
     @property
     def is_open(self) -> bool:
         """Whether `tick` has begun."""
-        return self.coordinator.told is not None
+        return self.exchange.told is not None
 
     @property
     def scenario(self) -> Scenario:
         """The scenario with the robots that are there now."""
-        return self.coordinator.scenario
+        return self.membership.scenario
 
     @property
     def truth(self) -> Truth:
         """Where every disk is at the start of `tick`."""
         return self.referee.record.totals.truth
 
-    def news(self) -> list[Truth]:
-        """The truth of every tick up to `tick` that was not handed out yet; each is handed out once."""
-        return self.referee.record.news()
-
     @property
     def verdict(self) -> str:
         """How the run ended; empty while it goes on."""
         return self.referee.verdict
 
-    @property
-    def reason(self) -> str:
-        """Why it ended; empty while it goes on."""
-        return self.referee.reason
+    # -- joining and leaving
+
+    def join(self, robot: int) -> int:
+        """A process takes over a robot, from the next opening of a tick on; returns its incarnation.
+
+        Raises:
+            JoinError: unknown id, or an id that is running or held down by the scenario.
+        """
+        return self.lives.join(robot, heard=self.tick if self.is_open else self.tick - 1)
+
+    def lost(self, robot: int, reason: str = "") -> bool:
+        """The robot's process is gone or given up on: it stands still and takes no part from now on.
+
+        In an open tick, its Ticks tell the others of it. False if it took no part anyway; else a `reason`
+        stands in the report.
+        """
+        took_part = self.lives.lose(self.tick, robot, reason)
+        self.exchange.drop(robot)
+        return took_part
+
+    def give_up_waiting(self, robot: int, reason: str = "") -> bool:
+        """Go on without a robot of `lives.awaited`; it may still join later. As `lost` otherwise."""
+        return self.lives.give_up(self.tick, robot, reason)
 
     # -- a tick
 
@@ -108,85 +160,107 @@ class WorldCore:
         robots have joined: all of them begin the run, in any order of joining. While robots are awaited the
         tick does not begin: only those receive a Tick that have to learn that they were fenced.
         """
-        coordinator = self.coordinator
-        if coordinator.told is not None:
-            return coordinator.told
-        simulation = self.simulation
-        if not coordinator.opens(simulation.places, simulation.founding_bounds, self):
-            return coordinator.tell_fenced()
+        lives, simulation = self.lives, self.simulation
+        if self.exchange.told is not None:
+            return self.exchange.told
+        if not lives.founded and not lives.awaited:
+            self._found()
+        if lives.founded:
+            self.schedule.carry_out(self.tick, self)
+            lives.apply_faults(self.tick)
+        if not lives.founded or lives.awaited:
+            return self.exchange.fenced(self.halted)
         sensed = simulation.sense(self.tick)
-        return coordinator.open(sensed, simulation.resting(), simulation.bounds, simulation.unsettled)
+        lives.begin(simulation.resting(), simulation.bounds, simulation.unsettled)
+        return self.exchange.open(self.scenario, sensed, self.halted)
 
     def accept(self, command: Command) -> bool:
         """Take a command if it is of the open tick, of an active life and the first; else count why not."""
-        taken = self.coordinator.accept(command)
+        taken = self.exchange.accept(command)
         if taken:
             self.simulation.hear(command)
         return taken
 
     def close_tick(self) -> None:
-        """End the tick: move everything, judge, advance. Missing commands mean standing still."""
+        """End the tick: move everything, judge, advance. Missing commands mean standing still, and a robot
+        without one that has been silent for `time.fence` is fenced."""
         if not self.is_open:
-            raise RuntimeError(
-                f"tick {self.tick} is not open: call open_tick, and coordinator.join for those awaited"
-            )
-        coordinator, simulation, referee = self.coordinator, self.simulation, self.referee
-        coordinator.commands.close()
-        if coordinator.halted:
+            raise RuntimeError(f"tick {self.tick} is not open: call open_tick, and join for those awaited")
+        simulation, record = self.simulation, self.referee.record
+        taken = self.exchange.taken
+        if self.halted:
             simulation.brake(self.tick)
         else:
-            taken = coordinator.commands.taken
             simulation.move({robot: each.velocity for robot, each in taken.items()}, self.tick)
-        coordinator.close(simulation.resting(), simulation.bounds)
+        bounds = simulation.bounds
+        for robot, position in simulation.resting().items():
+            if robot not in taken:
+                self.lives.fence(self.tick, robot, position, bounds.get(robot, 0.0))
+        self.exchange.close()
         plant = simulation.plant
-        referee.record.add(plant.positions, plant.between, plant.touched())
+        record.add(plant.positions, plant.between, plant.touched())
         resized = self._handle()
-        if coordinator.lives.settle():
-            referee.record.set_obstacles(coordinator.lives.obstacles.standing)
-            resized |= coordinator.parts.settle()
+        if self.lives.settle():
+            record.set_obstacles(self.lives.obstacles.standing)
+            resized |= self.parts.settle()
         if resized:
             self._judge_anew()
         self._turn_over()
         self._decide()
 
+    def _found(self) -> None:
+        """Begin the ledger on the places of all disks."""
+        radii = {spec.id: spec.radius for spec in self.parts.loaded.robots}
+        self.lives.found(radii, self.simulation.places, self.simulation.founding_bounds)
+
     def _handle(self) -> bool:
         """Let robots take up parts and put them down; returns whether a disk changed."""
-        coordinator = self.coordinator
-        if not self.scenario.parts or coordinator.halted:
+        if not self.scenario.parts or self.halted:
             return False
-        leaving = coordinator.membership.fleet.leaving
         live = {
             robot: command.handles
-            for robot, command in coordinator.commands.taken.items()
-            if coordinator.lives.roster.status(robot) == "live" and robot not in leaving
+            for robot, command in self.exchange.taken.items()
+            if self.lives.roster.status(robot) == "live" and robot not in self.membership.fleet.leaving
         }
-        return coordinator.parts.handle(live, self.simulation.places)
+        return self.parts.handle(live, self.simulation.places)
 
     def _judge_anew(self) -> None:
         """Judge from now on by the present disks, loaded carriers included, and the present obstacles."""
-        loaded = self.coordinator.parts.loaded(self.scenario)
-        obstacles = self.coordinator.lives.obstacles
-        self.referee.set_fleet(loaded, self.simulation.plant.positions, obstacles.standing, self.tick)
+        obstacles = self.lives.obstacles.standing
+        self.referee.set_fleet(self.parts.loaded, self.simulation.plant.positions, obstacles, self.tick)
 
     def _turn_over(self) -> None:
         """Between two ticks: let robots appear that were added, and vanish that were removed."""
-        coordinator, simulation = self.coordinator, self.simulation
-        if not coordinator.membership.turn_over(self.tick, simulation.places):
-            return
-        simulation.set_fleet(self.scenario)
-        coordinator.missions.recast(self.scenario)
-        coordinator.parts.recast(self.scenario)
-        self._judge_anew()
+        if self.membership.turn_over(self.tick, self.simulation.places):
+            self.simulation.set_fleet(self.scenario)
+            self.missions.set_fleet(self.scenario)
+            self.parts.set_fleet(self.scenario)
+            self._judge_anew()
 
     def _decide(self) -> None:
-        coordinator, referee, plant = self.coordinator, self.referee, self.simulation.plant
-        if coordinator.halted:
-            referee.reset_deadlock_timer(self.tick)
-        for robot in coordinator.missions.advance(self.tick, plant.ids, plant.positions):
+        plant, lives = self.simulation.plant, self.lives
+        if self.halted:
+            self.referee.reset_deadlock_timer(self.tick)
+        for robot in self.missions.advance(self.tick, plant.ids, plant.positions):
             self._redirect(robot)
         if not self.verdict and not self.scenario.time.endless:
-            up = coordinator.lives.up
-            referee.decide(self.tick, plant.positions, up, coordinator.is_alone(), coordinator.pending)
+            self.referee.decide(self.tick, plant.positions, lives.up, self._is_alone(), self._pending())
+
+    def _pending(self) -> str:
+        """Unfinished orders, scheduled orders and parts, as text; "" if none."""
+        kinds = (
+            (self.missions.pending, "orders are under way"),
+            (self.membership.fleet.announced, "robots are still to appear"),
+            (self.schedule.pending, "orders are still to come"),
+            (self.parts.pending, "parts are not at their goals"),
+        )
+        return ", ".join(text for pending, text in kinds if pending)
+
+    def _is_alone(self) -> bool:
+        """Whether robots are missing for good; False for external bases, which may return at any time."""
+        if self.scenario.is_external or self.schedule.pending:
+            return False
+        return len(self.lives.up) < len(self.scenario.ids) and self.lives.gone_for_good(self.tick - 1)
 
     def finish(self, verdict: str, reason: str) -> None:
         """End the run, e.g. as interrupted or aborted; a collision outranks, a second verdict is ignored."""
@@ -210,28 +284,27 @@ class WorldCore:
             return self._place(operation.place)
         if operation.take is not None:
             return self._take(operation.take)
-        return self._halt(bool(operation.halt))
+        self._stand(bool(operation.halt), self.contested)
+        return Outcome(True)
 
     def _order(self, order: Journey) -> Outcome:
         """Set a robot's goal, from the next opened tick on."""
-        coordinator, robot = self.coordinator, order.robot
-        obstacles = coordinator.lives.obstacles.standing
-        refusal = coordinator.missions.refusal(order, coordinator.lives.roster.standing, obstacles)
-        if refusal:
+        standing, obstacles = self.lives.roster.standing, self.lives.obstacles.standing
+        if refusal := self.missions.refusal(order, standing, obstacles):
             return Outcome(False, text=refusal)
-        outcome = coordinator.missions.accept(order, self.tick, self.simulation.places[robot])
-        self._redirect(robot)
+        outcome = self.missions.accept(order, self.tick, self.simulation.places[order.robot])
+        self._redirect(order.robot)
         return outcome
 
     def _redirect(self, robot: int) -> None:
-        goal = self.coordinator.missions.goal(robot)
+        goal = self.missions.goal(robot)
         assert goal is not None
         self.referee.set_goal(robot, goal, self.tick)
 
     def goal_statuses(self) -> tuple[GoalStatus, ...]:
         """Status of the goals of all robots, by increasing id."""
         arrived = set(self.referee.arrived(self.simulation.plant.positions))
-        statuses = map(self.coordinator.missions.status, self.scenario.ids)
+        statuses = map(self.missions.status, self.scenario.ids)
         return tuple(
             msgspec.structs.replace(status, tick=self.tick, status="arrived")
             if status.number == 0 and status.robot in arrived
@@ -239,23 +312,18 @@ class WorldCore:
             for status in statuses
         )
 
-    def goal_news(self) -> list[GoalStatus]:
-        """Changes of order status since the last call."""
-        return self.coordinator.missions.news()
-
     def _add(self, spec: RobotSpec, awaited: bool) -> Outcome:
         """Announce the disk of another robot; it appears once every robot keeps clear of its start."""
-        membership, plant = self.coordinator.membership, self.simulation.plant
-        reason = self._fixed or membership.unfit(spec) or plant.refusal(spec)
+        reason = self._fixed or self.membership.unfit(spec) or self.simulation.plant.refusal(spec)
         if not reason:
-            membership.add(spec, awaited=awaited)
+            self.membership.add(spec, awaited=awaited)
         return Outcome(not reason, text=reason)
 
     def _remove(self, robot: int) -> Outcome:
         """End a robot and take its disk away, at the end of the open tick or else now."""
-        part = self.coordinator.parts.carried_by(robot)
+        part = self.parts.carried_by(robot)
         reason = f"robot {robot} carries part {part}" if part else ""
-        reason = reason or self._fixed or self.coordinator.membership.remove(robot)
+        reason = reason or self._fixed or self.membership.remove(robot)
         if not reason and not self.is_open:
             self._turn_over()
         return Outcome(not reason, text=reason)
@@ -263,7 +331,7 @@ class WorldCore:
     @property
     def _fixed(self) -> str:
         """Why no robot can come or go; "" if that is possible."""
-        if not self.coordinator.lives.founded or self.verdict:
+        if not self.lives.founded or self.verdict:
             return "the run has not begun, or is over"
         return self.simulation.plant.fixed
 
@@ -271,47 +339,45 @@ class WorldCore:
         """Announce an obstacle; it appears once every robot keeps clear of its place. Refused before the
         first tick.
         """
-        coordinator = self.coordinator
-        refusal = "" if coordinator.lives.founded else "the run has not begun"
-        loaded, positions = coordinator.parts.loaded(self.scenario), self.simulation.plant.positions
-        refusal = refusal or coordinator.lives.obstacles.refusal(order, loaded, positions)
+        positions = self.simulation.plant.positions
+        refusal = "" if self.lives.founded else "the run has not begun"
+        refusal = refusal or self.lives.obstacles.refusal(order, self.parts.loaded, positions)
         if refusal:
             return Outcome(False, text=refusal)
-        number = coordinator.lives.announce(order.shape)
+        number = self.lives.announce(order.shape)
         self.referee.reset_deadlock_timer(self.tick)
-        return Outcome(True, number, coordinator.missions.covered(order.shape))
+        return Outcome(True, number, self.missions.covered(order.shape))
 
     def _take(self, number: int) -> Outcome:
         """Remove an obstacle, or withdraw its announcement."""
-        coordinator = self.coordinator
-        if part := coordinator.parts.owns(number):
+        if part := self.parts.owns(number):
             return Outcome(False, text=f"obstacle {number} is part {part}, which robots carry")
-        if not (coordinator.lives.founded and coordinator.lives.take_away(number)):
+        if not (self.lives.founded and self.lives.take_away(number)):
             return Outcome(False, text=f"there is no obstacle {number}")
-        self.referee.set_obstacles(coordinator.lives.obstacles.standing, self.tick)
+        self.referee.set_obstacles(self.lives.obstacles.standing, self.tick)
         return Outcome(True, number)
 
-    def _halt(self, halted: bool) -> Outcome:
-        """Have all robots stand, from the open tick on, or release them."""
-        if halted != self.coordinator.stopped:
-            before, self.coordinator.stopped = self.coordinator.halted, halted
-            self._stop(before)
-        return Outcome(True)
+    # -- the emergency stop
+
+    @property
+    def halted(self) -> bool:
+        """Whether all robots are to stand."""
+        return self.stopped or self.contested
 
     def contest(self, contested: bool) -> None:
         """Another coordinator of this run appeared or left: all robots stand meanwhile, even if a stop is
         released."""
-        if contested != self.coordinator.contested:
-            before, self.coordinator.contested = self.coordinator.halted, contested
-            self._stop(before)
+        self._stand(self.stopped, contested)
 
-    def _stop(self, before: bool) -> None:
-        if self.coordinator.halted and not before:
+    def _stand(self, stopped: bool, contested: bool) -> None:
+        """Have all robots stand, from the open tick on, or release them."""
+        before, self.stopped, self.contested = self.halted, stopped, contested
+        if self.halted and not before:
             self.simulation.stop(self.tick + self.is_open)
 
     @property
     def moving(self) -> tuple[int, ...]:
         """Robots that an emergency stop has not brought to a stand yet; none once the run is over."""
-        if not self.coordinator.halted or self.verdict:
+        if not self.halted or self.verdict:
             return ()
         return tuple(sorted(self.simulation.moving()))

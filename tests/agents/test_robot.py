@@ -23,7 +23,7 @@ orders = st.lists(st.permutations([OWN, *OTHERS]), min_size=TICKS, max_size=TICK
 
 def robots() -> tuple[WorldCore, dict[int, Robot]]:
     world = WorldCore(SCENARIO)
-    lives = {robot: world.coordinator.join(robot) for robot in IDS}
+    lives = {robot: world.join(robot) for robot in IDS}
     return world, {robot: Robot(SCENARIO, robot, life) for robot, life in lives.items()}
 
 

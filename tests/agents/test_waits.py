@@ -87,7 +87,7 @@ def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_tak
     world = bus.node = WorldNode(bus, "yard", SCENARIO, gathering=5.0)
     bus = network.connect()
     first = bus.node = RobotNode(bus, "yard", 1)
-    network.run(lambda: world.world.coordinator.lives.awaited == {2})
+    network.run(lambda: world.world.lives.awaited == {2})
     tokens = token(network, 1), token(network)
     for there in (False, True):  # its link was out for longer than the world's patience
         world.handle(Presence(tokens[0], there))
@@ -108,7 +108,7 @@ def test_a_life_that_goes_on_does_not_notice_that_it_asked() -> None:
             bus.node.handle(Presence(token(fleet.network), there))
     report = fleet.execute()
     assert report["trajectory_sha256"] == LocalFleet(SCENARIO).execute()["trajectory_sha256"]
-    assert set(fleet.world.world.coordinator.lives.incarnations.values()) == {1}
+    assert set(fleet.world.world.lives.incarnations.values()) == {1}
 
 
 def test_a_tick_of_an_earlier_life_leaves_the_awaited_peers_as_they_are() -> None:

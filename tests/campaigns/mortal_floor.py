@@ -168,7 +168,7 @@ class MortalFloor(Floor):
         x, y = self.crews[robot].wheels.control
         angle, away = self.draw.uniform(0.0, math.tau), self.draw.uniform(0.15, 0.4)
         centre = (x + away * math.cos(angle), y + away * math.sin(angle))
-        if not self._dead and self.world.coordinator.lives.founded:
+        if not self._dead and self.world.lives.founded:
             self._operate(Operation(place=Obstacle(center=centre, radius=0.02)))
             if self.draw.random() < 0.5:
                 self._later(self.draw.uniform(0.0, 0.2), partial(self._world_dies, robot))
@@ -195,10 +195,10 @@ class MortalFloor(Floor):
 
     def _join(self, crew: Crew) -> bool:
         """Begin another life, if the world admits it now."""
-        robot, coordinator = crew.core.robot, self.world.coordinator
-        coordinator.lost(robot)
+        robot, world = crew.core.robot, self.world
+        world.lost(robot)
         try:
-            incarnation = coordinator.join(robot)
+            incarnation = world.join(robot)
         except JoinError:
             return False
         core = Robot(self.scenario, robot, incarnation, lockstep=False, epoch=self.epoch)
@@ -222,8 +222,8 @@ class MortalFloor(Floor):
             self.world.close_tick()
         told = self.world.open_tick()
         if not self.world.is_open:
-            for robot in self.world.coordinator.lives.awaited:
-                self.world.coordinator.give_up_waiting(robot)
+            for robot in self.world.lives.awaited:
+                self.world.give_up_waiting(robot)
             told = self.world.open_tick()
         return told
 
@@ -255,7 +255,7 @@ class MortalFloor(Floor):
 
     def _roll(self) -> None:
         super()._roll()
-        obstacles = {} if self._dead else self.world.coordinator.lives.obstacles.standing
+        obstacles = {} if self._dead else self.world.lives.obstacles.standing
         for robot, crew in self.crews.items():
             x, y = crew.wheels.control
             radius = self.scenario.spec(robot).radius

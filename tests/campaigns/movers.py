@@ -51,7 +51,7 @@ def run(scenario: Scenario, kill: bool = False) -> Ended:
     world, apart = fleet.world.world, ""
     before = _standing(world)
     while fleet.step() and _left(world):
-        carriers = [each.carrier for each in world.coordinator.parts.places if each.carrier]
+        carriers = [each.carrier for each in world.parts.places if each.carrier]
         if kill and carriers:
             fleet.kill(carriers[0])
             kill, apart = False, without_order(world, carriers[0], before)
@@ -76,7 +76,7 @@ def without_order(world: WorldCore, dead: int, before: Mapping[int, Vector]) -> 
         before: where parts stood when it had not taken up its own, m.
     """
     scenario, places = world.scenario, world.simulation.places
-    part = world.coordinator.parts.carried_by(dead)
+    part = world.parts.carried_by(dead)
     layout = Layout(
         {**before, part: places[dead]},
         (
@@ -94,8 +94,8 @@ def without_order(world: WorldCore, dead: int, before: Mapping[int, Vector]) -> 
 
 def _standing(world: WorldCore) -> dict[int, Vector]:
     """Where the parts are that no robot carries, m."""
-    known = world.coordinator.lives.obstacles.standing
-    places = world.coordinator.parts.places
+    known = world.lives.obstacles.standing
+    places = world.parts.places
     return {
         each.part: (known[each.obstacle].around.x, known[each.obstacle].around.y)
         for each in places
@@ -104,7 +104,7 @@ def _standing(world: WorldCore) -> dict[int, Vector]:
 
 
 def _left(world: WorldCore) -> tuple[int, ...]:
-    parts = world.coordinator.parts
+    parts = world.parts
     return tuple(each.part for each in parts.places if not parts.in_place(each.part))
 
 

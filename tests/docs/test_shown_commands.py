@@ -59,12 +59,12 @@ def _name(page: Path) -> str:
     return page.relative_to(ROOT).as_posix()
 
 
-WITH_COMMANDS = [page for page in PAGES if any(block.commands for block in blocks(page))]
+WITH_EXCHANGE = [page for page in PAGES if any(block.commands for block in blocks(page))]
 _RUN = {
     page: {tuple(words) for block in blocks(page) if block.runs for words in block.commands}
-    for page in WITH_COMMANDS
+    for page in WITH_EXCHANGE
 }
-OWN = [page for page in WITH_COMMANDS if not any(_RUN[page] < each for each in _RUN.values())]
+OWN = [page for page in WITH_EXCHANGE if not any(_RUN[page] < each for each in _RUN.values())]
 """Without those that show nothing but what another page does."""
 
 
@@ -101,13 +101,13 @@ def test_they_run(page: Path, disknav: Forks, tmp_path: Path) -> None:
 
 @pytest.mark.campaign
 @pytest.mark.timeout(900)
-@pytest.mark.parametrize("page", WITH_COMMANDS, ids=_name)
+@pytest.mark.parametrize("page", WITH_EXCHANGE, ids=_name)
 def test_so_does_what_takes_long(page: Path, disknav: Forks, tmp_path: Path) -> None:
     if any(takes_long(words) for block in blocks(page) for words in block.commands if block.runs):
         carry_out(page, disknav, tmp_path, everything=True)
 
 
-@pytest.mark.parametrize("page", WITH_COMMANDS, ids=_name)
+@pytest.mark.parametrize("page", WITH_EXCHANGE, ids=_name)
 def test_their_options_exist(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     for block in blocks(page):

@@ -33,17 +33,17 @@ def joined(setting: Scenario, robots: Iterable[int] | None = None) -> WorldCore:
     """A world that these robots, or all, have joined."""
     world = WorldCore(setting)
     for robot in setting.ids if robots is None else robots:
-        world.coordinator.join(robot)
+        world.join(robot)
     return world
 
 
 def advance(world: WorldCore, velocities: Mapping[int, Vector] | None = None) -> None:
     """One tick in which every active robot commands, zero unless told otherwise."""
     told = world.open_tick()
-    assert not world.coordinator.lives.awaited
-    for robot in world.coordinator.active:
+    assert not world.lives.awaited
+    for robot in world.exchange.active:
         assert world.accept(obeying(told[robot], (velocities or {}).get(robot, (0.0, 0.0))))
-    assert not world.coordinator.waiting
+    assert not world.exchange.waiting
     world.close_tick()
 
 

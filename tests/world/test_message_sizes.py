@@ -38,7 +38,9 @@ from world.coordinator.lives import note
 from world.coordinator.roster import MOST as MOST_THINGS
 from world.coordinator.roster import Surroundings
 from world.judge.record import LISTED, Contact
-from world.shell.run import JudgedRun
+from world.shell.admission import Admissions
+from world.shell.pacing import Pacing
+from world.shell.run import JudgedRun, Shutdown
 
 MOST = 1000
 LIFE = 2**40  # no robot has as many lives
@@ -97,16 +99,16 @@ def test_a_command_with_all_first_lines_fits() -> None:
 
 def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() -> None:
     run = JudgedRun(crowd())
-    for life in run.world.coordinator.lives.of.values():
+    for life in run.world.lives.of.values():
         life.incarnation = LIFE
     world = run.world
     for robot in IDS:
-        world.coordinator.join(robot)
+        world.join(robot)
     told = world.open_tick()
-    assert len(world.coordinator.active) == MOST
+    assert len(world.exchange.active) == MOST
     assert_fits(told[IDS[0]], robot_key("r", IDS[0], "tick"))
     assert_fits(run.clock(), world_key("r", "clock"))
-    while len(world.coordinator.lives.roster.standing) < MOST:
+    while len(world.lives.roster.standing) < MOST:
         world.open_tick()
         world.close_tick()
     (last, *_) = [m for robot, m in world.open_tick().items() if robot == IDS[0]]
@@ -116,8 +118,8 @@ def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() 
     while not world.verdict:
         world.open_tick()
         world.close_tick()
-    assert str(IDS[0]) in world.reason
-    assert str(IDS[-1]) in world.reason
+    assert str(IDS[0]) in world.referee.reason
+    assert str(IDS[-1]) in world.referee.reason
     assert_fits(run.clock(), world_key("r", "clock"))
     assert_fits(world.truth, world_key("r", "truth"))
 
@@ -166,10 +168,11 @@ def test_a_result_fits_whatever_happened_however_often() -> None:
         Contact((random.choice(IDS), random.choice(IDS)), random.random(), random.random(), -random.random())
         for _ in range(LISTED)
     )
-    world.coordinator.found(world.simulation.places, {})
-    world.coordinator.lives.apply_faults(2**40)
+    world._found(world.simulation.places, {})
+    world.lives.apply_faults(2**40)
     for n in range(100_000):
-        note(world.coordinator.lives.fenced, (n, Standing(IDS[0], LIFE, POINT)))
-    report = run.report([], 0, 0.0)
+        note(world.lives.fenced, (n, Standing(IDS[0], LIFE, POINT)))
+    pacing = Pacing(True, 0.0)
+    report = Shutdown(run, Admissions("r", world, True), pacing).report()
     assert report["collisions"] == 100_000
     assert_fits(Result(json.dumps(report)), world_key("r", "result"))

@@ -139,9 +139,9 @@ def test_a_robot_that_still_moves_is_not_announced_as_standing():
     world = joined(setting(replace(BASE, hold=0.3)))
     for _ in range(8):
         advance(world, {1: (0.08, 0.0)})
-    world.coordinator.lost(1)
+    world.lost(1)
     moving, quiet = [], 0
-    while not world.coordinator.lives.roster.standing:
+    while not world.lives.roster.standing:
         before = world.truth.positions[0]
         advance(world)
         quiet += 1
@@ -150,7 +150,7 @@ def test_a_robot_that_still_moves_is_not_announced_as_standing():
     silence = world.scenario.ticks(world.scenario.time.fence)
     assert quiet > silence  # a point would have been fenced by then
     assert moving[silence]
-    (fenced,) = world.coordinator.lives.roster.standing
+    (fenced,) = world.lives.roster.standing
     place = world.truth.positions[0]
     for _ in range(5):
         advance(world)

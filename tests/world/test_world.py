@@ -36,9 +36,9 @@ FIELDS = {
 def test_joining_twice_or_under_an_unknown_id_is_refused():
     world = joined(two())
     with pytest.raises(JoinError, match="robot 1 is already running; stop it or use another id"):
-        world.coordinator.join(1)
+        world.join(1)
     with pytest.raises(JoinError, match=r"no robot 3 in scenario 'scenario'; there are 1, 2"):
-        world.coordinator.join(3)
+        world.join(3)
 
 
 def test_measurements_lead_from_truth_to_truth_bit_for_bit():
@@ -65,7 +65,7 @@ def test_missing_commands_mean_standing_still_and_are_counted():
     world = joined(two())
     told = world.open_tick()
     world.accept(Command(2, told[2].incarnation, 0, (0.1, 0.0)))
-    assert world.coordinator.waiting == {1}
+    assert world.exchange.waiting == {1}
     world.close_tick()
     truth = world.truth
     assert truth.positions[0] == (-0.1, 0.1)
@@ -145,7 +145,7 @@ def test_what_is_removed_is_fenced_in_the_same_step_and_leaves_nothing(is_open: 
         world.close_tick()
     (fenced,) = result_of(world)["faults"]["fenced"]
     assert fenced == {"robot": 2, "incarnation": 1, "tick": world.tick + 1}
-    assert world.coordinator.scenario.ids == (1,)
+    assert world.scenario.ids == (1,)
     told = world.open_tick()
     roster = told[1].roster
     assert roster is not None

@@ -16,7 +16,7 @@ from msgspec.structs import replace
 from protocol import messages
 from protocol.errors import JoinError
 from protocol.geometry import Disk, Shape
-from protocol.messages import LISTED, Command, Count, Grants, Id, Member, Standing, Vector
+from protocol.messages import LISTED, Command, Count, Id, Member, Standing, Vector
 from protocol.scenario.model import ProcessFault, Scenario
 from world.coordinator.keeper import Keeper
 from world.coordinator.roster import RosterDirectory
@@ -47,6 +47,7 @@ class Life(msgspec.Struct, array_like=True):
     before: int = -1  # the tick before it joined
     fenced: bool = False  # it never moves again
     begun: bool = False  # it has begun in the ledger
+    added: bool = False  # its disk was added to the running fleet, and no process has joined it yet
     fate: Fate = ""  # of the newest process: ended by the scenario, or its robot was removed
 
     @property
@@ -75,12 +76,19 @@ class Life(msgspec.Struct, array_like=True):
         up = self.status is Status.UP
         status, awaited = Status.LOST if up else self.status, self.awaited or up
         life = Life(self.incarnation, status, awaited=awaited, heard=tick - 1, before=tick - 1, fenced=True)
-        life.fate = self.fate
+        life.fate, life.added = self.fate, self.added
         return life
 
     def kill(self) -> None:
         """The scenario ends its process."""
         self._end(awaited=False)
+
+    def restart(self) -> None:
+        """The scenario ends its process, to be replaced by another."""
+        self._end(awaited=True)
+
+    def _end(self, awaited: bool) -> None:
+        self.status, self.awaited, self.joined, self.fate = Status.GONE, awaited, False, self.fate or "ended"
 
     def pause(self) -> None:
         """The scenario holds its process still."""
@@ -91,13 +99,6 @@ class Life(msgspec.Struct, array_like=True):
         """The scenario lets its process go on: this life, or the next if this one was fenced meanwhile."""
         if self.paused:
             self.status, self.awaited = (Status.UP, False) if self.goes_on else (Status.LOST, True)
-
-    def restart(self) -> None:
-        """The scenario ends its process, to be replaced by another."""
-        self._end(awaited=True)
-
-    def _end(self, awaited: bool) -> None:
-        self.status, self.awaited, self.joined, self.fate = Status.GONE, awaited, False, self.fate or "ended"
 
 
 _EVENTS: Final = {"kill": Life.kill, "pause": Life.pause, "resume": Life.resume, "restart": Life.restart}
@@ -229,10 +230,6 @@ class Lives:
     def _place(self, robot: int, resting: Mapping[int, Vector], bounds: Mapping[int, float]) -> Disk:
         return Disk(*resting[robot], self.roster.members[robot].radius + bounds.get(robot, 0.0))
 
-    def grants_for(self, robot: int) -> Grants | None:
-        """Grants for the newest life of a robot; None if it has the newest."""
-        return self.keeper.news(robot) if self.of[robot].begun else None
-
     def announce(self, shape: Shape) -> int:
         """An obstacle is to appear, once all live robots keep clear of it; its number."""
         number = self.obstacles.announce(shape)
@@ -256,12 +253,23 @@ class Lives:
         self.roster.follow()
         return bool(settled)
 
-    def acknowledge(self, command: Command) -> None:
-        """Record the roster that the newest life of a robot has received, and the grants that it obeys."""
+    def hear(self, command: Command) -> bool:
+        """The newest life of a robot has commanded: record the roster that it has received, and the grants
+        that it obeys. False if it has said so in a later Command."""
         life = self.of[command.robot]
+        if command.tick <= life.heard:
+            return False
+        life.heard = command.tick
         self.roster.acknowledge(command.robot, life.incarnation, command.roster)
         if life.begun:
             self.keeper.acknowledge(command)
+        return True
+
+    @property
+    def newcomers(self) -> tuple[int, ...]:
+        """Robots that were added, whose disks are there, and whose processes have not joined yet, and may."""
+        of = self.of.items()
+        return tuple(robot for robot, life in of if life.added and not (life.killed or life.paused))
 
     @property
     def awaited(self) -> frozenset[int]:
@@ -286,6 +294,7 @@ class Lives:
             raise JoinError(f"robot {robot} is paused by the scenario; wait for it to be resumed")
         life.incarnation += 1
         life.joined, life.awaited, life.fenced, life.begun, life.fate = True, False, False, False, ""
+        life.added = False
         life.heard = life.before = heard
         if self.founded:
             admitted = {"incarnation": life.incarnation, "status": "live"}
@@ -299,7 +308,7 @@ class Lives:
         self.roster.alter(robot, status="standing")
         known = self.of.get(robot)
         incarnation = known.incarnation if known else 0
-        life = Life(incarnation, Status.LOST, awaited=awaited, heard=tick, fenced=True)
+        life = Life(incarnation, Status.LOST, awaited=awaited, heard=tick, fenced=True, added=True)
         life.fate = "removed" if known else ""
         self.of = dict(sorted({**self.of, robot: life}.items()))
 
@@ -310,7 +319,13 @@ class Lives:
             self._stand(tick, robot, position, 0.0)
         self.keeper.remove(robot)
         self.roster.alter(robot, status="gone", position=None, bound=0.0)
-        life.status, life.awaited, life.fenced, life.fate = Status.LOST, False, True, "removed"
+        life.status, life.awaited, life.fenced, life.added = Status.LOST, False, True, False
+        life.fate = "removed"
+
+    def dismiss(self, robot: int) -> None:
+        """The process of a removed robot was notified: send it no more Ticks."""
+        if robot in self.of and self.roster.status(robot) in ("gone", "appearing"):
+            self.of[robot].joined = False
 
     def _stand(self, tick: int, robot: int, position: Vector, bound: float) -> None:
         """The present life of a robot is over: its disk stands within `bound` of `position`, m."""
@@ -325,12 +340,14 @@ class Lives:
         life = self.of[robot]
         return life.goes_on and life.incarnation == incarnation
 
-    def lose(self, robot: int) -> bool:
-        """The process of a life that was up is gone or given up on; False if it was not up."""
+    def lose(self, tick: int, robot: int, reason: str) -> bool:
+        """The process of a life that was up is gone or given up on, for a reason that is reported unless it
+        is ""; False if it was not up."""
         life = self.of[robot]
         if life.status is not Status.UP:
             return False
         life.status = Status.LOST
+        self._report(tick, robot, reason)
         return True
 
     def expect(self, robot: int) -> bool:
@@ -340,14 +357,19 @@ class Lives:
         life.awaited |= (lost := life.status is Status.LOST and not life.fate)
         return lost
 
-    def give_up(self, robot: int) -> bool:
+    def give_up(self, tick: int, robot: int, reason: str) -> bool:
         """Go on without a robot that has not joined in time; it may still come later. False if it was not
-        awaited."""
+        awaited; else as `lose`."""
         life = self.of[robot]
         if not life.awaited:
             return False
         life.awaited, life.status = False, Status.LOST
+        self._report(tick, robot, reason)
         return True
+
+    def _report(self, tick: int, robot: int, reason: str) -> None:
+        if reason:
+            note(self.given_up, (tick, robot, self.of[robot].incarnation, reason))
 
     def apply_faults(self, tick: int) -> None:
         """Let everything happen that the scenario has in store up to and including `tick`, but not to

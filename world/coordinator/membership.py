@@ -18,7 +18,7 @@ from protocol.messages import Id, Member, Vector
 from protocol.scenario.checks import misfits
 from protocol.scenario.model import RobotSpec, Scenario, gain_for_fleet
 from world.coordinator.lives import Lives
-from world.coordinator.missions import Missions
+from world.coordinator.missions import obstruction
 
 _MOST = 1000  # robots at a time: their lines must fit into a State
 _MOST_IDS = 1200  # that ever were in a run: a roster names them all
@@ -28,9 +28,8 @@ class FleetChange(msgspec.Struct):
     """The fleet at a tick and its pending changes; a successor starts from it."""
 
     robots: tuple[RobotSpec, ...] | None = None  # that are there; None: those of the scenario
-    announced: dict[Id, RobotSpec] = {}  # whose disks have not appeared yet
-    awaited: set[Id] = set()  # of them, those that must join as soon as they have
-    newcomers: set[Id] = set()  # whose disks have appeared, and whose processes have not joined yet
+    # Whose disks have not appeared yet, and whether their processes must join as soon as they have.
+    announced: dict[Id, tuple[RobotSpec, bool]] = {}
     leaving: set[Id] = set()  # that are over with the tick that is open
 
 
@@ -44,17 +43,10 @@ class Membership:
         scenario: with the robots that are there.
     """
 
-    def __init__(
-        self, scenario: Scenario, lives: Lives, missions: Missions, fleet: FleetChange | None = None
-    ) -> None:
+    def __init__(self, scenario: Scenario, lives: Lives, fleet: FleetChange | None = None) -> None:
         self._first, self.fleet = scenario, FleetChange() if fleet is None else fleet
         self.scenario = scenario if self.fleet.robots is None else self._with(self.fleet.robots)
-        self._lives, self._missions = lives, missions
-
-    @property
-    def pending(self) -> bool:
-        """Whether disks are still to appear."""
-        return bool(self.fleet.announced)
+        self._lives = lives
 
     def add(self, spec: RobotSpec, *, awaited: bool) -> None:
         """Announce a disk that is not `unfit`, whose process is waited for or not."""
@@ -63,8 +55,7 @@ class Membership:
         life = 0 if known is None else known.incarnation
         lives.roster.put(Member(spec.id, life, "appearing", spec.radius, spec.start))
         lives.keeper.announce(spec.id, Disk(*spec.start, spec.radius))
-        self.fleet.announced[spec.id] = spec
-        (self.fleet.awaited.add if awaited else self.fleet.awaited.discard)(spec.id)
+        self.fleet.announced[spec.id] = spec, awaited
 
     def remove(self, robot: int) -> str:
         """Remove a robot; returns why that is refused, "" if it is done."""
@@ -95,13 +86,14 @@ class Membership:
         left, fleet.leaving = fleet.leaving, set()
         if not settled and not left:
             return False
+        new = []
         for robot in settled:
-            self._lives.put_up(tick, robot, robot in fleet.awaited)
+            spec, awaited = fleet.announced.pop(robot)
+            new.append(spec)
+            self._lives.put_up(tick, robot, awaited)
         for robot in sorted(left):
             self._lives.remove(tick, robot, places[robot])
         stay = [spec for spec in self.scenario.robots if spec.id not in left]
-        new = [fleet.announced.pop(robot) for robot in settled]
-        fleet.newcomers = fleet.newcomers.union(settled) - left
         fleet.robots = (*stay, *new)
         self.scenario = self._with(fleet.robots)
         return True
@@ -125,6 +117,6 @@ class Membership:
             return f"robot {robot}: at most {_MOST} robots are there at a time"
         if not status and len(self._lives.roster.members) >= _MOST_IDS:
             return f"robot {robot}: {_MOST_IDS} ids were in this run already; use one that has left"
-        obstacle, obstacles = self._missions.obstacle, self._lives.obstacles.standing
-        at_start = obstacle(robot, spec.radius, spec.start, self._lives.roster.standing, obstacles)
-        return at_start or obstacle(robot, spec.radius, spec.goal, (), obstacles)
+        obstacles, standing = self._lives.obstacles.standing, self._lives.roster.standing
+        at_start = obstruction(self.scenario, robot, spec.radius, spec.start, standing, obstacles)
+        return at_start or obstruction(self.scenario, robot, spec.radius, spec.goal, (), obstacles)

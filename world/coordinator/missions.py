@@ -55,7 +55,7 @@ class Missions:
         ordered = [robot for robot, mission in self._missions.items() if mission.number]
         return [(self._missions[robot], self._status[robot]) for robot in ordered]
 
-    def recast(self, scenario: Scenario) -> None:
+    def set_fleet(self, scenario: Scenario) -> None:
         """Robots came and went."""
         for robot in set(self._missions) - set(scenario.ids):
             del self._missions[robot], self._status[robot]
@@ -112,8 +112,8 @@ class Missions:
             return f"a robot has at most {MOST_POINTS} points ahead; {ahead} are there already"
         others = [each for each in standing if each.robot != robot]
         radius = self._scenario.spec(robot).radius
-        reasons = (self.obstacle(robot, radius, point, others, obstacles) for point in order.points)
-        return next((reason for reason in reasons if reason), "")
+        reasons = (obstruction(self._scenario, robot, radius, at, others, obstacles) for at in order.points)
+        return next(filter(None, reasons), "")
 
     def accept(self, order: Journey, tick: int, position: Vector) -> Outcome:
         """Carry out an order that is not refused, from `position` (m), at the start of `tick`."""
@@ -191,29 +191,6 @@ class Missions:
             return ""
         return f"covers the goal of robot{'s' if len(robots) > 1 else ''} {', '.join(map(str, robots))}"
 
-    def obstacle(
-        self,
-        robot: int,
-        radius: float,
-        point: Vector,
-        standing: Iterable[Standing],
-        obstacles: Mapping[int, Shape],
-    ) -> str:
-        """Why the disk of a robot, of `radius` m, cannot be at a point (m); "" if it can."""
-        where = f"({point[0]:g}, {point[1]:g})"
-        beyond = self._scenario.workspace.shape.distance(*point) + radius
-        if beyond >= 0.0:
-            return f"{where}: robot {robot} would reach {beyond:.3g} m out of the workspace"
-        for number, shape in obstacles.items():
-            depth = radius - shape.distance(*point)
-            if depth >= 0.0:
-                return f"{where}: robot {robot} would overlap obstacle {number} by {depth:.3g} m"
-        for each in standing:
-            depth = radius + self._scenario.spec(each.robot).radius - math.dist(point, each.position)
-            if depth >= 0.0:
-                return f"{where}: robot {each.robot} is down and stands there, {depth:.3g} m too near"
-        return ""
-
     def _caution(self, robot: int) -> str:
         """Warning that names the robots whose last points overlap that of a robot; "" if there are none."""
         point, radius = self._missions[robot].points[-1], self._scenario.spec(robot).radius
@@ -227,6 +204,30 @@ class Missions:
             return ""
         robots = ", ".join(map(str, near))
         return f"overlaps the goal of robot{'s' if len(near) > 1 else ''} {robots}: they cannot all be there"
+
+
+def obstruction(
+    scenario: Scenario,
+    robot: int,
+    radius: float,
+    point: Vector,
+    standing: Iterable[Standing],
+    obstacles: Mapping[int, Shape],
+) -> str:
+    """Why the disk of a robot, of `radius` m, cannot be at a point (m); "" if it can."""
+    where = f"({point[0]:g}, {point[1]:g})"
+    beyond = scenario.workspace.shape.distance(*point) + radius
+    if beyond >= 0.0:
+        return f"{where}: robot {robot} would reach {beyond:.3g} m out of the workspace"
+    for number, shape in obstacles.items():
+        depth = radius - shape.distance(*point)
+        if depth >= 0.0:
+            return f"{where}: robot {robot} would overlap obstacle {number} by {depth:.3g} m"
+    for each in standing:
+        depth = radius + scenario.spec(each.robot).radius - math.dist(point, each.position)
+        if depth >= 0.0:
+            return f"{where}: robot {each.robot} is down and stands there, {depth:.3g} m too near"
+    return ""
 
 
 class Operated(Protocol):

@@ -9,7 +9,7 @@ stands with its part, which another robot may take from there.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 from protocol.geometry import Disk, Shape
@@ -25,14 +25,14 @@ class Parts:
 
     Args:
         scenario: with the radii of robots that carry nothing.
-        places: where parts are; where the scenario says unless given.
+        lives: of the robots; where their roster has no parts yet, these are where the scenario says.
     """
 
-    def __init__(self, scenario: Scenario, lives: Lives, places: Iterable[PartPlace] = ()) -> None:
+    def __init__(self, scenario: Scenario, lives: Lives) -> None:
         self._scenario, self._lives = scenario, lives
         first = len(scenario.obstacles)
         self._places = {part: PartPlace(part, first + part) for part in range(1, len(scenario.parts) + 1)}
-        self._places.update({each.part: each for each in places})
+        self._places.update({each.part: each for each in lives.roster.message.parts})
         lives.roster.follow(self.places)
 
     @property
@@ -62,22 +62,23 @@ class Parts:
         """Which part stands, or is to stand, as an obstacle; 0 if none."""
         return next((each.part for each in self.places if each.obstacle == obstacle), 0)
 
-    def recast(self, scenario: Scenario) -> None:
+    def set_fleet(self, scenario: Scenario) -> None:
         """Robots came and went."""
         self._scenario = scenario
 
-    def loaded(self, scenario: Scenario) -> Scenario:
-        """`scenario` with the disks that robots are with what they carry."""
+    @property
+    def loaded(self) -> Scenario:
+        """The scenario with the disks that robots are with what they carry."""
         carriers = {each.carrier: each.part for each in self.places if each.carrier}
         if not carriers:
-            return scenario
+            return self._scenario
         robots = tuple(
             replace(spec, radius=self._scenario.loaded_radius(spec.id, carriers[spec.id]))
             if spec.id in carriers
             else spec
-            for spec in scenario.robots
+            for spec in self._scenario.robots
         )
-        return replace(scenario, robots=robots)
+        return replace(self._scenario, robots=robots)
 
     def handle(self, asked: Mapping[int, Handling | None], at: Mapping[int, Vector]) -> bool:
         """Carry out the robots' requests in the Commands of the tick that ends; returns whether a disk

@@ -17,7 +17,7 @@ from math import inf
 from protocol import joining
 from protocol.errors import JoinError
 from protocol.messages import Health
-from world.coordinator.lives import Fate, Life
+from world.coordinator.lives import Fate
 from world.shell.checkpoint import Checkpoint, Processes
 from world.world import WorldCore
 
@@ -33,9 +33,9 @@ class Slot:
     """One robot id, and the process that was admitted."""
 
     session: str = ""
+    granted: int = 0  # incarnation that it was given
     since: float = 0.0  # s, by the clock: when it was admitted
     missing: float = inf  # s, by the clock: since when its token is not there, though it may be alive
-    granted: int = 0  # incarnation that it was given
     health: Health | None = None  # what its process reported at the end of the run
     notified: bool = False  # it was told that the run is over
     blamed: Counter[str] = field(default_factory=Counter)  # how often each process was given up
@@ -50,7 +50,8 @@ class Admissions:
         lockstep, epoch: parts of each admission.
         clock: tells the time, s.
         checkpoint: of the world, if it keeps one: then robots wait for another world.
-        processes: that an earlier world admitted.
+        processes: that an earlier world admitted: no other one takes the seat of a robot's newest while that
+            is there.
 
     Attributes:
         slots: by robot id.
@@ -68,13 +69,14 @@ class Admissions:
         processes: Processes | None = None,
     ) -> None:
         self._world = world
-        self.slots = {robot: Slot() for robot in world.coordinator.lives.of}
+        self.processes = Processes() if processes is None else processes
+        newest, lives = self.processes.newest, world.lives.of
+        self.slots = {robot: Slot(newest.get(robot, ""), life.incarnation) for robot, life in lives.items()}
         self._tokens: set[tuple[int, str]] = set()  # robots and sessions of the processes that are there
         # By robot that was told to wait for its disk: its newest request, s, by the clock; -inf afterwards.
         self._early: dict[int, float] = {}
         self._name, self._lockstep, self._clock, self._epoch = run, lockstep, clock, epoch
         self._checkpoint = checkpoint
-        self.processes = Processes() if processes is None else processes
 
     def expect(self, robot: int) -> None:
         """The disk of a robot that was added is there; a process may join."""
@@ -86,7 +88,8 @@ class Admissions:
         """Why this process cannot take part, or not yet; None if it can."""
         robot = join.robot
         self.dismiss(robot)
-        status = self._world.coordinator.lives.roster.status(robot)
+        lives = self._world.lives
+        status = lives.roster.status(robot)
         if status in ("standing", "live"):
             self.expect(robot)  # also if its disk has appeared as the run ended, and no tick opens any more
         slot = self.slots.get(robot)
@@ -96,8 +99,7 @@ class Admissions:
             return self._wait(robot, f"the disk of robot {robot} has not appeared yet")
         if slot is None or status == "gone":
             return self._unlisted(join)
-        lives = self._world.coordinator.lives.of
-        taken = self.is_present(robot) and not self.processes.fate(robot, slot.session, lives)
+        taken = self.is_present(robot) and not self.processes.fate(robot, slot.session, lives.of)
         if taken and slot.session != join.session:
             return joining.Refusal(
                 f"robot {robot} is already running in run {self._name!r}; use another id or run"
@@ -113,18 +115,18 @@ class Admissions:
         return not self._fate(join) and self.slots[join.robot].blamed[join.session] < CHANCES
 
     def _fate(self, join: joining.Join) -> Fate:
-        return self.processes.fate(join.robot, join.session, self._world.coordinator.lives.of)
+        return self.processes.fate(join.robot, join.session, self._world.lives.of)
 
     def _unlisted(self, join: joining.Join) -> joining.Reply:
         """The reply to the process of a robot that is not in the run, not yet or no more."""
         robot = join.robot
-        if self._world.coordinator.schedule.adds(robot) and not self._fate(join):
+        if self._world.schedule.adds(robot) and not self._fate(join):
             return self._wait(robot, f"robot {robot} has not been added yet")
-        gone = self._world.coordinator.lives.roster.status(robot) == "gone"
+        gone = self._world.lives.roster.status(robot) == "gone"
         if gone or robot in self._early:
             return joining.Finished("removed")
-        name, scenario = self._name, self._world.scenario.name
-        return joining.Refusal(f"robot {robot} is not in scenario {scenario!r} of run {name!r}")
+        name = self._world.scenario.name
+        return joining.Refusal(f"robot {robot} is not in scenario {name!r} of run {self._name!r}")
 
     def _wait(self, robot: int, reason: str) -> joining.Reply:
         self._early[robot] = self._clock()
@@ -138,19 +140,17 @@ class Admissions:
             return joining.Refusal(f"robot {robot}: this process was given up {CHANCES} times; start another")
         if reason := self._obstacle(join):
             return joining.Wait(_RETRY, reason)
-        lives, newest = world.coordinator.lives, self.processes.newest.get(robot)
+        lives, newest = world.lives, self.processes.newest.get(robot)
         before, goes_on = lives.of[robot].fate, lives.goes_on(robot, slot.granted)
         if goes_on and join.session == newest:
-            if _lived(join) < slot.granted:
+            if join.health is None or join.health.incarnation < slot.granted:
                 slot.session = join.session  # it lost its seat while the scenario held it still
                 return self._admission(slot)
-            world.coordinator.lost(robot)  # as the process itself says
+            world.lost(robot)  # as the process itself says
         elif goes_on or slot.session not in ("", join.session):
-            world.coordinator.lost(
-                robot, "showed no sign of life after it was admitted; another process came"
-            )
+            world.lost(robot, "showed no sign of life after it was admitted; another process came")
         try:
-            slot.granted = world.coordinator.join(robot)
+            slot.granted = world.join(robot)
         except JoinError as error:
             return joining.Refusal(str(error))
         slot.session, slot.since = join.session, self._clock()
@@ -160,7 +160,7 @@ class Admissions:
     def _obstacle(self, join: joining.Join) -> str:
         """Why a process has to wait; "" if it need not."""
         robot, slot = join.robot, self.slots[join.robot]
-        life = self._world.coordinator.lives.of[robot]
+        life = self._world.lives.of[robot]
         if self._fate(join):
             return f"the scenario has ended this process of robot {robot}"
         if life.paused:
@@ -176,10 +176,8 @@ class Admissions:
 
     def _admission(self, slot: Slot) -> joining.Admission:
         away = AWAY if self._checkpoint is not None and self._checkpoint.kept else 0.0
-        founded = self._world.coordinator.lives.founded
-        return joining.Admission(
-            slot.granted, self._lockstep, self._world.scenario, away, founded, self._epoch
-        )
+        scenario, founded = self._world.scenario, self._world.lives.founded
+        return joining.Admission(slot.granted, self._lockstep, scenario, away, founded, self._epoch)
 
     # -- presence
 
@@ -205,11 +203,6 @@ class Admissions:
         slot = self.slots.get(robot)
         return slot is not None and slot.session == session
 
-    def blame(self, robot: int) -> None:
-        """The robot's process was given up although its token is there."""
-        slot = self.slots[robot]
-        slot.blamed[slot.session] += 1
-
     def miss(self, robot: int) -> None:
         """The token of the robot's process, which may be alive, is not there."""
         slot = self.slots[robot]
@@ -225,12 +218,6 @@ class Admissions:
         since = self._clock() - at_least
         return [robot for robot, slot in self.slots.items() if slot.missing <= since]
 
-    def resume(self, robot: int, life: Life) -> None:
-        """An earlier world admitted the robot's newest process: no other one takes its seat while it is
-        there."""
-        slot = self.slots[robot]
-        slot.session, slot.granted = self.processes.newest.get(robot, ""), life.incarnation
-
     def absent(self) -> frozenset[int]:
         """Robots without an admitted process whose token is there."""
         return frozenset(robot for robot in self.slots if not self.is_present(robot))
@@ -239,13 +226,11 @@ class Admissions:
 
     def owing_health(self) -> list[int]:
         """Robots that have not reported at the end of the run, and can."""
-        slots = self.slots.items()
-        return [robot for robot, slot in slots if slot.health is None and self._may_be_there(robot)]
+        return [n for n, slot in self.slots.items() if slot.health is None and self._may_be_there(n)]
 
     def unnotified(self) -> list[int]:
         """Robots that do not know yet that it is over, and can be told."""
-        slots = self.slots.items()
-        return [robot for robot, slot in slots if not slot.notified and self._may_be_there(robot)]
+        return [n for n, slot in self.slots.items() if not slot.notified and self._may_be_there(n)]
 
     def is_asked_soon(self) -> bool:
         """Whether a process that waits for its disk will ask again, and can be told then that it is over."""
@@ -255,8 +240,3 @@ class Admissions:
         """A process waits for its disk no more."""
         if robot in self._early:
             self._early[robot] = -inf
-
-
-def _lived(join: joining.Join) -> int:
-    """Incarnation of the life that the process has ended, 0 for none."""
-    return 0 if join.health is None else join.health.incarnation

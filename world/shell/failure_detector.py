@@ -80,7 +80,7 @@ class FailureDetector:
         if not self._admissions.go(robot, session):
             return
         granted = self._admissions.slots[robot].granted
-        if self._grace and self._run.world.coordinator.lives.goes_on(robot, granted):
+        if self._grace and self._run.world.lives.goes_on(robot, granted):
             self._admissions.miss(robot)
         else:
             self._gone(robot)
@@ -112,18 +112,18 @@ class FailureDetector:
         """Open the next tick; returns its Ticks, None while it waits for a robot. Real time waits for none
         once it has begun; a later robot joins then."""
         world = self._run.world
-        if not world.coordinator.lives.founded and self._admissions.absent():
+        if not world.lives.founded and self._admissions.absent():
             return None
         ticks = world.open_tick()
         if not self._absent():
             return ticks
         if self._pacing.lockstep or world.tick == 0:
             # a fenced life that the scenario wants back must learn that it has to join again
-            awaited = world.coordinator.lives.awaited
+            awaited = world.lives.awaited
             self._tell({robot: tick for robot, tick in ticks.items() if robot in awaited})
             return None
-        for robot in world.coordinator.lives.awaited:
-            world.coordinator.give_up_waiting(robot)
+        for robot in world.lives.awaited:
+            world.give_up_waiting(robot)
         return world.open_tick()
 
     def wait(self, now: float) -> None:
@@ -141,15 +141,16 @@ class FailureDetector:
     def _absent(self) -> frozenset[int]:
         """Robots that have to be there and are not: not joined, or joined without a token."""
         world, absent = self._run.world, self._admissions.absent()
-        return world.coordinator.lives.awaited | (
-            absent & frozenset(world.coordinator.active) if world.coordinator.lives.founded else absent
+        return world.lives.awaited | (
+            absent & frozenset(world.exchange.active) if world.lives.founded else absent
         )
 
     def _lose_patience(self) -> None:
-        """Give up the robots that block the open tick, and restart the timeout for the others."""
-        blamed = self._run.world.coordinator.blamed()
+        """Give up the robots that block the open tick though their tokens are there; restart the timeout."""
+        blamed = self._run.world.exchange.blamed()
         for robot in blamed:
-            self._admissions.blame(robot)
+            slot = self._admissions.slots[robot]
+            slot.blamed[slot.session] += 1
         self._pacing.begin_again()
         self._give_up(blamed)
 
@@ -161,23 +162,23 @@ class FailureDetector:
             world.finish("aborted", f"no sign of robot {names} within {self._gathering:g} s")
         reason = f"gave no sign within {self._gathering:g} s"
         for robot in absent:
-            if world.coordinator.give_up_waiting(robot, reason) or world.coordinator.lost(robot, reason):
+            if world.give_up_waiting(robot, reason) or world.lost(robot, reason):
                 self._tell_person(robot, reason)
 
     def _give_up(self, robots: Mapping[int, str]) -> None:
         """Exclude these robots, with reasons; send the open tick again to robots awaiting their States."""
         world, running = self._run.world, self._run.phase is Phase.RUNNING
         for robot, reason in robots.items():
-            if world.coordinator.lost(robot, reason if running else "") and running:
+            if world.lost(robot, reason if running else "") and running:
                 self._tell_person(robot, reason)
         if self._run.opened and self._pacing.lockstep:
-            waiting = world.coordinator.waiting
+            waiting = world.exchange.waiting
             self._tell({r: m for r, m in world.open_tick().items() if r in waiting})
 
     def _expect(self, robot: int) -> None:
         """Wait for the next life of a robot that is started again."""
         running = self._run.phase is Phase.RUNNING
-        if running and self.expected[robot] < self._restarts and self._run.world.coordinator.expect(robot):
+        if running and self.expected[robot] < self._restarts and self._run.world.lives.expect(robot):
             self.expected[robot] += 1
 
     def _tell_person(self, robot: int, reason: str) -> None:

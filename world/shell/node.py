@@ -93,7 +93,7 @@ class WorldNode:
         waits = returning(gathering, restarts, lockstep=lockstep)
         before = SavedRun() if checkpoint is None else checkpoint.progress
         self._run = JudgedRun(scenario, before.past, returning=waits)
-        lives, epoch = self._run.world.coordinator.lives, drawn_epoch()
+        lives, epoch = self._run.world.lives, drawn_epoch()
         self._epoch, self._epochs, self._session = epoch, (*before.epochs, epoch), session_of(epoch)
         self._own = {session_of(each) for each in self._epochs}  # tokens of dead worlds may still go
         self._admissions = Admissions(
@@ -123,10 +123,10 @@ class WorldNode:
             say=say,
         )
         self._shutdown = Shutdown(self._run, self._admissions, self._pacing)
-        self._operations.begin()
         self._pacing.wait()
-        if before.epochs:
-            self._remember(before)
+        if before.epochs:  # another process died there
+            self._failures.expected.update(before.expected)
+            self._run.began = time.monotonic() - max(0.0, time.time() - before.began)
         bus.subscribe(*[robot_key(run, i, "command") for i in sorted(ids)])
         bus.watch(robot_tokens(run))
         for stream in ("steering", "scenario", "operation"):
@@ -138,13 +138,6 @@ class WorldNode:
             self._end()
         elif before.epochs:
             self._advance()  # what the scenario does as a tick opens comes before any robot is admitted
-
-    def _remember(self, before: SavedRun) -> None:
-        """Go on where another process died."""
-        self._failures.expected.update(before.expected)
-        self._run.began = time.monotonic() - max(0.0, time.time() - before.began)
-        for robot, life in self._run.world.coordinator.lives.of.items():
-            self._admissions.resume(robot, life)
 
     def _save(self) -> None:
         """Write the checkpoint, before the state is published."""
@@ -188,7 +181,7 @@ class WorldNode:
             run.rejected["epoch"] += 1
             return
         run.received += 1
-        if run.world.accept(message) and not run.world.coordinator.waiting:
+        if run.world.accept(message) and not run.world.exchange.waiting:
             self._advance()
 
     def _on_presence(self, event: Presence) -> None:
@@ -213,7 +206,7 @@ class WorldNode:
         """Another world came or went. Of two that have not begun, as of two that are started at the same
         time, one leaves."""
         self._operations.on_world(session, alive)
-        founded = self._run.world.coordinator.lives.founded
+        founded = self._run.world.lives.founded
         if alive and not founded and session < self._session:
             self.refused = self.finished = True
 
@@ -239,7 +232,7 @@ class WorldNode:
         join = joining.decode_request(asked.robot, payload)
         refusal = self._admissions.refusal(join)
         if isinstance(refusal, joining.Finished) and self._admissions.is_newest(join):
-            self._run.world.coordinator.dismiss(join.robot)
+            self._run.world.lives.dismiss(join.robot)
         if refusal is not None:
             return self._shutdown.instead(refusal, join.robot)
         self._failures.supersede(join)
@@ -260,7 +253,7 @@ class WorldNode:
             self._failures.wait(now)
             if self._run.world.verdict:
                 self._end()
-        elif not (self.world.coordinator.waiting and self._pacing.prolongs(self.world.tick, now)):
+        elif not (self.world.exchange.waiting and self._pacing.prolongs(self.world.tick, now)):
             self._close()
         self._advance()
 
@@ -269,7 +262,7 @@ class WorldNode:
         while self._run.phase is Phase.RUNNING:
             if not self._run.opened and (not self._open() or self._is_idle):
                 return
-            if self._run.world.coordinator.waiting or not self._lockstep:
+            if self._run.world.exchange.waiting or not self._lockstep:
                 return
             self._close()
         self._conclude_in_time()
@@ -280,12 +273,12 @@ class WorldNode:
     def _is_idle(self) -> bool:
         """Whether no robot is there to wait for, nor does the run end: others are heard, too, but not before
         the tick has opened, with what the scenario does then."""
-        return self._run.scenario.time.endless and not self._run.world.coordinator.active
+        return self._run.scenario.time.endless and not self._run.world.exchange.active
 
     def _open(self) -> bool:
         """Open the next tick, unless a required robot is missing or the clock is held; whether it opened."""
         run = self._run
-        for robot in run.world.coordinator.newcomers:
+        for robot in run.world.lives.newcomers:
             self._admissions.expect(robot)
         ticks = self._failures.gather()
         self._save()
@@ -299,7 +292,7 @@ class WorldNode:
             run.began = self._pacing.now()
             self._note(f"scenario {run.scenario.name!r} begins with robots {list(run.scenario.ids)}")
         self._pacing.begin(run.world.tick, run.scenario.time.step)
-        summary = run.world.coordinator.summary
+        summary = run.world.exchange.summary
         if summary is not None and summary.tick == run.world.tick:
             self._publishers.summary(summary)
         self._publishers.ticks(ticks)  # first: the robots compute while this process judges
@@ -308,7 +301,7 @@ class WorldNode:
 
     def _tell_again(self, ticks: Mapping[int, Tick]) -> None:
         """Publish Ticks again, and the summary: they may have been lost."""
-        summary = self._run.world.coordinator.summary
+        summary = self._run.world.exchange.summary
         if summary is not None:
             self._publishers.summary(summary)
         self._publishers.ticks(ticks)
@@ -316,12 +309,12 @@ class WorldNode:
     def _inform(self, *, due: bool) -> None:
         """Publish Clock and Truth to monitors if `due`, or if the last ones are old enough to be repeated."""
         if due or self._publishers.is_due:
-            self._publishers.watched(self._run.clock(), self._run.world.news())
+            self._publishers.watched(self._run.clock(), self._run.world.referee.record.news())
 
     def _close(self) -> None:
         run = self._run
         run.world.close_tick()
-        self._publishers.goals(run.world.goal_news())
+        self._publishers.goals(run.world.missions.news())
         run.opened = False
         if run.world.verdict:
             self._end()

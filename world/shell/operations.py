@@ -70,10 +70,10 @@ class Operations:
         state = Reply(
             **msgspec.structs.asdict(outcome),
             tick=world.tick,
-            halted=world.coordinator.halted,
+            halted=world.halted,
             moving=world.moving,
-            roster=world.coordinator.lives.roster.message,
-            obstacles=present(world.scenario.shapes, world.coordinator.lives.obstacles.changes),
+            roster=world.lives.roster.message,
+            obstacles=present(world.scenario.shapes, world.lives.obstacles.changes),
             goals=world.goal_statuses(),
         )
         return encode_reply(state, payload)
@@ -81,11 +81,11 @@ class Operations:
     def _operate(self, operation: Operation) -> Outcome:
         world, asked = self._run.world, f"tick {self._run.world.tick}: {operation}"
         if operation.halt is not None:
-            if operation.halt != world.coordinator.stopped:
+            if operation.halt != world.stopped:
                 self._say(asked)
             outcome = world.operate(operation)
-            self._publishers.watched(self._run.clock(), world.news())
-            contested = world.coordinator.contested and not operation.halt
+            self._publishers.watched(self._run.clock(), world.referee.record.news())
+            contested = world.contested and not operation.halt
             return Outcome(False, text=OTHER_WORLD) if contested else outcome
         if self._run.phase is not Phase.RUNNING:
             outcome = Outcome(False, text="the run is over")
@@ -93,7 +93,7 @@ class Operations:
             outcome = world.operate(operation)
         if outcome.accepted and operation.add is not None:
             self._welcome(operation.add.id)
-        self._publishers.goals(world.goal_news())
+        self._publishers.goals(world.missions.news())
         self._note(asked + ("" if outcome.accepted else f": refused, {outcome.text}"))
         return outcome
 
@@ -110,9 +110,5 @@ class Operations:
         if bool(self._rivals) != before:
             what = OTHER_WORLD if alive else "the other world has left; goes on"
             self._say(f"tick {self._run.world.tick}: {what}")
-        self.begin()
-        self._publishers.watched(self._run.clock(), self._run.world.news())
-
-    def begin(self) -> None:
-        """Have the robots of a run stand if there is another world."""
         self._run.world.contest(bool(self._rivals))
+        self._publishers.watched(self._run.clock(), self._run.world.referee.record.news())

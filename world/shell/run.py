@@ -10,35 +10,16 @@ from __future__ import annotations
 import secrets
 import time
 from collections import Counter
-from collections.abc import Iterable
 from enum import Enum
 from typing import Any
 
 from protocol import joining
-from protocol.messages import Clock, Health, Tick
+from protocol.messages import Clock, Tick
 from protocol.scenario.model import Scenario
 from world.report import result_of
 from world.shell.admission import Admissions
 from world.shell.pacing import Pacing
 from world.world import Past, WorldCore
-
-
-def traffic(
-    reports: Iterable[Health | None], published: int, received: int, rejected: Counter[str]
-) -> dict[str, object]:
-    """`published` and `received` (accepted) messages and those rejected by reason, over all processes.
-
-    Args:
-        reports: last words of the robots that gave any.
-        published, received, rejected: the world's own counts.
-    """
-    total = Counter(rejected)
-    for health in reports:
-        if health is not None:
-            published += health.published
-            received += health.received
-            total.update(health.rejected)
-    return {"published": published, "received": received, "rejected": dict(sorted(total.items()))}
 
 
 def drawn_epoch() -> int:
@@ -85,37 +66,25 @@ class JudgedRun:
         return Clock(
             world.tick,
             seconds,
-            world.coordinator.active,
-            world.coordinator.lives.roster.standing,
+            world.exchange.active,
+            world.lives.roster.standing,
             world.verdict,
             truth.clearance,
             truth.phi,
-            world.reason,
-            world.coordinator.lives.founded,
-            world.coordinator.halted,
-            world.coordinator.commands.missed,
+            world.referee.reason,
+            world.lives.founded,
+            world.halted,
+            world.exchange.missed,
             dict(self.rejected),
-            world.coordinator.lives.obstacles.changes,
-            world.coordinator.newcomers,
-            world.coordinator.parts.places,
-            world.coordinator.lives.passed_over,
+            world.lives.obstacles.changes,
+            world.lives.newcomers,
+            world.parts.places,
+            world.lives.passed_over,
         )
 
     def is_marked(self) -> bool:
         """Whether something is to happen at this tick that a launcher has to carry out."""
-        return self.world.tick in self._due or bool(self.world.coordinator.newcomers)
-
-    def final_ticks(self, robots: Iterable[int]) -> dict[int, Tick]:
-        """Ticks that announce the end of the run."""
-        lives, tick = self.world.coordinator.lives.incarnations, self.world.tick
-        return {robot: Tick(robot, lives[robot], tick, (), over=True) for robot in robots}
-
-    def report(self, healths: Iterable[Health | None], published: int, ended: float) -> dict[str, Any]:
-        """The world's report with the traffic of all processes and the wall time up to `ended`."""
-        report = result_of(self.world)
-        report["messages"] = traffic(healths, published, self.received, self.rejected)
-        report["wall_time"] = ended - self.began
-        return report
+        return self.world.tick in self._due or bool(self.world.lives.newcomers)
 
 
 SHUTDOWN = 2.0  # s that robots have to report after the end, and to hear that it is over
@@ -168,8 +137,10 @@ class Shutdown:
 
     def final_ticks(self) -> dict[int, Tick]:
         """Ticks that tell the end of the run to robots that have not shown that they know it."""
-        admissions, reporting = self._admissions, self._run.phase is Phase.SHUTDOWN
-        return self._run.final_ticks(admissions.owing_health() if reporting else admissions.unnotified())
+        reports, world = self._run.phase is Phase.SHUTDOWN, self._run.world
+        robots = self._admissions.owing_health() if reports else self._admissions.unnotified()
+        lives, tick = world.lives.incarnations, world.tick
+        return {robot: Tick(robot, lives[robot], tick, (), over=True) for robot in robots}
 
     def is_reported(self) -> bool:
         """Whether the robots have reported, or had the time to."""
@@ -183,10 +154,18 @@ class Shutdown:
         left = not (admissions.unnotified() or admissions.is_asked_soon())
         return self._run.phase is Phase.CLOSING and (left or self._is_overdue())
 
-    def report(self, published: int) -> dict[str, Any]:
-        """The result of the run up to its verdict, with the robots' reports."""
-        healths = (slot.health for slot in self._admissions.slots.values())
-        return self._run.report(healths, published, self._pacing.since)
+    def report(self, published: int = 0) -> dict[str, Any]:
+        """The result of the run up to its verdict, with the traffic of all processes: messages `published`
+        and received (accepted), and those rejected by reason."""
+        received, rejected = self._run.received, Counter(self._run.rejected)
+        for slot in self._admissions.slots.values():
+            if slot.health is not None:
+                published += slot.health.published
+                received += slot.health.received
+                rejected.update(slot.health.rejected)
+        counts = {"published": published, "received": received, "rejected": dict(sorted(rejected.items()))}
+        wall_time = self._pacing.since - self._run.began
+        return {**result_of(self._run.world), "messages": counts, "wall_time": wall_time}
 
     def _is_overdue(self) -> bool:
         return self._pacing.waited() > SHUTDOWN

@@ -84,7 +84,7 @@ class Floor:
         for robot in scenario.ids:
             table = scenario.base_of(robot)
             assert table is not None
-            core = Robot(scenario, robot, self.world.coordinator.join(robot))
+            core = Robot(scenario, robot, self.world.join(robot))
             self.crews[robot] = Crew(
                 core, Ros2Base(scenario, robot, table), Wheels(scenario, robot, self.rng)
             )
@@ -220,7 +220,7 @@ class Floor:
         core, base = crew.core, crew.base
         if core.has_ended(tick):  # begin another life
             base.stand(self.now)
-            crew.core = Robot(self.scenario, core.robot, self.world.coordinator.join(core.robot))
+            crew.core = Robot(self.scenario, core.robot, self.world.join(core.robot))
             return
         if tick.tick <= core.tick or tick.incarnation != core.incarnation:
             return

@@ -183,7 +183,7 @@ def test_a_fleet_cut_off_from_its_coordinator_stands_within_hold_and_braking_and
     floor.run(FROM + floor.delay + floor.scenario.time.step + body.hold + body.speed / body.acceleration)
     assert floor.moving() == []
     floor.run(FROM + 4.0)
-    assert len(floor.world.coordinator.lives.roster.standing) == 4
+    assert len(floor.world.lives.roster.standing) == 4
     floor.cut = False
     assert result_of(floor.run(200.0).world)["verdict"] == "arrived"
     assert floor.closest > 0.0
@@ -196,9 +196,7 @@ def test_a_process_that_was_stopped_is_fenced_where_it_is_and_does_not_move_on_s
     floor = Floor(fleet(3), seed).run(FROM)
     floor.crews[1].alive = False
     floor.run(FROM + 3.0)
-    (member,) = [
-        each for each in floor.world.coordinator.lives.roster.message.members if each.status == "standing"
-    ]
+    (member,) = [each for each in floor.world.lives.roster.message.members if each.status == "standing"]
     place = floor.crews[1].wheels.control
     assert member.robot == 1
     assert math.dist(member.position, place) <= member.bound

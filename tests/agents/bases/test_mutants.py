@@ -53,9 +53,7 @@ def is_taken_for_where_it_is_not() -> bool:
     floor = Floor(THREE, 1).run(FROM)
     floor.crews[1].alive = False
     floor.run(FROM + 3.0)
-    (member,) = [
-        each for each in floor.world.coordinator.lives.roster.message.members if each.status == "standing"
-    ]
+    (member,) = [each for each in floor.world.lives.roster.message.members if each.status == "standing"]
     return math.dist(member.position, floor.crews[1].wheels.control) > member.bound
 
 

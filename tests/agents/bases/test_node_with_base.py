@@ -117,8 +117,8 @@ def test_another_world_takes_over_bases_that_drive(seconds: float, tmp_path: Pat
     stage.play(lambda: time.monotonic() >= end)
     stage.fleet.start_world()
     begun = stage.world
-    assert (begun.tick, begun.coordinator.lives.up) == (tick, ())
-    stage.play(lambda: len(begun.coordinator.lives.up) == 2)
+    assert (begun.tick, begun.lives.up) == (tick, ())
+    stage.play(lambda: len(begun.lives.up) == 2)
     before = [wheels.control for wheels in stage.floor.wheels.values()]
     stage.play(
         lambda: all(

@@ -48,7 +48,7 @@ class Haul(skirmish.Skirmish):
 
     def tick(self) -> None:
         """All that happens in one."""
-        parts = self.world.coordinator.parts
+        parts = self.world.parts
         before = parts.places
         super().tick()
         self.handled += [each.carrier for each in before] != [each.carrier for each in parts.places]

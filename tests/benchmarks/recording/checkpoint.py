@@ -46,7 +46,7 @@ def _drive(world: WorldCore, checkpoint: Checkpoint | None) -> float:
     """Time of a tick, s."""
     robots: Sequence[int] = world.scenario.ids
     for robot in robots:
-        world.coordinator.join(robot)
+        world.join(robot)
     processes = Processes(dict.fromkeys(robots, "0123456789abcdef"))
     began = time.perf_counter()
     for _ in range(_TICKS):

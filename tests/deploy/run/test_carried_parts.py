@@ -22,7 +22,7 @@ SCENARIO = load("parts-4", ["time.limit=60"], 1)
 
 
 def carriers(fleet: LocalFleet) -> list[int]:
-    return [each.carrier for each in fleet.world.world.coordinator.parts.places if each.carrier]
+    return [each.carrier for each in fleet.world.world.parts.places if each.carrier]
 
 
 def carrying() -> tuple[LocalFleet, int]:
@@ -34,7 +34,7 @@ def carrying() -> tuple[LocalFleet, int]:
 
 
 def in_place(fleet: LocalFleet) -> bool:
-    return not fleet.world.world.coordinator.parts.pending
+    return not fleet.world.world.parts.pending
 
 
 def finished(fleet: LocalFleet) -> dict[str, Any]:
@@ -50,7 +50,7 @@ def test_a_part_of_one_that_dies_is_taken_over() -> None:
     fleet.kill(dead)
     report = finished(fleet)
     assert report["min_clearance"] > 0.0
-    members = {each.robot: each for each in fleet.world.world.coordinator.lives.roster.message.members}
+    members = {each.robot: each for each in fleet.world.world.lives.roster.message.members}
     assert (members[dead].status, members[dead].radius) == ("standing", SCENARIO.spec(dead).radius)
 
 
@@ -60,10 +60,10 @@ def test_a_restarted_world_knows_the_carriers(tmp_path: Path) -> None:
     fleet = LocalFleet(SCENARIO, checkpoint=tmp_path / "checkpoint")
     while not carriers(fleet):
         assert fleet.step()
-    before = fleet.world.world.coordinator.lives
+    before = fleet.world.world.lives
     fleet.kill_world()
     fleet.start_world()
-    after = fleet.world.world.coordinator.lives
+    after = fleet.world.world.lives
     assert after.roster.message.parts == before.roster.message.parts
     assert [after.roster.members[robot].radius for robot in SCENARIO.ids] == [
         before.roster.members[robot].radius for robot in SCENARIO.ids

@@ -63,11 +63,11 @@ def go(fleet: LocalFleet, ticks: int, seconds: float = 5.0) -> None:
 
 
 def life(fleet: LocalFleet) -> Life:
-    return fleet.world.world.coordinator.lives.of[2]
+    return fleet.world.world.lives.of[2]
 
 
 def status(fleet: LocalFleet) -> str:
-    return fleet.world.world.coordinator.lives.roster.status(2)
+    return fleet.world.world.lives.roster.status(2)
 
 
 def answer(fleet: LocalFleet, session: str) -> Reply:
@@ -92,7 +92,7 @@ def deafened(fleet: LocalFleet, then: Callable[[], object]) -> tuple[LocalBus, R
         bus.node = None
         then()
 
-    overhear(fleet, lambda: world.is_open and 2 in world.coordinator.commands.taken, deafen)
+    overhear(fleet, lambda: world.is_open and 2 in world.exchange.taken, deafen)
     deadline = time.monotonic() + 5.0
     fleet.network.run(lambda: bus.node is None or time.monotonic() > deadline)
     return bus, node
@@ -138,7 +138,7 @@ def test_the_next_one_does_not_wait_for_the_token_of_the_one_before(tmp_path: Pa
     bus.close()  # the token that goes is not that of the successor
     go(fleet, 20)
     assert (status(fleet), life(fleet).joined) == ("live", True)
-    assert fleet.world.world.coordinator.lives.given_up == []
+    assert fleet.world.world.lives.given_up == []
 
 
 @pytest.mark.slow
@@ -184,7 +184,7 @@ def test_a_successor_that_is_heard_before_the_world_is_itself_again_is_no_victim
 def test_no_process_takes_the_seat_of_one_that_is_there_when_the_world_comes_back(tmp_path: Path) -> None:
     fleet = kept(tmp_path, ENDLESS)
     go(fleet, 10)
-    fleet.world.world.coordinator.lost(2, "hangs")
+    fleet.world.world.lost(2, "hangs")
     assert not life(fleet).goes_on
     node = fleet.robots[2].node
     assert isinstance(node, RobotNode)

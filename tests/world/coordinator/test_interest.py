@@ -66,7 +66,7 @@ def test_a_tick_names_a_robot_that_takes_no_part_no_more() -> None:
             assert world.accept(Command(robot, 1, world.tick, (0.0, 0.0)))
         world.close_tick()
     assert {each.active for each in world.open_tick().values()} == {ids}
-    assert world.coordinator.lost(4)
+    assert world.lost(4)
     told = world.open_tick()
     assert [told[robot].active for robot in ids[:3]] == [ids[:3]] * 3
 

@@ -30,12 +30,12 @@ def place(world: WorldCore, robot: int) -> tuple[float, float]:
 def test_a_lost_robot_stands_and_is_fenced_after_its_silence():
     world = joined(two(time=PATIENT))
     advance_to(world, 3)
-    world.coordinator.lost(2)
+    world.lost(2)
     stood = place(world, 2)
     advance_to(world, 2 + FENCE)
-    assert (world.coordinator.active, world.coordinator.lives.roster.standing) == ((1,), ())
+    assert (world.exchange.active, world.lives.roster.standing) == ((1,), ())
     advance_to(world, 3 + FENCE)
-    assert world.coordinator.lives.roster.standing == (Standing(2, 1, stood),)
+    assert world.lives.roster.standing == (Standing(2, 1, stood),)
     told = world.open_tick()
     assert told[1].roster == told[2].roster  # it may still listen
     assert told[1].roster.members[1] == Member(2, 1, "standing", 0.04, stood)
@@ -50,17 +50,17 @@ def test_a_lost_robot_stands_and_is_fenced_after_its_silence():
 def test_a_lost_robot_that_is_started_again_is_waited_for():
     world = joined(two(time=PATIENT))
     advance_to(world, 3)
-    world.coordinator.expect(2)  # it was not lost
-    assert world.coordinator.lives.awaited == frozenset()
-    world.coordinator.lost(2)
-    world.coordinator.expect(2)
-    assert world.coordinator.lives.awaited == {2}
+    world.lives.expect(2)  # it was not lost
+    assert world.lives.awaited == frozenset()
+    world.lost(2)
+    world.lives.expect(2)
+    assert world.lives.awaited == {2}
     assert world.open_tick() == {}  # its process, if it lives on, could take part otherwise
-    assert world.coordinator.join(2) == 2
+    assert world.join(2) == 2
     assert world.open_tick().keys() == {1, 2}
-    world.coordinator.lost(1)
-    world.coordinator.expect(1)
-    world.coordinator.give_up_waiting(1)
+    world.lost(1)
+    world.lives.expect(1)
+    world.give_up_waiting(1)
     assert world.open_tick()[2].active == (2,)
 
 
@@ -70,7 +70,7 @@ def test_a_live_robot_that_sends_nothing_is_fenced_too():
         assert world.open_tick()[1].active == (1, 2)
         world.accept(Command(1, 1, tick, (0.0, 0.0)))
         world.close_tick()
-    assert [down.robot for down in world.coordinator.lives.roster.standing] == [2]
+    assert [down.robot for down in world.lives.roster.standing] == [2]
     assert world.open_tick()[1].active == (1,)
     assert result_of(world)["missed_commands"] == FENCE
 
@@ -83,20 +83,20 @@ def test_one_command_in_time_keeps_a_robot_from_being_fenced():
         if tick % FENCE == FENCE - 1:
             assert world.accept(Command(2, 1, tick, (0.0, 0.0)))
         world.close_tick()
-    assert world.coordinator.lives.roster.standing == ()
+    assert world.lives.roster.standing == ()
 
 
 def test_joining_in_an_open_tick_takes_part_from_the_next_one():
     world = joined(two(time=PATIENT))
-    world.coordinator.lost(2)
+    world.lost(2)
     world.open_tick()
-    assert world.coordinator.join(2) == 2
-    assert (world.coordinator.active, world.coordinator.waiting) == ((1,), {1})
+    assert world.join(2) == 2
+    assert (world.exchange.active, world.exchange.waiting) == ((1,), {1})
     assert not world.accept(Command(2, 2, 0, (0.1, 0.0)))
     world.accept(Command(1, 1, 0, (0.0, 0.0)))
     world.close_tick()
     assert world.open_tick().keys() == {1, 2}
-    assert world.coordinator.active == (1, 2)
+    assert world.exchange.active == (1, 2)
 
 
 def test_kill_excludes_from_its_tick_on_and_the_dead_are_told_nothing():
@@ -104,13 +104,13 @@ def test_kill_excludes_from_its_tick_on_and_the_dead_are_told_nothing():
     advance_to(world, 5)
     stood = place(world, 2)
     assert world.open_tick().keys() == {1}
-    assert world.coordinator.active == (1,)
+    assert world.exchange.active == (1,)
     advance_to(world, 15)
     assert place(world, 2) == stood
     assert world.open_tick().keys() == {1}
-    assert [down.robot for down in world.coordinator.lives.roster.standing] == [2]
+    assert [down.robot for down in world.lives.roster.standing] == [2]
     assert result_of(world)["faults"]["process"] == [{"robot": 2, "at": 5 * STEP, "event": "kill", "tick": 5}]
-    assert world.coordinator.join(2) == 2  # an operator may start it again
+    assert world.join(2) == 2  # an operator may start it again
 
 
 def test_a_short_pause_ends_in_the_same_life():
@@ -118,23 +118,23 @@ def test_a_short_pause_ends_in_the_same_life():
     advance_to(world, 3)
     assert world.open_tick().keys() == {1}
     with pytest.raises(JoinError, match="robot 2 is paused by the scenario"):
-        world.coordinator.join(2)
-    world.coordinator.lost(2)  # its presence may go while it is stopped
+        world.join(2)
+    world.lost(2)  # its presence may go while it is stopped
     advance_to(world, 6)
     told = world.open_tick()
-    assert world.coordinator.lives.awaited == frozenset()
-    assert (told[2].incarnation, told[2].active, world.coordinator.lives.roster.standing) == (1, (1, 2), ())
+    assert world.lives.awaited == frozenset()
+    assert (told[2].incarnation, told[2].active, world.lives.roster.standing) == (1, (1, 2), ())
 
 
 def test_a_long_pause_ends_in_a_new_life():
     world = faulty((2, 3, "pause"), (2, 12, "resume"))
     advance_to(world, 12)
     told = world.open_tick()
-    assert world.coordinator.lives.awaited == {2}
+    assert world.lives.awaited == {2}
     assert told.keys() == {2}  # it learns that it was fenced; no other robot begins the tick
     assert told[2].roster.members[1].position == place(world, 2)
-    assert world.coordinator.lives.roster.standing == (Standing(2, 1, place(world, 2)),)
-    assert world.coordinator.join(2) == 2
+    assert world.lives.roster.standing == (Standing(2, 1, place(world, 2)),)
+    assert world.join(2) == 2
     assert world.open_tick()[1].active == (1, 2)
 
 
@@ -143,10 +143,10 @@ def test_restart_waits_for_a_new_life():
     advance_to(world, 3)
     assert world.open_tick() == {}
     assert world.open_tick() == {}
-    assert world.coordinator.lives.awaited == {2}
+    assert world.lives.awaited == {2}
     with pytest.raises(RuntimeError, match="tick 3 is not open"):
         world.close_tick()
-    assert world.coordinator.join(2) == 2
+    assert world.join(2) == 2
     assert world.open_tick().keys() == {1, 2}
     assert len(result_of(world)["faults"]["process"]) == 1
 
@@ -154,22 +154,22 @@ def test_restart_waits_for_a_new_life():
 @pytest.mark.parametrize("event", ["kill", "pause", "restart"])
 def test_faults_of_the_first_tick_wait_until_everybody_is_there(event):
     world = WorldCore(two(process=(ProcessFault(2, 0.0, event),), time=PATIENT))
-    world.coordinator.join(1)
+    world.join(1)
     assert world.open_tick() == {}
-    assert (world.coordinator.lives.founded, world.coordinator.lives.awaited) == (False, {2})
-    world.coordinator.join(2)
+    assert (world.lives.founded, world.lives.awaited) == (False, {2})
+    world.join(2)
     told = world.open_tick()
-    assert world.coordinator.lives.founded
+    assert world.lives.founded
     if event == "restart":
-        assert (world.coordinator.lives.awaited, told) == ({2}, {})
-        world.coordinator.join(2)
+        assert (world.lives.awaited, told) == ({2}, {})
+        world.join(2)
         told = world.open_tick()
-    assert world.coordinator.active == ((1, 2) if event == "restart" else (1,))
+    assert world.exchange.active == ((1, 2) if event == "restart" else (1,))
 
 
 def test_a_robot_that_never_starts_is_a_disk_that_stands():
     world = joined(two(time=PATIENT), [1])
-    world.coordinator.give_up_waiting(2)
+    world.give_up_waiting(2)
     assert world.open_tick().keys() == {1}
     advance_to(world, FENCE)
-    assert world.coordinator.lives.roster.standing == (Standing(2, 0, (-0.1, -0.1)),)
+    assert world.lives.roster.standing == (Standing(2, 0, (-0.1, -0.1)),)

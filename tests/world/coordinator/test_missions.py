@@ -27,14 +27,14 @@ def status(world: WorldCore) -> GoalStatus:
 
 def drive(world: WorldCore, most: int = 400) -> list[GoalStatus]:
     """Robot 1 goes straight to whatever goal it is told, until no order is open; what was told of it."""
-    said, goal = world.goal_news(), (0.1, 0.1)
+    said, goal = world.missions.news(), (0.1, 0.1)
     for _ in range(most):
         goal = world.open_tick()[1].goal or goal
         (x, y), *_ = world.truth.positions
         dx, dy = goal[0] - x, goal[1] - y
         scale = min(1.0, 0.005 / math.hypot(dx, dy)) if (dx, dy) != (0.0, 0.0) else 0.0
         advance(world, {1: (scale * dx / STEP, scale * dy / STEP)})
-        said += world.goal_news()
+        said += world.missions.news()
         if said and said[-1].status != "under way":
             return said
     return said
@@ -99,7 +99,7 @@ def test_what_cannot_be_is_refused_by_reason_and_changes_nothing() -> None:
         reply = order(world, journey)
         assert not reply.accepted
         assert reason in reply.text
-    assert (status(world), world.goal_news()) == (before, [])
+    assert (status(world), world.missions.news()) == (before, [])
     full = Journey(1, (HERE,) * MOST_POINTS)
     assert order(world, full).accepted
     assert "at most" in order(world, Journey(1, (THERE,), queue=True)).text
@@ -124,7 +124,7 @@ def test_a_robot_that_is_halted_stands_and_goes_on_when_released() -> None:
     before = world.truth.positions
     world.open_tick()
     world.operate(Operation(halt=True))  # in the middle of a tick, with commands on their way
-    for robot in world.coordinator.active:
+    for robot in world.exchange.active:
         world.accept(Command(robot, 1, 1, (0.1, 0.0)))
     world.close_tick()
     for _ in range(40):  # far longer than what counts as a deadlock
@@ -164,6 +164,6 @@ def test_a_goal_is_told_until_the_robot_has_commanded_and_to_its_next_life_again
         advance(world)
     assert world.open_tick()[1].goal is None
     advance(world)
-    world.coordinator.lost(1)
-    world.coordinator.join(1)
+    world.lost(1)
+    world.join(1)
     assert world.open_tick()[1].goal == HERE

@@ -40,18 +40,18 @@ def tick(
 ) -> None:
     """A tick in which robots ask for something, and keep clear of what is to appear or not."""
     told = found.open_tick()
-    for robot in found.coordinator.active:
+    for robot in found.exchange.active:
         if robot not in silent:
             assert found.accept(obeying(told[robot], clear=kept, handles=(asks or {}).get(robot)))
     found.close_tick()
 
 
 def radius(found: WorldCore, robot: int) -> float:
-    return found.coordinator.lives.roster.members[robot].radius
+    return found.lives.roster.members[robot].radius
 
 
 def where(found: WorldCore) -> PartPlace:
-    (place,) = found.coordinator.lives.roster.message.parts
+    (place,) = found.lives.roster.message.parts
     return place
 
 
@@ -60,7 +60,7 @@ def test_a_part_that_is_taken_up_is_gone_and_its_carrier_larger() -> None:
     assert (where(found), radius(found, 1)) == (PartPlace(1, 1), SMALL)
     tick(found, {1: TAKE})
     assert (where(found), radius(found, 1)) == (PartPlace(1, carrier=1), LARGE)
-    assert not found.coordinator.lives.obstacles.standing
+    assert not found.lives.obstacles.standing
     assert result_of(found)["collisions"] == 0
 
 
@@ -71,9 +71,9 @@ def test_a_part_that_is_taken_up_is_gone_and_its_carrier_larger() -> None:
 )
 def test_what_cannot_be_handled_stays(robot: int, handling: Handling) -> None:
     found = world()
-    before = found.coordinator.lives.roster.message
+    before = found.lives.roster.message
     tick(found, {robot: handling})
-    assert found.coordinator.lives.roster.message == before
+    assert found.lives.roster.message == before
 
 
 def test_no_robot_handles_parts_in_an_emergency_stop() -> None:
@@ -93,7 +93,7 @@ def test_a_part_is_put_down_once_all_keep_clear_and_its_carrier_stays_large_unti
     tick(found, {1: PUT})
     tick(found, {1: PUT})
     assert (where(found), radius(found, 1)) == (PartPlace(1, 2), SMALL)
-    assert not found.coordinator.parts.pending
+    assert not found.parts.pending
 
 
 def test_a_robot_that_no_longer_asks_has_put_nothing_down() -> None:
@@ -102,7 +102,7 @@ def test_a_robot_that_no_longer_asks_has_put_nothing_down() -> None:
     tick(found, {1: PUT}, kept=False)
     tick(found, kept=False)
     assert where(found) == PartPlace(1, carrier=1)
-    assert not found.coordinator.lives.obstacles.appearing
+    assert not found.lives.obstacles.appearing
 
 
 def test_a_robot_that_dies_stands_with_what_it_carries_until_another_takes_it() -> None:
@@ -111,7 +111,7 @@ def test_a_robot_that_dies_stands_with_what_it_carries_until_another_takes_it() 
     _move(found, 2, (0.0, -0.095))
     for _ in range(5):
         tick(found, {2: TAKE}, silent=(1,))
-    assert found.coordinator.lives.roster.status(1) == "standing"
+    assert found.lives.roster.status(1) == "standing"
     assert (where(found).carrier, radius(found, 1), radius(found, 2)) == (2, SMALL, LARGE)
 
 
@@ -128,7 +128,7 @@ def test_a_robot_that_leaves_with_this_tick_takes_nothing_up() -> None:
     assert found.operate(Operation(remove=1)).text == ""
     assert found.accept(Command(1, told[1].incarnation, found.tick, (0.0, 0.0), handles=TAKE))
     found.close_tick()
-    assert found.coordinator.lives.roster.status(1) == "gone"
+    assert found.lives.roster.status(1) == "gone"
     assert where(found) == PartPlace(1, 1)
 
 

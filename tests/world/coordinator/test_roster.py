@@ -58,7 +58,7 @@ def world() -> WorldCore:
 
 
 def statuses(found: WorldCore) -> dict[int, str]:
-    return {each.number: each.status for each in found.coordinator.lives.obstacles.changes}
+    return {each.number: each.status for each in found.lives.obstacles.changes}
 
 
 def test_an_obstacle_appears_once_everybody_keeps_clear_of_it() -> None:
@@ -98,7 +98,7 @@ def test_an_obstacle_that_came_is_judged_and_then_forgotten() -> None:
         advance(found, {1: (0.1, 0.0)})
     assert [contact["pair"] for contact in result_of(found)["contacts"]] == [[-number, 1]]
     found.operate(Operation(take=number))
-    assert found.coordinator.lives.obstacles.changes == ()
+    assert found.lives.obstacles.changes == ()
 
 
 @pytest.mark.parametrize(
@@ -117,11 +117,11 @@ def test_an_obstacle_that_came_is_judged_and_then_forgotten() -> None:
 )
 def test_a_refusal_says_why_and_changes_nothing(order: Listed, words: str) -> None:
     found = world()
-    before = found.coordinator.past
+    before = found.past
     reply = found.operate(Operation(place=order))
     assert not reply.accepted
     assert words in reply.text
-    assert found.coordinator.past == before
+    assert found.past == before
 
 
 def test_an_obstacle_on_a_goal_is_accepted_with_a_warning() -> None:

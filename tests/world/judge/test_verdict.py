@@ -31,7 +31,7 @@ def test_timeout_at_the_limit():
         assert world.verdict == ""
         advance(world)
     assert world.verdict == "timeout"
-    assert world.reason == "1.02 s are over; robots 1, 2 are not at the goal"
+    assert world.referee.reason == "1.02 s are over; robots 1, 2 are not at the goal"
     assert result_of(world)["sim_time"] == pytest.approx(1.05)
 
 
@@ -41,7 +41,7 @@ def test_a_timeout_says_what_is_still_to_come():
     world = joined(scenario(there, orders=orders, time=Time(step=STEP, limit=0.5, deadlock=5.0)))
     while not world.verdict:
         advance(world)
-    assert (world.verdict, world.reason) == ("timeout", "0.5 s are over; orders are still to come")
+    assert (world.verdict, world.referee.reason) == ("timeout", "0.5 s are over; orders are still to come")
 
 
 def test_deadlock_when_no_robot_gets_away_from_where_it_was():
@@ -50,7 +50,7 @@ def test_deadlock_when_no_robot_gets_away_from_where_it_was():
         assert world.verdict == ""
         advance(world, {1: (0.05 * (-1) ** tick, 0.0)})  # trembling is not moving
     assert world.verdict == "deadlock"
-    assert world.reason == "no robot moved for 0.5 s; robots 1, 2 are not at the goal"
+    assert world.referee.reason == "no robot moved for 0.5 s; robots 1, 2 are not at the goal"
 
 
 @pytest.mark.parametrize(
@@ -71,7 +71,7 @@ def test_a_collision_outranks_at_the_end_and_the_run_goes_on():
     world = play(scenario(((-0.1, 0.0), (0.1, 0.0)), ((0.1, 0.01), (-0.1, 0.01))))
     report = result_of(world)
     assert (world.verdict, report["collisions"], report["arrived"]) == ("collision", 1, [1, 2])
-    assert world.reason == "contacts: 1; otherwise arrived: all robots are at their goals"
+    assert world.referee.reason == "contacts: 1; otherwise arrived: all robots are at their goals"
     assert report["min_clearance"] == pytest.approx(0.01 - 0.08)
 
 
@@ -81,7 +81,7 @@ def test_the_shell_may_end_a_run_once(verdict):
     advance(world)
     world.finish(verdict, "because")
     world.finish("timeout", "later")
-    assert (world.verdict, world.reason) == (verdict, "because")
+    assert (world.verdict, world.referee.reason) == (verdict, "because")
 
 
 def test_aborted_when_the_others_are_down_for_good():
@@ -89,7 +89,7 @@ def test_aborted_when_the_others_are_down_for_good():
     setting = two(process=(ProcessFault(2, 0.5, "kill"),), time=Time(limit=30.0, fence=0.2, deadlock=20.0))
     world = play(setting)
     assert world.verdict == "aborted"
-    assert world.reason == "robot 2 is down for good; the others are at their goals"
+    assert world.referee.reason == "robot 2 is down for good; the others are at their goals"
     assert result_of(world)["arrived"] == [1]
     assert result_of(world)["down"] == [2]
 
@@ -99,7 +99,7 @@ def test_aborted_when_no_robot_is_left():
     world = joined(setting)
     while not world.verdict:
         advance(world)
-    assert (world.verdict, world.reason) == ("aborted", "robots 1, 2 are down for good")
+    assert (world.verdict, world.referee.reason) == ("aborted", "robots 1, 2 are down for good")
 
 
 def test_not_aborted_while_processes_may_yet_be_started_again():
@@ -107,23 +107,23 @@ def test_not_aborted_while_processes_may_yet_be_started_again():
     setting = two(process=kills, time=Time(limit=30.0, fence=0.2, deadlock=20.0))
     world = WorldCore(setting, returning=2.0)
     for robot in setting.ids:
-        world.coordinator.join(robot)
+        world.join(robot)
     while not world.verdict:
         advance(world)
     silent = setting.ticks(0.1)  # since this tick
     assert world.tick == silent + setting.ticks(setting.time.fence) + setting.ticks(2.0)
-    assert world.reason == "robots 1, 2 are down for good"
+    assert world.referee.reason == "robots 1, 2 are down for good"
 
 
 def test_not_aborted_while_a_restart_is_scheduled():
     faults = (ProcessFault(2, 0.5, "kill"), ProcessFault(2, 8.0, "restart"))
     setting = two(process=faults, time=Time(limit=30.0, fence=0.2, deadlock=20.0))
     world = joined(setting)
-    while not world.coordinator.lives.awaited:
+    while not world.lives.awaited:
         advance(world, toward(world, setting))
         world.open_tick()
     assert (world.tick, world.verdict) == (160, "")
-    assert world.coordinator.join(2) == 2
+    assert world.join(2) == 2
     while not world.verdict:
         advance(world, toward(world, setting))
     assert world.verdict == "arrived"
@@ -135,4 +135,4 @@ def test_a_robot_that_is_down_at_its_goal_has_arrived():
     while not world.verdict:
         advance(world, {1: (0.05, 0.0), 2: toward(world, setting)[2]})
     assert world.verdict == "arrived"
-    assert world.coordinator.active == (1,)
+    assert world.exchange.active == (1,)

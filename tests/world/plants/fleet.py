@@ -95,7 +95,7 @@ def drive(
         for index, base in plant._bases.items():
             base._errors = TowardsTheNearest(plant, index, scenario)
     believed = scenario if stated is None else replace(scenario, body=stated)
-    robots = {robot: Robot(believed, robot, world.coordinator.join(robot)) for robot in scenario.ids}
+    robots = {robot: Robot(believed, robot, world.join(robot)) for robot in scenario.ids}
     for robot in robots.values() if naive else ():
         robot._body = PointBody(scenario.control.speed, scenario.time.step, 0.0, math.inf)
     while not world.verdict and (not setting.ticks or world.tick < setting.ticks):

@@ -55,8 +55,8 @@ def test_a_life_that_was_lived_is_not_lived_again() -> None:
     desk.arrive("a")
     assert desk.admitted("a", lived=1) == 2
     assert desk.admitted("a", lived=1) == 2  # the reply was lost
-    assert desk.run.world.coordinator.lives.goes_on(1, 2)
-    assert not desk.run.world.coordinator.lives.goes_on(1, 1)
+    assert desk.run.world.lives.goes_on(1, 2)
+    assert not desk.run.world.lives.goes_on(1, 1)
 
 
 def test_one_that_dies_before_its_token_is_there_makes_room() -> None:
@@ -69,7 +69,7 @@ def test_one_that_dies_before_its_token_is_there_makes_room() -> None:
     assert isinstance(desk.ask("dead"), Wait)  # it was only slow
     desk.arrive("next")
     assert isinstance(desk.ask("dead"), Refusal)
-    assert desk.run.world.coordinator.lives.goes_on(1, 2)
+    assert desk.run.world.lives.goes_on(1, 2)
 
 
 def test_a_second_process_is_refused_and_the_first_undisturbed() -> None:
@@ -80,9 +80,9 @@ def test_a_second_process_is_refused_and_the_first_undisturbed() -> None:
     reply = desk.ask("second")
     assert isinstance(reply, Refusal)
     assert "already running" in reply.text
-    assert desk.run.world.coordinator.lives.goes_on(1, 1)
+    assert desk.run.world.lives.goes_on(1, 1)
     desk.leave()
-    desk.run.world.coordinator.lost(1)
+    desk.run.world.lost(1)
     assert desk.admitted("second") == 2
 
 
@@ -91,13 +91,13 @@ def test_a_process_that_the_scenario_has_ended_is_not_its_own_successor() -> Non
     desk = Desk()
     assert desk.admitted("first") == 1
     desk.arrive("first")
-    desk.run.world.coordinator.lives.of[1].restart()
+    desk.run.world.lives.of[1].restart()
     assert isinstance(desk.ask("first"), Wait)
     desk.leave()  # a router went, and with it the token
     assert isinstance(desk.ask("first"), Wait)
     assert desk.admitted("next") == 2
     assert isinstance(desk.ask("first"), Wait)
-    desk.run.world.coordinator.lives.of[1].kill()
+    desk.run.world.lives.of[1].kill()
 
 
 def test_the_process_of_a_robot_that_was_removed_is_not_that_of_the_next_with_its_id() -> None:
@@ -105,7 +105,7 @@ def test_the_process_of_a_robot_that_was_removed_is_not_that_of_the_next_with_it
     desk = Desk()
     assert desk.admitted("first") == 1
     desk.arrive("first")
-    desk.run.world.coordinator.lives.of[1] = Life(1, Status.LOST, fenced=True, fate="removed")
+    desk.run.world.lives.of[1] = Life(1, Status.LOST, fenced=True, fate="removed")
     desk.admissions.expect(1)
     assert desk.ask("first") == Finished("removed")
     assert desk.ask("first") == Finished("removed")
@@ -120,15 +120,15 @@ def test_a_process_that_lost_its_seat_while_the_scenario_held_it_still_goes_on()
     desk = Desk()
     assert desk.admitted("first") == 1
     desk.arrive("first")
-    desk.run.world.coordinator.lives.of[1].pause()
+    desk.run.world.lives.of[1].pause()
     desk.leave()
-    desk.run.world.coordinator.lost(1, "has gone")
+    desk.run.world.lost(1, "has gone")
     assert isinstance(desk.ask("first"), Wait)
-    desk.run.world.coordinator.lives.of[1].resume()
+    desk.run.world.lives.of[1].resume()
     assert desk.admitted("first") == 1
     desk.leave()
-    desk.run.world.coordinator.lives.of[1].pause()
-    desk.run.world.coordinator.lives.of[1].resume()
+    desk.run.world.lives.of[1].pause()
+    desk.run.world.lives.of[1].resume()
     assert desk.admitted("next") == 2  # it has not woken: its successor is not kept out
 
 
@@ -160,7 +160,7 @@ def test_no_two_processes_live_and_no_life_twice(events: list[tuple[str, str]]) 
             token = process
         elif event == "leave" and token == process:
             desk.leave()
-            desk.run.world.coordinator.lost(1)
+            desk.run.world.lost(1)
             token = ""
             lives.pop(process, None)
             last.pop(process, None)
@@ -168,5 +168,5 @@ def test_no_two_processes_live_and_no_life_twice(events: list[tuple[str, str]]) 
             last[process] = lives.pop(process)  # it says itself that it is over
         elif event == "wait":
             desk.clock.now += RESERVATION
-        newest = desk.run.world.coordinator.lives.incarnations[1]
+        newest = desk.run.world.lives.incarnations[1]
         assert sum(life == newest for life in lives.values()) <= 1

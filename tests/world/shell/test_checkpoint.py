@@ -76,7 +76,7 @@ def test_what_was_written_last_is_read_again(path: Path) -> None:
         checkpoint.write(state)
         checkpoint.close()
         found = left(path)
-        assert found.past.coordinator.tick == state.past.coordinator.tick
+        assert found.past.tick == state.past.tick
         assert (found.epochs, found.began, found.processes, found.expected) == (
             state.epochs,
             state.began,
@@ -116,7 +116,7 @@ def test_of_a_write_that_was_cut_short_or_damaged_the_state_before_is_left(
         contents.append(path.read_bytes())
     checkpoint.close()
     path.write_bytes(damage(*contents[-2:], data))
-    assert left(path).past.coordinator.tick in left_over
+    assert left(path).past.tick in left_over
 
 
 def test_a_first_state_that_was_cut_short_has_told_nothing(path: Path) -> None:

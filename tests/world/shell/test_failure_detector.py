@@ -65,9 +65,7 @@ class Watch:
 
     def command(self, robot: int) -> None:
         world = self.turn.world
-        assert world.accept(
-            Command(robot, world.coordinator.lives.incarnations[robot], world.tick, (0.0, 0.0))
-        )
+        assert world.accept(Command(robot, world.lives.incarnations[robot], world.tick, (0.0, 0.0)))
 
     def close(self) -> None:
         self.turn.world.close_tick()
@@ -97,14 +95,14 @@ def test_a_run_that_is_not_complete_in_time_does_not_begin() -> None:
     assert not watch.turn.world.verdict
     watch.go_by(0.1)
     assert watch.turn.world.verdict == "aborted"
-    assert watch.turn.world.reason == "no sign of robot 2 within 20 s"
+    assert watch.turn.world.referee.reason == "no sign of robot 2 within 20 s"
 
 
 def test_without_a_grace_a_token_that_goes_takes_its_robot_along() -> None:
     watch = Watch()
     watch.open()
     watch.miss(2)
-    assert watch.turn.world.coordinator.active == (1,)
+    assert watch.turn.world.exchange.active == (1,)
     assert [set(told) for told in watch.told] == [{1}]  # robots that wait for its State are told
     assert watch.told[0][1].active == (1,)
     assert watch.said == ["tick 0: gives up robot 2, which has gone: it ended, or is cut off"]
@@ -123,7 +121,7 @@ def test_within_the_grace_a_token_comes_back_and_the_tick_is_told_again() -> Non
     watch.failures.arrive(2, "session 2")
     assert [set(told) for told in watch.told] == [{1, 2}]
     watch.go_by(GRACE)
-    assert watch.turn.world.coordinator.active == (1, 2)
+    assert watch.turn.world.exchange.active == (1, 2)
     assert watch.said == []
 
 
@@ -132,9 +130,9 @@ def test_after_the_grace_it_is_given_up() -> None:
     watch.open()
     watch.miss(2)
     watch.go_by(0.9 * GRACE)
-    assert watch.turn.world.coordinator.active == (1, 2)
+    assert watch.turn.world.exchange.active == (1, 2)
     watch.go_by(0.2 * GRACE)
-    assert watch.turn.world.coordinator.active == (1,)
+    assert watch.turn.world.exchange.active == (1,)
 
 
 def test_while_one_is_missing_no_other_is_given_up() -> None:
@@ -144,7 +142,7 @@ def test_while_one_is_missing_no_other_is_given_up() -> None:
     watch.miss(2)
     for _ in range(20):
         watch.go_by(PATIENCE)
-    assert watch.turn.world.coordinator.active == (1, 2)
+    assert watch.turn.world.exchange.active == (1, 2)
 
 
 @pytest.mark.parametrize(("session", "active"), [("session 2", (1, 2)), ("another", (1,))])
@@ -152,10 +150,10 @@ def test_another_process_takes_the_seat_of_one_that_is_missing(session: str, act
     watch = Watch(grace=GRACE)
     watch.open()
     watch.failures.supersede(Join(2, "another"))
-    assert watch.turn.world.coordinator.active == (1, 2)  # its token is there
+    assert watch.turn.world.exchange.active == (1, 2)  # its token is there
     watch.miss(2)
     watch.failures.supersede(Join(2, session))
-    assert watch.turn.world.coordinator.active == active
+    assert watch.turn.world.exchange.active == active
 
 
 def test_an_open_tick_is_told_again_before_anybody_is_given_up() -> None:
@@ -164,9 +162,9 @@ def test_an_open_tick_is_told_again_before_anybody_is_given_up() -> None:
     watch.command(1)
     watch.go_by(2.0 * PATIENCE)
     assert [set(told) for told in watch.told] == [{1, 2}]
-    assert watch.turn.world.coordinator.active == (1, 2)
+    assert watch.turn.world.exchange.active == (1, 2)
     watch.go_by(0.1)
-    assert watch.turn.world.coordinator.active == (1,)
+    assert watch.turn.world.exchange.active == (1,)
     assert watch.admissions.slots[2].blamed == {"session 2": 1}
     assert watch.admissions.is_present(2)  # it hangs, though its session lives
     assert len(watch.said) == 1
@@ -180,7 +178,7 @@ def test_lockstep_waits_for_so_many_next_lives(lockstep: bool, restarts: int, li
         watch.miss(2)
         watch.close()
         awaited = life < lives
-        assert watch.turn.world.coordinator.lives.awaited == ({2} if awaited else set())
+        assert watch.turn.world.lives.awaited == ({2} if awaited else set())
         assert watch.failures.expected[2] == min(life + 1, lives)
         if awaited:
             assert watch.gathered() is None
@@ -197,9 +195,9 @@ def test_the_next_life_is_not_waited_for_for_ever() -> None:
     watch.pacing.wait()
     watch.go_by(GATHERING + 0.1)
     assert not watch.turn.world.verdict
-    assert watch.turn.world.coordinator.lives.awaited == set()
+    assert watch.turn.world.lives.awaited == set()
     assert watch.gathered() is not None
-    assert watch.turn.world.coordinator.active == (1,)
+    assert watch.turn.world.exchange.active == (1,)
     assert watch.said[1:] == ["tick 1: gives up robot 2, which gave no sign within 20 s"]
 
 
@@ -211,5 +209,5 @@ def test_a_robot_that_leaves_at_the_end_is_neither_named_nor_awaited(phase: Phas
     watch.turn.phase = phase
     watch.miss(2)
     assert watch.said == []
-    assert watch.turn.world.coordinator.lives.awaited == set()
+    assert watch.turn.world.lives.awaited == set()
     assert watch.failures.expected == {}

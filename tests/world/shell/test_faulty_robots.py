@@ -194,7 +194,7 @@ def test_a_command_that_obeys_what_was_never_granted_is_refused(field: str) -> N
     ward = commanding({field: MOST})
     with suppress(JoinError):  # it is given up, and in the end refused
         ward.execute()
-    assert ward.fleet.world.world.coordinator.commands.refused["ledger"] > 0
+    assert ward.fleet.world.world.exchange.refused["ledger"] > 0
 
 
 @pytest.mark.timeout(60)
@@ -208,7 +208,7 @@ def test_a_world_in_which_all_have_died_hears_a_robot_that_comes() -> None:
     assert fleet.step()
     for robot in fleet.robots:
         fleet.start(robot)
-    lives = fleet.world.world.coordinator.lives
+    lives = fleet.world.world.lives
     fleet.network.run(lambda: lives.up == (1, 2, 3, 4))
     for _ in range(10):
         assert fleet.step()

@@ -49,4 +49,4 @@ def test_slow_motion_goes_on() -> None:
         fleet = LocalFleet(two(), speed=STEP / (2.5 * GATHERING))
         for _ in range(4):
             assert fleet.step()
-    assert fleet.world.world.coordinator.active == (1, 2)
+    assert fleet.world.world.exchange.active == (1, 2)

@@ -52,7 +52,7 @@ def test_a_running_world_stands_while_another_is_there_and_goes_on_after_that() 
     other = bus.node = WorldNode(bus, "local", SWAP)
     go(fleet, 3)
     assert other.refused, "it has not begun, and came later"
-    assert fleet.world.world.coordinator.halted
+    assert fleet.world.world.halted
     assert said == [f"tick 10: {OTHER_WORLD}"]
     before = fleet.world.world.simulation.places
     released = asked(fleet.world, halt=False)
@@ -61,7 +61,7 @@ def test_a_running_world_stands_while_another_is_there_and_goes_on_after_that() 
     assert fleet.world.world.simulation.places == before
     bus.close()
     go(fleet, 5)
-    assert not fleet.world.world.coordinator.halted
+    assert not fleet.world.world.halted
     assert fleet.world.world.simulation.places != before
     assert "goes on" in said[-1]
 

@@ -34,7 +34,7 @@ def hunt(mutant: Mutant, first: int | None = None, runs: int = _RUNS) -> Found:
 
 
 _BOUNDARY = "agents.lines.boundary"
-_COMMANDS = "world.coordinator.commands"
+_EXCHANGE = "world.coordinator.exchange"
 _ESTIMATE = "agents.estimate"
 _FILTER = "agents.safety_filter"
 _HEARING = "agents.peers.neighbours"
@@ -91,7 +91,7 @@ ITSELF = (
     without(
         "command-of-this-tick",
         "a command counts only in the tick that it names",
-        Edit(_COMMANDS, "if command.tick != self._tick or not self._open:", "if not self._open:"),
+        Edit(_EXCHANGE, "if command.tick != self.tick or self.told is None:", "if self.told is None:"),
     ),
     without(
         "watchdog",
@@ -110,7 +110,7 @@ ITSELF = (
     without(
         "fenced-never-moves",
         "no command of a life is executed after it was announced as standing",
-        Edit(_COMMANDS, '        if life.fenced:\n            return "fenced"\n', ""),
+        Edit(_EXCHANGE, '        if life.fenced:\n            return "fenced"\n', ""),
         Edit(
             _LIVES,
             "            if life.status is Status.UP:\n"

@@ -26,10 +26,7 @@ _ROBOT = [
     "agents.robot",
 ]
 _WORLD = [
-    *(
-        f"world.coordinator.{name}"
-        for name in ("roster", "keeper", "lives", "commands", "parts", "coordinator")
-    ),
+    *(f"world.coordinator.{name}" for name in ("roster", "keeper", "lives", "exchange", "parts")),
     *("world.plants.plant", "world.plants.integrator", "world.simulation", "world.world"),
 ]
 

@@ -46,7 +46,7 @@ class Aftermath(skirmish.Skirmish):
         for robot in self.scenario.ids:
             process = self.processes.get(robot)
             if process is None or self._anew:
-                self.world.coordinator.lost(robot)
+                self.world.lost(robot)
                 self._join(robot)
             self.processes[robot].asleep = 0
             self.processes[robot].core._law = Staying()

@@ -58,7 +58,7 @@ class Skirmish:
         self.tokens = Random(f"tokens {seed}")
         for robot in self.scenario.ids:
             if rng.random() < 0.15:
-                self.world.coordinator.give_up_waiting(robot)
+                self.world.give_up_waiting(robot)
             else:
                 self._join(robot)
 
@@ -95,8 +95,8 @@ class Skirmish:
                 self._trouble(robot)
         self._tell(world.open_tick())
         if not world.is_open:
-            for robot in world.coordinator.lives.awaited:
-                world.coordinator.give_up_waiting(robot)
+            for robot in world.lives.awaited:
+                world.give_up_waiting(robot)
             self._tell(world.open_tick())
         if self.network is not None:
             self._sum_up(self.network)
@@ -115,26 +115,26 @@ class Skirmish:
         is awaited in its place, which does not come."""
         if rng.random() < self.trouble:
             robot = rng.choice(self.scenario.ids)
-            self.world.coordinator.lost(robot)
-            self.world.coordinator.expect(robot)
+            self.world.lost(robot)
+            self.world.lives.expect(robot)
 
     def _sum_up(self, rng: Random) -> None:
         """Deliver the newest summary to each process, or lose it, at any time after it was made."""
-        summary = self.world.coordinator.summary
+        summary = self.world.exchange.summary
         for process in (*self.processes.values(), *self.former):
             if summary is not None and rng.random() >= self.loss:
                 process.core.hearing.on_summary(summary)
 
     def _operate(self, rng: Random) -> None:
         """Something comes or goes."""
-        book = self.world.coordinator.lives.obstacles
+        book = self.world.lives.obstacles
         here = [*book.standing, *book.appearing]
         if here and rng.random() < 0.3:
             self.world.operate(Operation(take=rng.choice(here)))
             return
         obstacle = arena.obstacle_beside(rng, rng.choice(self.before))
-        if self.world.coordinator.lives.founded and rng.random() < 0.3:
-            self.world.coordinator.lives.announce(
+        if self.world.lives.founded and rng.random() < 0.3:
+            self.world.lives.announce(
                 obstacle.shape
             )  # the world refuses what is on a robot; the roster need not
         else:
@@ -171,7 +171,7 @@ class Skirmish:
 
     def _live(self, process: _Process, robot: int) -> None:
         """The process begins a new incarnation of its robot."""
-        core = self.product.Robot(self.scenario, robot, self.world.coordinator.join(robot))
+        core = self.product.Robot(self.scenario, robot, self.world.join(robot))
         core._law = Attack(self.rng, self.world, robot)
         process.core = core
         self.processes[robot] = process
@@ -186,7 +186,7 @@ class Skirmish:
         if kind == "sleep":
             process.asleep = self.rng.randint(1, 12)
             return
-        self.world.coordinator.lost(robot)
+        self.world.lost(robot)
         if kind == "die":
             self.former.append(self.processes.pop(robot))
         else:
@@ -199,10 +199,7 @@ class Skirmish:
             tick = process.queue.popleft()
             core = process.core
             if core.has_ended(tick):
-                if (
-                    self.processes.get(core.robot) is process
-                    and self.world.coordinator.lives.of[core.robot].fenced
-                ):
+                if self.processes.get(core.robot) is process and self.world.lives.of[core.robot].fenced:
                     self._live(process, core.robot)
             elif tick.incarnation == core.incarnation and tick.tick > core.tick:
                 process.state = core.begin(tick)

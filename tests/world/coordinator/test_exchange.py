@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from protocol.messages import Command
 from tests.world.driving import advance, joined, two
-from world.coordinator.commands import blamed
+from world.coordinator.exchange import blamed
 from world.report import result_of
 
 robots = st.frozensets(st.integers(1, 8), min_size=1)
@@ -54,8 +54,8 @@ def test_a_complaint_is_no_command() -> None:
     world = joined(two())
     world.open_tick()
     assert not world.accept(Command(1, 1, 0, (0.1, 0.0), roster=0, awaits=(2,)))
-    assert world.coordinator.waiting == {1, 2}
-    assert world.coordinator.blamed().keys() == {2}
+    assert world.exchange.waiting == {1, 2}
+    assert world.exchange.blamed().keys() == {2}
     assert world.accept(Command(1, 1, 0, (0.1, 0.0)))
     world.close_tick()
     assert world.truth.positions[0][0] > -0.1
@@ -75,7 +75,7 @@ def test_commands_are_refused_by_reason() -> None:
     assert not any(world.accept(command) for command in refused)
     assert world.accept(Command(1, 1, 1, (0.0, 0.0)))
     assert not world.accept(Command(1, 1, 1, (0.1, 0.0)))
-    world.coordinator.lost(2)
+    world.lost(2)
     assert not world.accept(Command(2, 1, 1, (0.1, 0.0)))
     world.close_tick()
     assert world.truth.positions == ((-0.1, 0.1), (-0.1, -0.1))

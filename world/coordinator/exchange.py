@@ -1,0 +1,199 @@
+"""The messages of one tick: a Tick to each robot that may listen, and a Command from each that takes part.
+
+When a lock-step tick does not end, it is told again, and a robot that cannot command names the States that it
+lacks. Given up are, so that one faulty process costs one robot:
+
+1. a robot that owes a command and is silent: it hangs, though its session lives;
+2. one whose State more than half of its receivers lack: it sends none, or one that all refuse;
+3. if there is neither, one that cannot command: it does not receive what the others receive.
+
+Half of all receivers, not of those that wait: one deaf robot must not have all others given up.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Collection, Mapping
+
+import msgspec
+
+from protocol.messages import Command, Sense, Summary, Tick
+from protocol.scenario.model import Scenario
+from world.coordinator.interest import Interest
+from world.coordinator.lives import Lives
+from world.coordinator.missions import Missions
+
+
+class Exchange:
+    """Ticks and Commands. A Command counts for the open tick only, from an active life, once; one that comes
+    too late is still a sign of life where a robot obeys its own commands.
+
+    Args:
+        scenario: the run.
+        lives, missions: of its robots.
+        tick: that is opened first.
+
+    Attributes:
+        tick: the tick that is open, or that is to be opened next.
+        active: ids that take part in the tick opened last.
+        told: the Tick for each robot that may listen; None while no tick is open.
+        taken: Commands in this tick, by robot.
+        waiting: active robots that still owe one.
+        missed: Commands that never came, over all active robots and ticks.
+        refused: Commands that were not taken, by reason: late, early, incarnation (of another life), fenced,
+            inactive, duplicate, unknown, ledger (it obeys what was never granted).
+    """
+
+    def __init__(self, scenario: Scenario, lives: Lives, missions: Missions, tick: int = 0) -> None:
+        self.tick = tick
+        self.active: tuple[int, ...] = ()
+        self.told: dict[int, Tick] | None = None
+        self.taken: dict[int, Command] = {}
+        self.waiting: set[int] = set()
+        self.missed, self.refused = 0, Counter[str]()
+        self._lacking: dict[int, tuple[int, ...]] = {}  # ids of missing States, by the robot that lacks them
+        self._lives, self._missions, self._is_external = lives, missions, scenario.is_external
+        self._interest = Interest(scenario) if scenario.hears_near else None
+
+    @property
+    def summary(self) -> Summary | None:
+        """Recent positions of all robots, if this tick has to carry them."""
+        return None if self._interest is None else self._interest.summary
+
+    def open(self, scenario: Scenario, sensed: Mapping[int, Sense], halted: bool) -> dict[int, Tick]:
+        """Begin the tick, with measurement and odometry of every robot of the scenario; returns `told`."""
+        self.active = self._lives.up
+        self.taken, self._lacking, self.waiting = {}, {}, set(self.active)
+        interest, keeper = self._interest, self._lives.keeper
+        if interest is None:
+            keeper.advance({})
+            self.told = self._ticks(dict.fromkeys(self._lives.of, self.active), sensed, halted)
+            return self.told
+        interest.open(self.tick, scenario, sensed, self._missions.goal)
+        keeper.advance(interest.places)
+        present = frozenset(self.active)
+        heard = {
+            robot: interest.heard(robot, life.incarnation, self.tick, keeper.bound(robot), present)
+            for robot, life in self._lives.listeners()
+        }
+        self.told = self._ticks(heard, sensed, halted)
+        return self.told
+
+    def fenced(self, halted: bool) -> dict[int, Tick]:
+        """Ticks that inform awaited robots of their fencing. They bypass `Interest`, whose state must not
+        depend on how often these are sent. A live incarnation receives nothing before the tick opens: its
+        last Command is not settled yet."""
+        lives = self._lives
+        awaited = lives.awaited if lives.founded else frozenset()
+        ticks = self._ticks(dict.fromkeys(lives.of, lives.up), {}, halted) if awaited else {}
+        return {robot: tick for robot, tick in ticks.items() if robot in awaited and lives.of[robot].fenced}
+
+    def _ticks(
+        self, heard: Mapping[int, tuple[int, ...]], sensed: Mapping[int, Sense], halted: bool
+    ) -> dict[int, Tick]:
+        """Ticks for all that may listen, each with the active robots that it has `heard`."""
+        lives, goal, since = self._lives, self._missions.goal, self._missions.since
+        return {
+            robot: Tick(
+                robot,
+                life.incarnation,
+                self.tick,
+                heard[robot],
+                sense=sensed.get(robot),
+                roster=lives.roster.news(robot),
+                goal=goal(robot) if life.is_new or life.heard < since(robot) else None,
+                halted=halted,
+                heard=life.heard if self._is_external and life.heard >= 0 else None,
+                grants=lives.keeper.news(robot) if life.begun else None,
+            )
+            for robot, life in lives.listeners()
+        }
+
+    def close(self) -> None:
+        """End the tick: what is outstanding was missed."""
+        self.missed += len(self.waiting)
+        self.waiting, self.told = set(), None
+        self.tick += 1
+
+    def drop(self, robot: int) -> None:
+        """A robot takes no part any more: `told` says so to the others, and its Command is discarded."""
+        if robot not in self.active:
+            return
+        self.active = tuple(other for other in self.active if other != robot)
+        if self.told is not None:
+            self.missed += 1
+            self.waiting.discard(robot)
+            self.taken.pop(robot, None)
+            self.told = {other: _without(robot, tick) for other, tick in self.told.items()}
+
+    def accept(self, command: Command) -> bool:
+        """Take a command, or count why not; a robot that cannot command yet says which States it lacks."""
+        reason = self._refusal(command)
+        if reason:
+            self.refused[reason] += 1
+            return reason == "late" and self._is_external and self._lives.hear(command)
+        if command.awaits:
+            self._lacking[command.robot] = command.awaits
+            return False
+        self.waiting.discard(command.robot)
+        self.taken[command.robot] = command
+        self._lives.hear(command)
+        if self._interest is not None:
+            self._interest.accept(command)
+        return True
+
+    def _refusal(self, command: Command) -> str:
+        life = self._lives.of.get(command.robot)
+        if life is None:
+            return "unknown"
+        if command.incarnation != life.incarnation:
+            return "incarnation"
+        if life.fenced:
+            return "fenced"
+        if command.tick != self.tick or self.told is None:
+            return "late" if command.tick < self.tick else "early"
+        if command.robot not in self.waiting:
+            return "duplicate" if command.robot in self.taken else "inactive"
+        return "ledger" if self._lives.keeper.refuses(command) else ""
+
+    def blamed(self) -> dict[int, str]:
+        """Robots to give up in the open tick, with reasons; clears the reports of missing States."""
+        lacking, self._lacking = self._lacking, {}
+        told = self.told or {}
+        heard_by = Counter(peer for robot in self.active for peer in told[robot].active)
+        return blamed(heard_by, self.waiting, lacking)
+
+
+def _without(robot: int, tick: Tick) -> Tick:
+    if robot not in tick.active:
+        return tick
+    return msgspec.structs.replace(tick, active=tuple([each for each in tick.active if each != robot]))
+
+
+def blamed(
+    heard_by: Mapping[int, int], waiting: Collection[int], lacking: Mapping[int, Collection[int]]
+) -> dict[int, str]:
+    """Robots to give up, with reasons, in a tick that was told again; at least one, if any is waited for.
+
+    Args:
+        heard_by: number of receivers of each active robot's State, itself included.
+        waiting: those of them that owe a command.
+        lacking: ids of the States that each of these lacks, by its reports since the tick was told again.
+    """
+    silent = {robot: "hangs: it does not answer" for robot in sorted(waiting) if not lacking.get(robot)}
+    lack = Counter(peer for robot in waiting for peer in set(lacking.get(robot, ())) if peer in heard_by)
+    unheard = {
+        robot: f"sends no State that its peers take: {count} of {heard_by[robot] - 1} lack it"
+        for robot, count in sorted(lack.items())
+        if 2 * count > heard_by[robot] - 1
+    }
+    return (unheard | silent) or {
+        robot: f"does not hear its peers: it lacks the State of {_names(lacking[robot])}"
+        for robot in sorted(waiting)
+    }
+
+
+def _names(robots: Collection[int]) -> str:
+    shown = sorted(robots)[:3]
+    more = len(robots) - len(shown)
+    return f"robot {', '.join(map(str, shown))}" + (f" and {more} more" if more else "")
