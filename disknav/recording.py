@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from deploy.telemetry.recording import reader
 from disknav.trajectory import Trajectory
 from protocol.errors import UsageError
+from protocol.keys import STREAMS
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
-from protocol.streams import STREAMS
 
 
 @dataclass(frozen=True, eq=False)

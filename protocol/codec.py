@@ -16,9 +16,8 @@ from librt.strings import read_f64_be, read_i16_be, read_i32_be
 from mypy_extensions import i64, mypyc_attr
 
 from protocol.errors import KeyGrammarError, MessageError
-from protocol.keys import parse
+from protocol.keys import STREAMS, parse
 from protocol.messages import VERSION, AnyMessage, Command, Message, Tick
-from protocol.streams import STREAMS
 
 _TAG = re.compile(r"([a-z]+)/([0-9]+)")
 _MOST = 1 << 14  # keys that are remembered

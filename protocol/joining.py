@@ -23,10 +23,9 @@ from msgspec import Meta
 
 from protocol.codec import DAMAGED, keeps_newest
 from protocol.errors import MessageError
-from protocol.keys import SESSION
+from protocol.keys import SESSION, STREAMS
 from protocol.messages import Count, Epoch, GoalStatus, Health, Id, Size
 from protocol.scenario.model import Scenario
-from protocol.streams import STREAMS
 
 
 class JoinRequest(msgspec.Struct, frozen=True):

@@ -1,4 +1,5 @@
-"""Key expressions, built and parsed in this one place.
+"""Keys: their grammar, built and parsed in this one place; and the streams and questions under them, each
+declared once, with its type, direction, rate and treatment by the network.
 
 Grammar::
 
@@ -15,7 +16,7 @@ Grammar::
     topic   = ROS domain and topic of the base's velocities, with "%" for "/"
 
 Tokens and drivers are liveliness tokens. `join`, `scenario`, `steering` and `operation` are queryables; all
-other streams are published (declared with types and rates in `protocol.streams`).
+other streams are published. A router's access rules follow from this page (`deploy.security.roster`).
 """
 
 from __future__ import annotations
@@ -25,13 +26,83 @@ from functools import lru_cache
 from typing import Final, NamedTuple
 
 from protocol.errors import KeyGrammarError
+from protocol.messages import (
+    HIGHEST_ID,
+    Clock,
+    Command,
+    GoalStatus,
+    Health,
+    Message,
+    Result,
+    State,
+    Summary,
+    Tick,
+    Truth,
+    Wish,
+)
 
-ROBOT_STREAMS = ("tick", "state", "command", "health", "goalstatus", "wish", "join")
-WORLD_STREAMS = ("clock", "truth", "summary", "result", "scenario", "steering", "operation")
+
+class Stream(NamedTuple):
+    """One kind of published key.
+
+    `reliable`: a publisher waits for room rather than drop (congestion control BLOCK); the others
+    are for monitors, and a slow monitor loses samples instead of holding up the fleet.
+    `heard_by`: which processes may subscribe besides monitors, which hear everything; the publisher of a sign
+    of life hears it, too, for the probe beside it has no other certificate.
+    """
+
+    name: str
+    message: type[Message]
+    publisher: str  # "world", "robot" or "operator"
+    heard_by: tuple[str, ...]  # of "itself", the robot in the key; "robots", all of them; "world"
+    rate: str
+    reliable: bool
+    recorded: bool
+    limit: int  # largest payload accepted, bytes
+
+
+class Question(NamedTuple):
+    """One kind of key under which the world answers requests (`protocol.joining`, `protocol.operations`)."""
+
+    name: str
+    asked_by: str  # "itself", the robot in the key; "monitor", or "operator"
+
+
+_EACH_TICK = "once a tick and robot; again if lock-step waits for a robot for 0.5 s"
+_SUMMARY = "every 0.5 s of simulated time, or 3 ticks if longer, where some robots are far from each other"
+_CLOCK = (
+    "once a tick, in lock-step at full speed every 0.05 s and at ticks with a process fault; "
+    "every 0.1 s while the world waits"
+)
+_TRUTH = "once a tick, as many together as a Clock is for"
+_GOAL = "when an order is accepted, at every point, and at its end"
+_WISH = "as often as a planner likes, for a robot whose law is external"
+_STREAMS = (
+    Stream("tick", Tick, "world", ("itself",), _EACH_TICK, True, True, 8 * 1024**2),
+    Stream("state", State, "robot", ("robots",), _EACH_TICK, True, True, 128 * 1024),
+    Stream("command", Command, "robot", ("world",), _EACH_TICK, True, True, 8 * 1024),
+    Stream("summary", Summary, "world", ("robots",), _SUMMARY, True, False, 64 * 1024),
+    Stream("clock", Clock, "world", ("world",), _CLOCK, False, True, 256 * 1024),
+    Stream("truth", Truth, "world", (), _TRUTH, False, True, 64 * 1024),
+    Stream("health", Health, "robot", ("itself",), "every 0.5 s, and at the end", False, True, 128 * 1024),
+    Stream("goalstatus", GoalStatus, "world", (), _GOAL, False, True, 1024),
+    Stream("wish", Wish, "operator", ("itself",), _WISH, False, False, 256),
+    Stream("result", Result, "world", (), "once, at the end", True, False, 4 * 1024 * 1024),
+)
+
+STREAMS = {stream.name: stream for stream in _STREAMS}
+QUESTIONS = (
+    Question("join", "itself"),
+    Question("scenario", "monitor"),
+    Question("steering", "monitor"),
+    Question("operation", "operator"),
+)
+_SPOKEN = tuple(each.name for each in _STREAMS if "robot" in each.message.__struct_fields__)
+ROBOT_STREAMS = (*_SPOKEN, "join")
+WORLD_STREAMS = tuple(each.name for each in (*_STREAMS, *QUESTIONS) if each.name not in ROBOT_STREAMS)
 TOKEN: Final = "alive"
 SESSION: Final = "[A-Za-z0-9_-]{1,64}"  # grammar of a session
 
-LARGEST_ID = 999_999_999
 _RUN = re.compile(r"[A-Za-z0-9_-]+")
 _KEY = re.compile(
     r"disknav/(?P<run>[A-Za-z0-9_-]+)/(?:robot/(?P<robot>[1-9][0-9]{0,8})|world)"
@@ -63,8 +134,8 @@ def checked_run(run: str) -> str:
 
 def robot_key(run: str, robot: int, stream: str) -> str:
     """Key of one robot's stream, e.g. `disknav/demo/robot/3/state`."""
-    if not 1 <= robot <= LARGEST_ID:
-        raise KeyGrammarError(f"robot {robot}: ids are whole numbers from 1 to {LARGEST_ID}")
+    if not 1 <= robot <= HIGHEST_ID:
+        raise KeyGrammarError(f"robot {robot}: ids are whole numbers from 1 to {HIGHEST_ID}")
     if stream not in ROBOT_STREAMS:
         raise KeyGrammarError(f"no robot stream {stream!r}; there are {', '.join(ROBOT_STREAMS)}")
     return f"disknav/{run}/robot/{robot}/{stream}"

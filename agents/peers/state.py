@@ -15,9 +15,9 @@ from mypy_extensions import mypyc_attr
 
 from protocol.codec import Cursor, Reader, keeps_newest
 from protocol.errors import MessageError
+from protocol.keys import STREAMS
 from protocol.messages import HIGHEST_ID, LARGEST, UNIT, Answer, Claim, Proposal, State, Vector
 from protocol.scenario.model import Scenario
-from protocol.streams import STREAMS
 
 
 @mypyc_attr(acyclic=True)

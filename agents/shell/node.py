@@ -26,9 +26,8 @@ from protocol import joining
 from protocol.bus.bus import Bus, Event, Foreign, Presence, Sample
 from protocol.codec import decode, encode
 from protocol.errors import BusError, KeyGrammarError, MessageError
-from protocol.keys import is_driver, parse, robot_key, robot_token, world_key, world_tokens
+from protocol.keys import STREAMS, is_driver, parse, robot_key, robot_token, world_key, world_tokens
 from protocol.messages import AnyMessage, Health, State, Summary, Tick, Wish
-from protocol.streams import STREAMS
 
 REPORT_PERIOD: Final = 0.5  # s between health messages
 

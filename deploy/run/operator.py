@@ -16,13 +16,12 @@ from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode, encode
 from protocol.errors import BusError, MessageError, UsageError
-from protocol.keys import checked_run, robot_key, world_key
+from protocol.keys import STREAMS, checked_run, robot_key, world_key
 from protocol.messages import GoalStatus, Member, PlacedObstacle, Vector, Wish
 from protocol.operations import Reply, decode_reply
 from protocol.process.log import LOG
 from protocol.process.signals import STOP
 from protocol.scenario.model import Operation
-from protocol.streams import STREAMS
 
 ANSWER = 5.0  # s for a router to accept, and for a world to answer
 _LOOK = 0.05  # s between queries of the state

@@ -20,7 +20,9 @@ import msgspec
 from protocol.codec import DAMAGED
 from protocol.errors import CertificateError
 from protocol.keys import (
+    QUESTIONS,
     ROBOT_STREAMS,
+    STREAMS,
     checked_run,
     every_robot,
     everything,
@@ -29,7 +31,6 @@ from protocol.keys import (
     world_key,
     world_tokens,
 )
-from protocol.streams import QUESTIONS, STREAMS
 
 ROSTER = "roster.json"
 WORLD, ROUTER, MONITOR, OPERATOR = "world", "router", "monitor", "operator"

@@ -14,7 +14,7 @@ from typing import Any
 import msgspec
 
 from protocol import joining, keys, messages, operations
-from protocol.streams import STREAMS, Stream
+from protocol.keys import STREAMS, Stream
 
 PAGE = Path(__file__).parents[2] / "docs" / "streams.md"
 

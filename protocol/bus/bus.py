@@ -21,8 +21,8 @@ from typing import Final, NamedTuple, Protocol, final
 from mypy_extensions import mypyc_attr
 
 from protocol.errors import ProcessError
+from protocol.keys import Stream
 from protocol.process.signals import STOP
-from protocol.streams import Stream
 
 Publish = Callable[[bytes], None]
 

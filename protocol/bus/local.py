@@ -14,7 +14,7 @@ from functools import partial
 
 from protocol.bus.bus import Event, Foreign, Node, Presence, Publish, Query, Sample
 from protocol.errors import BusError
-from protocol.streams import Stream
+from protocol.keys import Stream
 
 _LONGEST_SLEEP = 0.1
 

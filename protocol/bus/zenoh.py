@@ -29,8 +29,8 @@ import zenoh
 from protocol.bus.bus import Event, Foreign, Presence, Publish, Query, Sample
 from protocol.bus.connection import Connection, configuration
 from protocol.errors import BusError, CertificateError, ListenError
+from protocol.keys import Stream
 from protocol.process.signals import STOP, Stopped
-from protocol.streams import Stream
 
 _ATTEMPT = 0.5  # s; an attempt that fails says only at its end why, so the first ones are short
 _ASK_AGAIN = 0.02  # s between attempts while no process answers under a key yet

@@ -16,8 +16,7 @@ from docs.reference.streams import PAGE, page
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
-from protocol.keys import ROBOT_STREAMS, robot_key, world_key
-from protocol.streams import STREAMS
+from protocol.keys import ROBOT_STREAMS, STREAMS, robot_key, world_key
 from tests.protocol.sample_messages import ONE
 
 

@@ -7,6 +7,7 @@ from typing import Any
 from hypothesis import strategies as st
 from msgspec import inspect
 
+from protocol.keys import STREAMS
 from protocol.messages import (
     HIGHEST_ID,
     Answer,
@@ -30,7 +31,6 @@ from protocol.messages import (
     Truth,
     Wish,
 )
-from protocol.streams import STREAMS
 
 _POINT = ((0.5, -0.25),)  # of what is checked beyond its types: a disk's centre
 _CHECKED: dict[type, dict[str, st.SearchStrategy[Any]]] = {

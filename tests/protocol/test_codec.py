@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 
 from protocol.codec import decode, encode, reader
 from protocol.errors import MessageError
-from protocol.keys import ROBOT_STREAMS
+from protocol.keys import ROBOT_STREAMS, STREAMS
 from protocol.messages import VERSION, AnyMessage, Command, Tick
-from protocol.streams import STREAMS
 from tests.protocol.sample_messages import ANY, ids
 
 messages = st.sampled_from(sorted(ANY)).flatmap(lambda name: ANY[name])

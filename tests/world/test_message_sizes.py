@@ -12,7 +12,7 @@ import pytest
 
 from agents.lines.separating_lines import FIRSTS
 from protocol.codec import decode, encode
-from protocol.keys import robot_key, world_key
+from protocol.keys import STREAMS, robot_key, world_key
 from protocol.messages import (
     HIGHEST_ID,
     Answer,
@@ -33,7 +33,6 @@ from protocol.messages import (
 from protocol.scenario.file import validated
 from protocol.scenario.model import Control, Obstacle, ProcessFault, RobotSpec, Scenario, Time, Workspace
 from protocol.scenario.network import Link, Partition
-from protocol.streams import STREAMS
 from world.coordinator.lives import note
 from world.coordinator.roster import MOST as MOST_THINGS
 from world.coordinator.roster import Surroundings

@@ -11,9 +11,8 @@ import msgspec
 
 from protocol.bus.bus import Bus, Publish
 from protocol.codec import encode
-from protocol.keys import robot_key, world_key
+from protocol.keys import STREAMS, robot_key, world_key
 from protocol.messages import Clock, GoalStatus, Result, Summary, Tick, Truth
-from protocol.streams import STREAMS
 
 CLOCK_PERIOD = 0.05  # s between what watchers are told, unless it is due for its own sake
 

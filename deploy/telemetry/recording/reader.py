@@ -29,11 +29,10 @@ from mcap.writer import MCAP0_MAGIC
 from deploy.telemetry.recording.form import from_object
 from protocol.codec import DAMAGED
 from protocol.errors import KeyGrammarError, RecordingError, ScenarioError, UsageError
-from protocol.keys import parse, world_key
+from protocol.keys import STREAMS, parse, world_key
 from protocol.messages import Message, Truth
 from protocol.scenario.file import validated
 from protocol.scenario.model import Scenario
-from protocol.streams import STREAMS
 from world.world import WorldCore
 
 _DAMAGE = (

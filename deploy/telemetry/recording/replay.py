@@ -21,10 +21,9 @@ from deploy.telemetry.scene import TF, TF_DEFINITION, TransformFrames
 from protocol.bus.bus import Bus, Publish
 from protocol.codec import encode
 from protocol.errors import RecordingError
-from protocol.keys import parse, robot_key, world_key
+from protocol.keys import STREAMS, parse, robot_key, world_key
 from protocol.messages import Command, Result, Tick, Vector
 from protocol.process.signals import STOP
-from protocol.streams import STREAMS
 from world.judge.record import TrajectoryDigest
 
 

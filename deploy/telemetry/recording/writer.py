@@ -22,11 +22,10 @@ from deploy.telemetry.recording.form import schema, to_object
 from deploy.telemetry.scene import DRAWN, TOPICS, FleetScene, Picture
 from protocol.codec import Reader
 from protocol.errors import KeyGrammarError, MessageError, RecordingError, UsageError
-from protocol.keys import Address, parse
+from protocol.keys import STREAMS, Address, parse
 from protocol.messages import VERSION, Truth
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
-from protocol.streams import STREAMS
 
 _BYTES = {"kB": 10**3, "MB": 10**6, "GB": 10**9}
 _SECONDS = {"s": 1, "min": 60, "h": 3600, "d": 86400}

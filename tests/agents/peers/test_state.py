@@ -15,9 +15,8 @@ from agents.peers.state import PeerReader, PeerState, addressed_to, plausible
 from deploy.library.load import load
 from protocol.codec import decode, encode
 from protocol.errors import MessageError
-from protocol.keys import robot_key
+from protocol.keys import STREAMS, robot_key
 from protocol.messages import LARGEST, VERSION, Answer, Claim, Proposal, State
-from protocol.streams import STREAMS
 
 EPOCH = 2**31 + 7
 ids = st.one_of(st.integers(1, 40), st.sampled_from((127, 128, 255, 256, 70_000, 999_999_999)))

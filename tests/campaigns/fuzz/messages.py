@@ -25,12 +25,11 @@ from protocol.bus.bus import Event, Presence, Query, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.codec import REASONS, decode, encode
 from protocol.errors import KeyGrammarError, MessageError
-from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, everything, robot_key
+from protocol.keys import ROBOT_STREAMS, STREAMS, WORLD_STREAMS, everything, robot_key
 from protocol.messages import Health, State
 from protocol.operations import Steer, decode_steer
 from protocol.scenario.model import Scenario
 from protocol.scenario.network import Network
-from protocol.streams import STREAMS
 from tests.campaigns.faults import fault_scenario
 from tests.campaigns.fuzz.mutation import Target, damaged_message, damaged_text
 from tests.deploy.telemetry.monitor.watched import watch_local

@@ -25,11 +25,10 @@ from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
 from protocol.errors import BusError
-from protocol.keys import robot_key, world_key
+from protocol.keys import STREAMS, robot_key, world_key
 from protocol.messages import Clock, Command, Health, Member, Message, Result, Standing, State, Tick, Truth
 from protocol.messages import Roster as Presences
 from protocol.scenario.model import Scenario
-from protocol.streams import STREAMS
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90)]
 

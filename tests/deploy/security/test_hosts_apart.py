@@ -20,8 +20,7 @@ from protocol.bus.bus import Presence, Query, Sample
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, CertificateError, UsageError
-from protocol.keys import ROBOT_STREAMS, everything, robot_key, world_key
-from protocol.streams import QUESTIONS, STREAMS
+from protocol.keys import QUESTIONS, ROBOT_STREAMS, STREAMS, everything, robot_key, world_key
 from tests.deploy.processes.ports import free_ports
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90)]

@@ -9,8 +9,16 @@ import zenoh
 
 from deploy.security.roster import Home, KeyRoster, access_control
 from protocol.errors import CertificateError
-from protocol.keys import ROBOT_STREAMS, WORLD_STREAMS, parse, robot_key, robot_token, world_key, world_token
-from protocol.streams import STREAMS
+from protocol.keys import (
+    ROBOT_STREAMS,
+    STREAMS,
+    WORLD_STREAMS,
+    parse,
+    robot_key,
+    robot_token,
+    world_key,
+    world_token,
+)
 
 ROSTER = KeyRoster("demo", (1, 2, 3))
 RULES = access_control(ROSTER)

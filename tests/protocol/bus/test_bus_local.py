@@ -5,7 +5,7 @@ import pytest
 from protocol.bus.bus import Event, Presence, Query, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.errors import BusError
-from protocol.streams import STREAMS
+from protocol.keys import STREAMS
 
 STATE = STREAMS["state"]
 

@@ -16,7 +16,7 @@ from protocol.bus.bus import Event, Presence, Query, Sample
 from protocol.bus.connection import Connection, configuration
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, EndpointTakenError
-from protocol.streams import STREAMS
+from protocol.keys import STREAMS
 from tests.deploy.processes import children
 
 pytestmark = pytest.mark.timeout(30)

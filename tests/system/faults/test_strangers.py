@@ -19,9 +19,9 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
 from protocol.errors import BusError
 from protocol.joining import Refusal, decode_reply
+from protocol.keys import STREAMS
 from protocol.messages import Clock, Result
 from protocol.scenario.model import Scenario
-from protocol.streams import STREAMS
 
 TOKENS = tuple(f"robot/{robot}/alive/5c1f" for robot in ("0", "x", "01", "7", "999999999"))
 PATTERNS = ("**", "world/*", "world/**", "robot/*/command")

@@ -17,9 +17,9 @@ from deploy.run.local import LocalFleet
 from protocol.bus.bus import Event, Sample
 from protocol.codec import decode, encode
 from protocol.errors import JoinError
+from protocol.keys import Stream
 from protocol.messages import HIGHEST_ID, LARGEST, UNIT, Answer, Claim, Command, FirstLine, Proposal, State
 from protocol.scenario.model import Order, Scenario
-from protocol.streams import Stream
 from tests.proxy import Proxy
 from tests.skipped_waits import skipped_waits
 from world.shell.admission import CHANCES

@@ -19,10 +19,9 @@ from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.bus import Bus, Event, Publish, Sample
 from protocol.codec import decode
-from protocol.keys import robot_key, world_key
+from protocol.keys import Stream, robot_key, world_key
 from protocol.messages import Grants, Tick, Truth, Vector
 from protocol.scenario.model import ProcessFault, Scenario
-from protocol.streams import Stream
 from tests.proxy import Proxy
 from tests.system.orders.test_scheduled_orders import EVERYTHING
 from world.shell.checkpoint import Checkpoint

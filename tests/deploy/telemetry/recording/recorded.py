@@ -7,9 +7,8 @@ from deploy.run.local import LocalFleet
 from deploy.telemetry.recording.reader import RecordedRun
 from protocol import joining
 from protocol.bus.bus import Query
-from protocol.keys import parse, world_key, world_token
+from protocol.keys import STREAMS, parse, world_key, world_token
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time
-from protocol.streams import STREAMS
 
 ROBOTS = (
     RobotSpec(1, 0.03, (-0.1, 0.01), (0.1, 0.0)),

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from deploy.telemetry.recording.form import from_object, schema, to_object
 from protocol.codec import encode
-from protocol.streams import STREAMS
+from protocol.keys import STREAMS
 from tests.protocol.sample_messages import ANY
 
 RECORDED = [stream for stream in STREAMS.values() if stream.recorded]

@@ -20,9 +20,8 @@ from protocol import joining
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import encode
 from protocol.errors import BusError, RecordingError
-from protocol.keys import everything, robot_key, world_key
+from protocol.keys import STREAMS, everything, robot_key, world_key
 from protocol.messages import Clock, Command, Result, State
-from protocol.streams import STREAMS
 from tests.deploy.telemetry.recording.recorded import ROBOTS, FakeWorld, said_by, scenario
 
 
