@@ -8,9 +8,8 @@ from pathlib import Path
 from agents.shell.node import RobotNode
 from agents.shell.world_session import PATIENCE
 from protocol.bus.bus import Heartbeat, drive, heartbeat
-from protocol.bus.connection import Connection, credentials
+from protocol.bus.connection import Connection, Endpoint, credentials
 from protocol.bus.zenoh import ZenohBus
-from protocol.endpoint import Endpoint
 from protocol.errors import DisknavError, JoinError
 from protocol.keys import checked_run
 from protocol.process import log

@@ -11,8 +11,7 @@ import typer
 from deploy.cli import options
 from deploy.security.membership import KeyRing
 from deploy.security.roster import MONITOR
-from protocol.bus.connection import Connection
-from protocol.endpoint import Endpoint
+from protocol.bus.connection import Connection, Endpoint
 from protocol.process.installation import missing_library
 from protocol.process.log import set_process_title
 from protocol.process.signals import STOP

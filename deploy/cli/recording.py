@@ -199,9 +199,8 @@ def _streams(recording: RecordedRun) -> Table:
 def _publish(recording: RecordedRun, router: str | None, run: str | None, speed: float) -> None:
     from deploy.processes.router import listening
     from deploy.telemetry.recording.replay import publish
-    from protocol.bus.connection import Connection
+    from protocol.bus.connection import Connection, Endpoint
     from protocol.bus.zenoh import ZenohBus
-    from protocol.endpoint import Endpoint
 
     if router is None:
         bus, endpoint = listening(Connection("router"))

@@ -12,9 +12,8 @@ from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import replace
 
-from protocol.bus.connection import Connection, configuration
+from protocol.bus.connection import DEFAULT_PORT, Connection, Endpoint, configuration
 from protocol.bus.zenoh import ZenohBus
-from protocol.endpoint import DEFAULT_PORT, Endpoint
 from protocol.errors import CertificateError, EndpointTakenError
 from protocol.process.log import LOG
 from protocol.process.signals import STOP

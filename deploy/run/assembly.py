@@ -19,9 +19,8 @@ from deploy.processes.supervisor import Supervisor
 from deploy.run.options import RunOptions
 from deploy.security.membership import KeyRing
 from deploy.security.roster import MONITOR, WORLD, robot_role
-from protocol.bus.connection import Connection, Credentials
+from protocol.bus.connection import Connection, Credentials, Endpoint
 from protocol.bus.zenoh import ZenohBus
-from protocol.endpoint import Endpoint
 from protocol.errors import DisknavError
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario

@@ -8,8 +8,15 @@ from datetime import datetime
 from pathlib import Path
 
 from deploy.security.roster import MONITOR, OPERATOR, ROUTER, KeyRoster, access_control, read, router_role
-from protocol.bus.connection import AUTHORITY, Connection, Credentials, credentials, key_file
-from protocol.endpoint import DEFAULT_PORT, Endpoint
+from protocol.bus.connection import (
+    AUTHORITY,
+    DEFAULT_PORT,
+    Connection,
+    Credentials,
+    Endpoint,
+    credentials,
+    key_file,
+)
 from protocol.errors import CertificateError, UsageError
 from protocol.keys import checked_run
 

@@ -10,8 +10,7 @@ import re
 import socket
 import ssl
 
-from protocol.bus.connection import Connection, Credentials
-from protocol.endpoint import Endpoint
+from protocol.bus.connection import Connection, Credentials, Endpoint
 from protocol.errors import BusError, CertificateError, EndpointTakenError, ListenError
 
 _PLACE = re.compile(r" at \S+\.rs:\d+\.?")  # in zenoh's sources: means nothing to a user

@@ -17,8 +17,8 @@ from deploy.run.options import restarts
 from deploy.security.membership import KeyRing
 from deploy.telemetry.recording.writer import rotation
 from disknav.orders import Orders
+from protocol.bus.connection import Endpoint
 from protocol.draws import checked_seed
-from protocol.endpoint import Endpoint
 from protocol.errors import DisknavError
 from protocol.keys import checked_run, parse, robot_key
 from protocol.scenario.body import Base, ros_name

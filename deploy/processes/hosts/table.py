@@ -12,7 +12,7 @@ from typing import Annotated
 from msgspec import Meta
 
 from deploy.security.roster import Home, KeyRoster
-from protocol.endpoint import DEFAULT_PORT, Endpoint
+from protocol.bus.connection import DEFAULT_PORT, Endpoint
 from protocol.errors import CertificateError, HostsError, Problem, UsageError
 from protocol.scenario.body import RobotId
 from protocol.scenario.file import read_toml

@@ -10,8 +10,7 @@ import zenoh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocol.bus.connection import Connection, configuration
-from protocol.endpoint import Endpoint
+from protocol.bus.connection import Connection, Endpoint, configuration
 from protocol.errors import UsageError
 
 
