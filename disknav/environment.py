@@ -26,26 +26,9 @@ except ModuleNotFoundError as error:
 Observation = NDArray[np.float32]
 
 
-def parallel_env(
-    scenario: Source | Callable[[int], Source], filter: bool = True, *, neighbours: int = 4
-) -> FleetEnv:
-    """A `pettingzoo.ParallelEnv` in which each agent is a robot, and each step is one tick.
-
-    Args:
-        scenario: a result of `load` or `build`, a source for `load`, or a function that returns one of these
-            from the seed of an episode, with the same robots each time.
-        filter: whether the safety filter stands between actions and robots.
-        neighbours: how many others each robot observes.
-
-    Raises:
-        ScenarioError, UsageError: as `load`; a library of the extra `env` is missing; the scenario has
-            orders, parts or external bases.
-    """
-    return FleetEnv(scenario, is_filtered=filter, neighbours=neighbours)
-
-
 class FleetEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no types
-    """A fleet in this process as an environment. Agents are `robot_<id>`, and stay to the end of an episode.
+    """A fleet in this process as a `pettingzoo.ParallelEnv`, in which each step is one tick. Agents are
+    `robot_<id>`, and stay to the end of an episode.
 
     *Action*: the wanted velocity, m/s, shape (2,); a longer one is slowed down to the speed limit. The filter
     executes the part of it that is safe.
@@ -62,19 +45,29 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no types
     *Info*: `arrived`, whether the robot is within the tolerance of its goal; `clearance` of the fleet, m, as
     of `Simulation`; `verdict`, empty while the episode continues.
 
+    Args:
+        scenario: a result of `load` or `build`, a source for `load`, or a function that returns one of these
+            from the seed of an episode, with the same robots each time.
+        filter: whether the safety filter stands between actions and robots.
+        neighbours: how many others each robot observes.
+
     Attributes:
         simulation: of the current episode.
+
+    Raises:
+        ScenarioError, UsageError: as `load`; a library of the extra `env` is missing; the scenario has
+            orders, parts or external bases.
     """
 
     metadata: dict[str, Any] = {"name": "disknav_v0", "render_modes": []}  # noqa: RUF012  # as in PettingZoo
     render_mode = None
 
     def __init__(
-        self, scenario: Source | Callable[[int], Source], *, is_filtered: bool, neighbours: int
+        self, scenario: Source | Callable[[int], Source], filter: bool = True, *, neighbours: int = 4
     ) -> None:
         if neighbours < 0:
             raise UsageError(f"neighbours: {neighbours} must not be negative")
-        self._filter = is_filtered
+        self._filter = filter
         self._episode = scenario if callable(scenario) else None
         self._scenario = self._prepared(scenario(0) if callable(scenario) else scenario)
         self._view = Observer(self._scenario, min(neighbours, len(self._scenario.ids) - 1))
@@ -100,15 +93,12 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no types
     def reset(
         self, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[dict[str, Observation], dict[str, dict[str, Any]]]:
-        """Begin an episode.
+        """Begin an episode; returns observations and infos of all agents.
 
         Args:
             seed: of all random values, as `Scenario.seed`; by default the scenario's in the first episode,
                 and drawn in later ones.
             options: ignored.
-
-        Returns:
-            Observations and infos of all agents.
         """
         del options
         if seed is not None or self._random is None:
@@ -132,10 +122,8 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no types
     ) -> tuple[
         dict[str, Observation], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]
     ]:
-        """Advance one tick; an agent without an action wants to stand.
-
-        Returns:
-            Observations, rewards, terminations, truncations and infos of all agents.
+        """Advance one tick; an agent without an action wants to stand. Returns observations, rewards,
+        terminations, truncations and infos of all agents.
 
         Raises:
             UsageError: an agent is unknown, an action is no velocity, or no episode is in progress.
@@ -188,11 +176,11 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no types
         return {agent: {"arrived": at, **common} for agent, at in zip(self.agents, arrived, strict=True)}
 
 
-class Observer:
-    """Computes the observations of all robots from their positions.
+parallel_env = FleetEnv  # as PettingZoo's environments name it
 
-    Args:
-        neighbours: number of others that each robot observes.
+
+class Observer:
+    """Computes the observations of all robots from their positions, each with so many neighbours.
 
     Attributes:
         limits: largest size of each number of an observation, shape (4 + 5 neighbours,).

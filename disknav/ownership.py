@@ -58,7 +58,7 @@ def shared() -> dict[str, list[str]]:
 
 
 def _found(package: str) -> Path | None:
-    """The folder or file that `import` takes, or has taken; None if there is none."""
+    """The folder or file that `import` takes; None if there is none."""
     if package in sys.modules:
         origin = getattr(sys.modules[package], "__file__", None)
     else:

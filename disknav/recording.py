@@ -79,10 +79,11 @@ def _flat(struct: type[msgspec.Struct], values: Sequence[Any], prefix: str = "")
         elif hint == Vector:
             plane = np.array([(np.nan, np.nan) if each is None else each for each in inner]).reshape(-1, 2)
             columns |= {f"{name}_x": plane[:, 0], f"{name}_y": plane[:, 1]}
-        elif hint is float:
-            columns[name] = np.array(inner, dtype=float)
+        elif hint is float or (hint in (int, bool, str) and None not in inner):
+            columns[name] = np.array(inner, dtype=hint)
         else:
-            columns[name] = _column(inner, hint)
+            columns[name] = np.empty(len(inner), dtype=object)
+            columns[name][:] = inner
     return columns
 
 
@@ -94,11 +95,3 @@ def _bare(hint: Any) -> Any:
         others = [each for each in get_args(hint) if each is not NoneType]
         return _bare(others[0]) if len(others) == 1 else hint
     return hint
-
-
-def _column(values: Sequence[Any], hint: Any) -> NDArray[Any]:
-    if hint in (int, bool, str) and None not in values:
-        return np.array(values, dtype=hint)
-    column = np.empty(len(values), dtype=object)
-    column[:] = values
-    return column

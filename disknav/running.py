@@ -81,17 +81,11 @@ def run(
         )
     options = RunOptions(transport, mode, run=fresh_run_name() if name is None else checked_run(name))
     if transport == "local" and mode == "lockstep" and record is None and not progress:
-        return _stepped(scenario, options)
+        simulation = Simulation(scenario, name=options.run)
+        return Run(scenario, complete(simulation.finish(), options, []), simulation.trajectory)
     with ExitStack() as stack:
         folder = stack.enter_context(TemporaryDirectory(prefix="disknav-"))
         path = Path(folder) / "run.mcap" if record is None else Path(record)
         result = execute(scenario, options, Extras(record=path), quiet=not progress)
         trajectory = Trajectory.of(scenario, read_recording(path).truths)
     return Run(scenario, result, trajectory, None if record is None else path)
-
-
-def _stepped(scenario: Scenario, options: RunOptions) -> Run:
-    """Without a recording, tick by tick in this process."""
-    simulation = Simulation(scenario, name=options.run)
-    result = complete(simulation.finish(), options, [])
-    return Run(scenario, result, simulation.trajectory)

@@ -77,11 +77,8 @@ def _written(settings: Settings) -> list[str]:
 
 
 def written(value: Any) -> str:
-    """A value as JSON: arrays and numbers of numpy as lists and numbers, a class as `module:Class`.
-
-    Raises:
-        UsageError: JSON cannot say it.
-    """
+    """A value as JSON: arrays and numbers of numpy as lists and numbers, a class as `module:Class`; raises
+    UsageError if JSON cannot say it."""
     try:
         return json.dumps(value, default=_plain)
     except (TypeError, ValueError, RecursionError) as error:  # of a key, of a list that contains itself

@@ -34,18 +34,8 @@ Made = TypeVar("Made")
 
 @final
 class Reader:
-    """Decodes the payloads of one key.
-
-    Args:
-        stream: its last chunk.
-        robot: the id in it, None in the world's.
-
-    Attributes:
-        limit: bytes of a payload that are read at most.
-
-    Raises:
-        MessageError: nothing is published under such keys.
-    """
+    """Decodes the payloads of one key, whose last chunk is `stream`, of a `robot` or of the world (None): at
+    most `limit` bytes. Raises MessageError if nothing is published under such keys."""
 
     __slots__ = ("_decode", "_speaks", "limit", "robot", "stream")
 
@@ -59,11 +49,7 @@ class Reader:
         self._speaks = "robot" in declared.message.__struct_fields__
 
     def read(self, payload: bytes) -> AnyMessage:
-        """The message that `payload` is.
-
-        Raises:
-            MessageError: it is none, or another robot's.
-        """
+        """The message that `payload` is; raises MessageError if it is none, or another robot's."""
         if len(payload) > self.limit:
             raise MessageError(
                 "oversize", f"{self.stream}: {len(payload)} bytes, at most {self.limit} are read"
@@ -84,11 +70,7 @@ _readers: dict[str, Reader] = {}
 
 
 def reader(key: str) -> Reader:
-    """The reader of a key.
-
-    Raises:
-        MessageError: it is none of this protocol, or nothing is published under it.
-    """
+    """The reader of a key; raises MessageError if nothing is published under it."""
     known = _readers.get(key)
     if known is None:
         try:
@@ -152,11 +134,7 @@ def _shortened(message: Message, fields: tuple[tuple[str, object], ...]) -> byte
 
 
 def decode(key: str, payload: bytes) -> AnyMessage:
-    """Decode a payload of `key`.
-
-    Raises:
-        MessageError: with `reason` in `REASONS`.
-    """
+    """Decode a payload of `key`; raises MessageError with `reason` in `REASONS`."""
     return reader(key).read(payload)
 
 

@@ -14,9 +14,7 @@ from protocol.scenario.model import Scenario
 PERIOD: Final = 0.5  # s of simulated time
 LEAD: Final = 2  # ticks
 _TURNS: Final = 2  # ticks in which robots take in a summary: all in one would make that a long one
-_AHEAD: Final = (
-    8  # ticks of motion that the gap between two is large enough for as they are bound, and PERIOD
-)
+_AHEAD: Final = 8  # ticks of motion, besides PERIOD, for which the gap of two leaves room as they are bound
 _LEAST: Final = 6  # ticks of motion that a region leaves at least
 _BOUNDS: Final = 3.0  # error bounds that a region leaves beyond that
 

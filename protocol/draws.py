@@ -34,11 +34,7 @@ _MASK = (1 << 64) - 1
 
 
 def checked_seed(seed: object) -> int:
-    """A seed as a person or a program gave it, such as an integer of numpy.
-
-    Raises:
-        UsageError: it is no whole number from 0 to `LARGEST_SEED`.
-    """
+    """A seed as a program gave it, such as an integer of numpy; raises UsageError if it is none."""
     try:
         number = -1 if isinstance(seed, bool) else index(seed)  # type: ignore[arg-type]  # it finds out
     except TypeError:

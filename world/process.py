@@ -39,11 +39,10 @@ def main(
     tell: Callable[[dict[str, Any]], None] = lambda _: None,
     beat: Heartbeat | None = None,
 ) -> int:
-    """Judge `scenario` in `run`; returns the exit status.
+    """Judge `scenario` in `run`; arguments as of `WorldNode`; returns the exit status.
 
-    `gathering` is how long robots may take to join, s; `speed` and `restarts` as in `WorldNode`; `tell`
-    is told the report. With a `checkpoint` (see `Checkpoint.create`) this process goes on where another one
-    died, and a report may be told again; the file is removed once all is over.
+    With a `checkpoint` (`Checkpoint.create`) this process goes on where another one died, and a report may be
+    told again; the file is removed once all is over.
 
     0: there is a verdict, or this process was asked to stop (the result says interrupted).
     2: there is another world of this run.
@@ -90,11 +89,7 @@ def main(
 
 
 def look_for_others(bus: Bus, run: str, epochs: Iterable[int] = ()) -> None:
-    """See that there is no other world of this run than those that are gone on from, of `epochs`.
-
-    Raises:
-        RunTakenError: there is one.
-    """
+    """Raise RunTakenError if there is another world of this run than those of `epochs`, which have died."""
     own = {world_token(run, session_of(epoch)) for epoch in epochs}
     deadline = time.monotonic() + _GONE
     while set(bus.tokens(world_tokens(run))) - own:

@@ -9,20 +9,12 @@ from protocol.messages import LISTED
 from protocol.scenario.model import Order, Scenario
 from world.coordinator.lives import Lives
 from world.judge.measures import normalised_length, tight
-from world.judge.record import Contact
 from world.world import WorldCore
 
 
 def result_of(world: WorldCore) -> dict[str, Any]:
-    """Result fields: SI units, times in s of simulated time; None where a measure has no meaning.
-
-    Of contacts, process faults and fences the first `LISTED` each; `collisions` counts all contacts.
-    lateral_deviation: largest distance of each robot from the segment between its start and its goal.
-
-    plant: what moved the disks, and the contacts that it reported by itself, if it can. Of external bases
-    the truth is unknown: everything here is judged by what robots reported of themselves, each time off by
-    no more than `reported_bound`, m, unless a stated bound is wrong.
-    """
+    """Result fields, as docs/reference/result.md has them: SI units, times in s of simulated time; None where
+    a measure has no meaning. Of contacts, process faults and fences the first `LISTED` each."""
     scenario, referee = world.scenario, world.referee
     step, totals, segment = scenario.time.step, referee.record.totals, referee.record.segment
     truth, lengths = totals.truth, world.simulation.lengths
@@ -37,7 +29,15 @@ def result_of(world: WorldCore) -> dict[str, Any]:
         "reason": referee.reason,
         "arrived": referee.arrived(world.simulation.plant.positions),
         "collisions": totals.collisions,
-        "contacts": [_contact(contact, step) for contact in totals.contacts],
+        "contacts": [
+            {
+                "pair": list(each.pair),
+                "from": each.begin * step,
+                "until": each.end * step,
+                "deepest": each.deepest,
+            }
+            for each in totals.contacts
+        ],
         "min_clearance": totals.clearance,
         "plant": {
             "kind": scenario.world.plant,
@@ -62,15 +62,6 @@ def result_of(world: WorldCore) -> dict[str, Any]:
         },
         "trajectory_sha256": referee.record.sha256(),
         "worlds": list(referee.worlds),
-    }
-
-
-def _contact(contact: Contact, step: float) -> dict[str, Any]:
-    return {
-        "pair": list(contact.pair),
-        "from": contact.begin * step,
-        "until": contact.end * step,
-        "deepest": contact.deepest,
     }
 
 

@@ -1,7 +1,5 @@
-"""Simulated robots: their plant, position sensors and odometry.
-
-A position measurement may be late, noisy, biased or missing; odometry gives displacement and heading.
-"""
+"""Simulated robots: their plant; position sensors, whose measurements may be late, noisy, biased or missing;
+and odometry, which gives displacement and heading."""
 
 from __future__ import annotations
 
@@ -13,7 +11,8 @@ from types import MappingProxyType
 from protocol.bodies.kinematics import turned
 from protocol.draws import Purpose
 from protocol.messages import BaseMotion, Command, Sense, Vector
-from protocol.scenario.model import Scenario, Sensing
+from protocol.scenario.body import span_of
+from protocol.scenario.model import Scenario
 from world.plants.integrator import STANDING
 from world.plants.plant import BaseReport, PastDisks, Uniforms, plant_of, truncated_normal
 
@@ -21,8 +20,7 @@ from world.plants.plant import BaseReport, PastDisks, Uniforms, plant_of, trunca
 class Sensor:
     """One robot's position sensor.
 
-    A measurement of tick s arrives at tick s + d, the delay d drawn anew for each; with random
-    delays a later one may overtake an earlier one, which then is never delivered.
+    The delay of each is drawn anew: a later one may overtake an earlier one, which then is never delivered.
 
     Attributes:
         bound: largest error of a measurement, m.
@@ -35,10 +33,9 @@ class Sensor:
         self.delayed = 0
         self.missing = 0
         self.dropped = 0
-        self._sensing = scenario.sensing_of(robot)
-        self.bound = self._sensing.bound
-        self.ideal = _is_ideal(self._sensing)
-        self._noise_bound = _noise_bound(self._sensing)
+        sensing = self._sensing = scenario.sensing_of(robot)
+        self.bound = sensing.bound
+        self.ideal = span_of(sensing.delay) == (0.0, 0.0) and sensing.bound == sensing.dropout == 0.0
         self._scenario = scenario
         self._draws = Uniforms(scenario.seed, Purpose.SENSING, robot, 4)
         self._arriving: list[tuple[int, int, Vector]] = []
@@ -70,20 +67,11 @@ class Sensor:
         if dropout < sensing.dropout:
             self.dropped += 1
             return
-        low, high = sensing.delay if isinstance(sensing.delay, tuple) else (sensing.delay, sensing.delay)
+        low, high = span_of(sensing.delay)
         arrival = tick + self._scenario.ticks(low + delay * (high - low))
-        nx, ny = truncated_normal(radial, angular, sensing.noise, self._noise_bound)
+        nx, ny = truncated_normal(radial, angular, sensing.noise, sensing.largest_noise)
         measured = (truth[0] + sensing.bias[0] + nx, truth[1] + sensing.bias[1] + ny)
         heappush(self._arriving, (arrival, tick, measured))
-
-
-def _is_ideal(sensing: Sensing) -> bool:
-    return sensing.delay in (0.0, (0.0, 0.0)) and sensing.bound == 0.0 and sensing.dropout == 0.0
-
-
-def _noise_bound(sensing: Sensing) -> float:
-    """Largest length of the noise alone, m."""
-    return 3.0 * sensing.noise if sensing.noise_bound is None else sensing.noise_bound
 
 
 _INSIDE = 1.0 - 1e-9  # keeps rounding from carrying an error past its bound
@@ -148,9 +136,7 @@ class SimulatedFleet:
     Attributes:
         plant: moves the disks.
         sensors: of position, by robot id.
-        bounds: by how much `places` are off, m, by robot id: not at all.
-        founding_bounds: the same as a run begins.
-        largest_bound: None, for the places are the truth.
+        bounds, founding_bounds, unsettled, largest_bound: as of `External`; the places are the truth here.
     """
 
     def __init__(self, scenario: Scenario, past: PastDisks | None = None) -> None:
@@ -187,8 +173,8 @@ class SimulatedFleet:
         return PastDisks(self.places, headings, self.lengths)
 
     def sense(self, tick: int) -> dict[int, Sense]:
-        """What every robot is told of itself at the start of `tick`, those that do not listen included:
-        sensors keep running."""
+        """What every robot is told of itself at the start of `tick`; sensors of those that do not listen keep
+        running."""
         sensed, plant = {}, self.plant
         for index, (robot, place) in enumerate(zip(plant.ids, plant.positions, strict=True)):
             sensor = self.sensors[robot]

@@ -86,8 +86,8 @@ class Bus(Protocol):
         """Unique name of this connection, as one chunk of a key."""
 
     def foreign(self, key: str, attach: Callable[[], bytes] | None = None) -> Publish:
-        """The same for a key outside this fleet; a payload that cannot be sent at once is dropped. `attach`
-        makes the attachment of each payload."""
+        """The same for a key outside this fleet, with attachments made by `attach`; a payload that cannot be
+        sent at once is dropped."""
 
     def listen(self, key_expression: str) -> None:
         """Subscribe to a key expression outside this fleet; its events are `Foreign`, with attachments."""
@@ -114,8 +114,7 @@ class Bus(Protocol):
         """Declare a liveliness token: it lasts until `close`, or until this process dies."""
 
     def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
-        """Request, and wait for the replies of all that serve `key`; raises BusError after `timeout` seconds
-        without one."""
+        """Request, and wait for all replies; raises BusError after `timeout` s without one."""
 
     def post(self, key: str, payload: bytes) -> None:
         """Request, and do not wait: replies are events."""
@@ -158,11 +157,8 @@ def drive(
     on_stop: Callable[[], None] | None = None,
     beat: Callable[[float], None] | None = None,
 ) -> None:
-    """Feed `node` with the events of `bus` until it is finished or a signal asks this process to end.
-
-    The bus is closed in any case; before that, `on_stop` may say the last words of a node that a signal
-    ended. `beat` is told the time, s, whenever the loop comes round.
-    """
+    """As `follow`; in any case close the bus, after `on_stop` has said the last words of a node that a signal
+    ended."""
     try:
         follow(node, bus, beat)
         if on_stop is not None and not node.finished:
@@ -173,6 +169,8 @@ def drive(
 
 def follow(node: Node, bus: Bus, beat: Callable[[float], None] | None = None) -> None:
     """Feed `node` with the events of `bus` until it is finished or a signal asks this process to end.
+
+    `beat` is told the time, s, whenever the loop comes round.
 
     Events that have arrived precede a deadline that has passed: the node was late, not its peers.
     """

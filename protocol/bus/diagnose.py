@@ -27,10 +27,7 @@ _ALERTS = {
 
 
 def explained(connection: Connection, error: str) -> BusError:
-    """The error for a user; zenoh's own words, `error`, come last.
-
-    zenoh reports a certificate that is not accepted as time that is up, so this looks for itself.
-    """
+    """The error for a user; zenoh's own words, `error`, come last."""
     error = _PLACE.sub("", error)
     listen, connect = ", ".join(connection.listen), ", ".join(connection.connect)
     if "in use" in error:
@@ -87,10 +84,7 @@ def demands_certificates(endpoint: Endpoint) -> bool:
     if address is None:
         return False
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-    context.check_hostname, context.verify_mode = (
-        False,
-        ssl.CERT_NONE,
-    )  # nothing confidential is sent
+    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE  # nothing confidential is sent
     try:
         _shake_hands(address, context)
     except ssl.SSLError as error:

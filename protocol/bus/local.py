@@ -1,7 +1,6 @@
-"""The in-process bus: all nodes of a run in one thread, in place of a network.
+"""The in-process bus: all nodes of a run in one thread, with the messages and codec that they have on zenoh.
 
-The same nodes, messages and codec as on zenoh; only the carrier differs. Events wait in one inbox
-per participant, and `LocalNetwork.run` lets each participant empty its own in turn.
+Events wait in one inbox per participant, and `LocalNetwork.run` lets each participant empty its own in turn.
 """
 
 from __future__ import annotations

@@ -131,11 +131,8 @@ class ZenohBus:
         self._declared += [self._session.declare_keyexpr(key) for key in keys]
 
     def bursts(self, key_expression: str) -> Callable[[], list[tuple[str, bytes]]]:
-        """Subscribe to be read later: the function returned gives keys and payloads so far.
-
-        It waits outside Python, so that nothing wakes for a single sample: that is most of what hearing
-        costs. Of too many the oldest are dropped.
-        """
+        """Subscribe to be read later: the function returned gives keys and payloads so far, of too many the
+        newest. Nothing in Python wakes for a single sample, which is most of what hearing costs."""
         ring: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(self._capacity)
         subscriber = self._session.declare_subscriber(key_expression, ring)
         self._declared.append(subscriber)
@@ -172,8 +169,7 @@ class ZenohBus:
         )
 
     def _replies(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
-        """Those of all that serve `key`. One that serves it and does not answer, as a frozen process, is not
-        waited for once another has answered."""
+        """Those of all that serve `key`. A frozen process is not waited for once another has answered."""
         arrived: SimpleQueue[zenoh.Reply | None] = SimpleQueue()
         end = partial(arrived.put, None)
         replies: list[bytes] = []
@@ -226,11 +222,8 @@ class ZenohBus:
         self._subscribed.clear()
 
     def await_routers(self, timeout: float) -> None:
-        """As a router, wait for a link to every router that this one connects to.
-
-        Raises:
-            BusError: some are not reached within `timeout` s.
-        """
+        """As a router, wait for a link to every router that this one connects to, `timeout` s at most; raises
+        BusError."""
         wanted, deadline = len(self._connection.connect), time.monotonic() + timeout
         while (there := len(list(self._session.info.routers_zid()))) < wanted:
             if time.monotonic() >= deadline:
@@ -277,10 +270,7 @@ class ZenohBus:
 
 
 def _keep_thread_state() -> None:
-    """Keep what Python knows of this thread of zenoh's: else it is made, and thrown away, for every sample.
-
-    To be called on that thread; it never gives back what it takes once.
-    """
+    """Keep what Python knows of this thread of zenoh's, for good: else it is made for every sample anew."""
     thread = threading.get_native_id()
     if thread not in _KEPT:
         _KEPT.add(thread)

@@ -24,19 +24,12 @@ Name = Annotated[str, msgspec.Meta(max_length=100, pattern=r"^[\w.-]*$")]
 
 
 class Speaker(msgspec.Struct, frozen=True):
-    """The process that logs.
-
-    Attributes:
-        run: name of the run.
-        host: of a fleet on several hosts; empty on the launcher's.
-        role: `robot`, `world`, `router`, `recorder` or `launcher`.
-        robot: its number, if it is a robot.
-    """
+    """The process that logs."""
 
     run: Name = ""
-    host: Name = ""
-    role: Name = ""
-    robot: int | None = None
+    host: Name = ""  # of a fleet on several hosts; empty on the launcher's
+    role: Name = ""  # `robot`, `world`, `router`, `recorder` or `launcher`
+    robot: int | None = None  # its number, if it is a robot
 
     @property
     def label(self) -> str:
@@ -72,16 +65,12 @@ class _Words(logging.Formatter):
         return f"{speaker.label}: {super().format(record)}"
 
 
-class _Lines(logging.Formatter):
-    def __init__(self, speaker: Speaker) -> None:
-        super().__init__()
-        self._speaker = speaker
-
+class _Lines(_Words):
     def format(self, record: logging.LogRecord) -> str:
         said = msgspec.structs.asdict(getattr(record, "speaker", self._speaker))
         time, level = datetime.fromtimestamp(record.created, UTC), record.levelname.lower()
         return msgspec.json.encode(
-            {"time": time, "level": level} | said | {"text": super().format(record)}
+            {"time": time, "level": level} | said | {"text": logging.Formatter.format(self, record)}
         ).decode()
 
 
@@ -111,17 +100,14 @@ def lines(speaker: Speaker, file: Path | None) -> logging.Handler:
         UsageError: it cannot be written.
     """
     try:
-        handler = logging.StreamHandler() if file is None else _file(file)
+        if file is not None:
+            file.parent.mkdir(parents=True, exist_ok=True)
+        handler = logging.StreamHandler() if file is None else _File(file, encoding="utf-8")
     except OSError as error:
         text = f"cannot log to {file}: {error.strerror}; name a folder that can be written"
         raise UsageError(text) from error
     handler.setFormatter(_Lines(speaker))
     return handler
-
-
-def _file(path: Path) -> logging.Handler:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    return _File(path, encoding="utf-8")
 
 
 def begin(name: str, run: str = "", folder: Path | None = None, *, wired: bool = False) -> None:

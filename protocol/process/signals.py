@@ -58,11 +58,7 @@ class StopSignal:
         return 128 + self.number if self.requested else 0
 
     def check(self) -> None:
-        """Abandon the present wait if a signal came.
-
-        Raises:
-            Stopped: this process is to end.
-        """
+        """Raise Stopped, to abandon the present wait, if this process is to end."""
         if self.requested:
             raise Stopped
 

@@ -203,10 +203,15 @@ class Sensing:
     contradiction: Literal["stand", "newest"] = "stand"
 
     @property
+    def largest_noise(self) -> float:
+        """Largest length of the noise alone, m."""
+        bound = 3.0 * self.noise if self.noise_bound is None else self.noise_bound
+        return bound if self.noise > 0.0 else 0.0
+
+    @property
     def bound(self) -> float:
         """Largest error of one measurement, m: truncated noise plus bias."""
-        noise = 3.0 * self.noise if self.noise_bound is None else self.noise_bound
-        return (noise if self.noise > 0.0 else 0.0) + math.hypot(*self.bias)
+        return self.largest_noise + math.hypot(*self.bias)
 
 
 @dataclass(frozen=True, slots=True)

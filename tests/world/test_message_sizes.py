@@ -167,7 +167,9 @@ def test_a_result_fits_whatever_happened_however_often() -> None:
         Contact((random.choice(IDS), random.choice(IDS)), random.random(), random.random(), -random.random())
         for _ in range(LISTED)
     )
-    world._found(world.simulation.places, {})
+    for robot in IDS:
+        world.give_up_waiting(robot)
+    world.open_tick()
     world.lives.apply_faults(2**40)
     for n in range(100_000):
         note(world.lives.fenced, (n, Standing(IDS[0], LIFE, POINT)))

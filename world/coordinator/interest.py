@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from protocol.crowd import LEAD, period
 from protocol.messages import Command, Sense, Summary, Vector
@@ -25,9 +24,8 @@ class Interest:
         self.places: dict[int, Vector] = {spec.id: spec.start for spec in scenario.robots}
         self._period = period(scenario)
         self._slices: dict[int, float] = {}  # m, as last commanded
-        self._since: dict[
-            int, tuple[int, dict[int, int]]
-        ] = {}  # life of each robot; since when it hears a peer
+        # By robot: its life, and from which tick on it hears each peer.
+        self._since: dict[int, tuple[int, dict[int, int]]] = {}
 
     def open(
         self,
@@ -36,8 +34,7 @@ class Interest:
         sensed: Mapping[int, Sense],
         goal: Callable[[int], Vector | None],
     ) -> None:
-        """Begin a tick, with the measurement of every robot, and its goal, m, if that is not the
-        scenario's."""
+        """Begin a tick, with the measurement of every robot, and its goal (m) unless it is the scenario's."""
         for robot, sense in sensed.items():
             if sense.position is not None:
                 self.places[robot] = sense.position
@@ -48,7 +45,9 @@ class Interest:
             goals = {spec.id: goal(spec.id) or spec.goal for spec in scenario.robots}
             away = places - np.array([goals[robot] for robot in ids], dtype=np.float64)
             gammas = (away**2).sum(axis=1)
-            slices = self._norms(ids, 2.0 * np.sqrt(gammas))
+            said = np.array([self._slices.get(robot, np.nan) for robot in ids])
+            # Of a robot that has published no slice, that of the attraction alone.
+            slices = np.where(np.isnan(said), 2.0 * np.sqrt(gammas), said)
             where, far, pace = (each.astype("<f4").tobytes() for each in (places, gammas, slices))
             self.summary = Summary(tick, runs(ids), where, far, pace)
 
@@ -56,11 +55,6 @@ class Interest:
         """A command was taken."""
         if command.slice is not None:
             self._slices[command.robot] = command.slice
-
-    def _norms(self, ids: Iterable[int], attraction: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Norms of all slices; for a robot that has published none, that of the attraction alone, m."""
-        said = np.array([self._slices.get(robot, np.nan) for robot in ids])
-        return np.where(np.isnan(said), attraction, said)
 
     def heard(
         self, robot: int, incarnation: int, tick: int, bound: Iterable[int], active: frozenset[int]
@@ -72,9 +66,8 @@ class Interest:
             before = {}
         since = {peer: before.get(peer, tick + LEAD) for peer in bound}
         self._since[robot] = incarnation, since
-        return tuple(
-            sorted([robot, *(peer for peer, begun in since.items() if begun <= tick and peer in active)])
-        )
+        heard = (peer for peer, begun in since.items() if begun <= tick and peer in active)
+        return tuple(sorted([robot, *heard]))
 
 
 def runs(ids: Iterable[int]) -> bytes:

@@ -1,8 +1,7 @@
 """Membership of the fleet: robots that are added and removed while it runs.
 
-A disk that is added appears once every robot keeps clear of its place (`roster`, rule 2); it stands there
-until its process joins. A robot that is removed is over with the tick that is open, and its
-disk is gone then.
+A disk that is added appears once every robot keeps clear of its place, and stands there until its process
+joins. A robot that is removed is over with the open tick, and its disk is gone then.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ _MOST_IDS = 1200  # that ever were in a run: a roster names them all
 
 
 class FleetChange(msgspec.Struct):
-    """The fleet at a tick and its pending changes; a successor starts from it."""
+    """The fleet at a tick, and its pending changes."""
 
     robots: tuple[RobotSpec, ...] | None = None  # that are there; None: those of the scenario
     # Whose disks have not appeared yet, and whether their processes must join as soon as they have.
@@ -73,14 +72,8 @@ class Membership:
         return ""
 
     def turn_over(self, tick: int, places: Mapping[int, Vector]) -> bool:
-        """Before `tick` begins: let disks appear that may, and take those away that leave.
-
-        Args:
-            places: of all disks, m.
-
-        Returns:
-            Whether any robot came or left; `scenario` is another one then.
-        """
+        """Before `tick`, with all disks at `places` (m): let disks appear that may, and take those away that
+        leave. Returns whether `scenario` is another one now."""
         fleet = self.fleet
         settled = [robot for robot in fleet.announced if self._lives.keeper.appear(robot)]
         left, fleet.leaving = fleet.leaving, set()

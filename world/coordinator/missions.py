@@ -30,9 +30,6 @@ class Missions:
 
     An order takes effect with the next tick that is opened. A point is reached within the scenario's
     tolerance.
-
-    Args:
-        past: of an earlier coordinator.
     """
 
     def __init__(self, scenario: Scenario, past: Iterable[tuple[Mission, GoalStatus]] = ()) -> None:
@@ -95,12 +92,7 @@ class Missions:
         standing: Iterable[Standing],
         obstacles: Mapping[int, Shape] = MappingProxyType({}),
     ) -> str:
-        """Why an order cannot be carried out; "" if it can.
-
-        Args:
-            standing: disks that stand, and may stand in a point.
-            obstacles: shapes of obstacles, by number.
-        """
+        """Why an order cannot be carried out among disks that stand and obstacles by number; "" if it can."""
         robot = order.robot
         if robot not in self._missions:
             known = ", ".join(map(str, self._missions))
@@ -132,12 +124,7 @@ class Missions:
         return Outcome(True, number, self._caution(robot))
 
     def advance(self, tick: int, ids: Sequence[int], positions: Sequence[Vector]) -> list[int]:
-        """Go on to the next point where one is reached; returns the robots with a new goal.
-
-        Args:
-            tick: the tick that begins.
-            ids, positions: of all disks, m.
-        """
+        """As `tick` begins, go on to the next point where one is reached; returns robots with a new goal."""
         if not self._underway:
             return []
         return [
@@ -187,9 +174,7 @@ class Missions:
             for robot, mission in self._missions.items()
             if shape.distance(*mission.points[0]) <= self._scenario.spec(robot).radius
         ]
-        if not robots:
-            return ""
-        return f"covers the goal of robot{'s' if len(robots) > 1 else ''} {', '.join(map(str, robots))}"
+        return f"covers the goal of {_named(robots)}" if robots else ""
 
     def _caution(self, robot: int) -> str:
         """Warning that names the robots whose last points overlap that of a robot; "" if there are none."""
@@ -200,10 +185,11 @@ class Missions:
             if other != robot
             and math.dist(point, mission.points[-1]) <= radius + self._scenario.spec(other).radius
         ]
-        if not near:
-            return ""
-        robots = ", ".join(map(str, near))
-        return f"overlaps the goal of robot{'s' if len(near) > 1 else ''} {robots}: they cannot all be there"
+        return f"overlaps the goal of {_named(near)}: they cannot all be there" if near else ""
+
+
+def _named(robots: Sequence[int]) -> str:
+    return f"robot{'s' if len(robots) > 1 else ''} {', '.join(map(str, robots))}"
 
 
 def obstruction(
@@ -239,11 +225,11 @@ class Operated(Protocol):
 class Schedule:
     """The orders of a scenario, each carried out as its tick opens.
 
+    Args:
+        past: why each that is done was refused, "" if it was not.
+
     Attributes:
         done: tick, order, and why it was refused, "" if it was not; as they came.
-
-    Args:
-        past: of those that are done, why they were refused, "" if they were not.
     """
 
     def __init__(self, scenario: Scenario, past: Sequence[str] = ()) -> None:
@@ -258,7 +244,7 @@ class Schedule:
 
     @property
     def pending(self) -> bool:
-        """Whether anything is still to be asked for."""
+        """Whether any order is still to be carried out."""
         return bool(self._due)
 
     def adds(self, robot: int) -> bool:
@@ -266,7 +252,7 @@ class Schedule:
         return any(order.add is not None and order.add.id == robot for _, order in self._due)
 
     def carry_out(self, tick: int, operated: Operated) -> None:
-        """Ask for everything that is due by `tick`."""
+        """Carry out all orders that are due by `tick`."""
         while self._due and self._due[0][0] <= tick:
             _, order = self._due.popleft()
             outcome = operated.operate(order, awaited=True)

@@ -1,4 +1,4 @@
-"""Parts: which stand on the floor, and which robot carries which. Robots ask with their commands.
+"""Parts: which stand on the floor, and which robot carries which. Robots ask with their Commands.
 
 A part that is taken up is an obstacle that is gone, and in the same version of the roster its carrier is the
 larger disk, which it keeps clear of everything before it asks. One that is put down appears like an obstacle,
@@ -45,9 +45,8 @@ class Parts:
         place, known = self._places[part], self._lives.obstacles.standing
         if place.carrier or place.obstacle not in known:
             return False
-        return known[place.obstacle].distance(*self._spec(part).goal) <= (
-            self._scenario.time.tolerance - self._spec(part).radius
-        )
+        spec, tolerance = self._spec(part), self._scenario.time.tolerance
+        return known[place.obstacle].distance(*spec.goal) <= tolerance - spec.radius
 
     @property
     def pending(self) -> bool:
@@ -81,13 +80,8 @@ class Parts:
         return replace(self._scenario, robots=robots)
 
     def handle(self, asked: Mapping[int, Handling | None], at: Mapping[int, Vector]) -> bool:
-        """Carry out the robots' requests in the Commands of the tick that ends; returns whether a disk
-        changed.
-
-        Args:
-            asked: by robots that take part and commanded.
-            at: where all disks are now, m.
-        """
+        """Carry out what robots that take part have `asked` for in the tick that ends, with all disks `at`
+        their places (m); returns whether a disk changed."""
         before = self.places
         for robot in sorted(asked):
             handles = asked[robot]
@@ -101,9 +95,8 @@ class Parts:
 
     def settle(self) -> bool:
         """Let go of parts that stand; whether a disk is another now."""
-        down = [
-            each for each in self.places if each.carrier and each.obstacle in self._lives.obstacles.standing
-        ]
+        known = self._lives.obstacles.standing
+        down = [each for each in self.places if each.carrier and each.obstacle in known]
         for place in down:
             self._lives.roster.alter(place.carrier, radius=self._scenario.spec(place.carrier).radius)
             self._places[place.part] = PartPlace(place.part, place.obstacle)
@@ -166,13 +159,9 @@ class Parts:
         inside = self._scenario.workspace.shape.distance(down.x, down.y) + down.radius <= 0.0
         members = self._lives.roster.members
         stands = [(each.position, members[each.robot].radius) for each in self._lives.roster.standing]
-        return (
-            inside
-            and all(shape.distance(down.x, down.y) >= down.radius for shape in others)
-            and all(
-                math.dist(position, (down.x, down.y)) >= down.radius + radius for position, radius in stands
-            )
-        )
+        gaps = [shape.distance(down.x, down.y) for shape in others]
+        gaps += [math.dist(position, (down.x, down.y)) - radius for position, radius in stands]
+        return inside and all(gap >= down.radius for gap in gaps)
 
     def _spec(self, part: int) -> Part:
         return self._scenario.parts[part - 1]

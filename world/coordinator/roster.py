@@ -13,7 +13,7 @@ from msgspec.structs import replace
 
 from protocol import messages
 from protocol.geometry import Shape, points_of
-from protocol.messages import Member, PartPlace, PlacedObstacle, Presence, Standing, Vector
+from protocol.messages import Member, PartPlace, PlacedObstacle, Standing, Vector
 from protocol.scenario import model
 from protocol.scenario.model import Scenario
 
@@ -31,7 +31,6 @@ class Surroundings:
 
     Args:
         changes: up to now, as in a roster.
-        numbered: how many there have been, with those of the scenario at least.
     """
 
     def __init__(self, scenario: Scenario, changes: Iterable[PlacedObstacle] = (), numbered: int = 0) -> None:
@@ -50,25 +49,28 @@ class Surroundings:
     @property
     def changes(self) -> tuple[PlacedObstacle, ...]:
         """Entries of obstacles for a roster: all but those of the scenario that still stand."""
-        came = {number: _obstacle(number, "appearing", shape) for number, shape in self.appearing.items()}
-        for number, shape in self.standing.items():
-            if number not in self._listed:
-                came[number] = _obstacle(number, "standing", shape)
-        for number in self._listed.keys() - self.standing.keys():
-            came[number] = PlacedObstacle(number, "gone")
-        return tuple(came[number] for number in sorted(came))
+        gone = sorted(self._listed.keys() - self.standing.keys())  # the lower numbers
+        return (*(PlacedObstacle(number, "gone") for number in gone), *self._there(self._listed))
+
+    @property
+    def present(self) -> tuple[PlacedObstacle, ...]:
+        """All that stand or are to appear."""
+        return self._there({})
+
+    def _there(self, besides: Mapping[int, Shape]) -> tuple[PlacedObstacle, ...]:
+        there = {number: self.standing[number] for number in self.standing.keys() - besides.keys()}
+        return tuple(
+            PlacedObstacle(number, "appearing" if number in self.appearing else "standing", *points_of(shape))
+            for number, shape in sorted((there | self.appearing).items())
+        )
 
     def refusal(self, order: model.Obstacle, scenario: Scenario, positions: Sequence[Vector]) -> str:
-        """Why an obstacle cannot come; "" if it can.
-
-        Args:
-            scenario: with the disks that robots are.
-            positions: of all disks in the order of robot ids, m.
-        """
+        """Why an obstacle cannot come; "" if it can. The disks of the scenario are at `positions`, m, in the
+        order of their ids."""
         if problem := order.defect():
             return f"the obstacle {problem}"
         shape = order.shape
-        came = [each for each in self.changes if each.status != "gone"]
+        came = self._there(self._listed)
         if len(came) >= MOST:
             return f"at most {MOST} obstacles that came while the run went on are there at a time"
         if sum(len(each.points) for each in came) + len(order.points or ()) > MOST_CORNERS:
@@ -99,24 +101,12 @@ class Surroundings:
         self.standing[number] = self.appearing.pop(number)
 
 
-def present(listed: Mapping[int, Shape], changes: Iterable[PlacedObstacle]) -> tuple[PlacedObstacle, ...]:
-    """All that stands or is to appear, if a scenario lists these shapes and a roster says these changes."""
-    obstacles = {number: _obstacle(number, "standing", shape) for number, shape in listed.items()}
-    obstacles |= {change.number: change for change in changes}
-    return tuple(obstacles[number] for number in sorted(obstacles) if obstacles[number].status != "gone")
-
-
-def _obstacle(number: int, status: Presence, shape: Shape) -> PlacedObstacle:
-    return PlacedObstacle(number, status, *points_of(shape))
-
-
 class RosterDirectory:
     """The coordinator's roster.
 
     Args:
         scenario: the run.
         past: the newest of an earlier coordinator of the same run.
-        numbered: how many obstacles there have been.
 
     Attributes:
         version: of the present one; 0 before anything is in it.
@@ -158,7 +148,7 @@ class RosterDirectory:
         self.put(replace(self.members[robot], **changes))
 
     def follow(self, parts: tuple[PartPlace, ...] | None = None) -> None:
-        """Obstacles came, are to come, or went, or parts are elsewhere: say so in a new version."""
+        """Make a new version if obstacles came, are to come, or went, or parts are elsewhere."""
         told = self.obstacles.changes, self._parts if parts is None else parts
         if told != (self._changes, self._parts):
             self._changes, self._parts = told

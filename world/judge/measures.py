@@ -1,5 +1,4 @@
-"""What is measured of a fleet on its way to its goals (Karagoz, Bozma, Koditschek, equations (4), (5), (9),
-and section 4).
+"""Measures of a fleet on its way to its goals (Karagoz, Bozma, Koditschek, equations 4, 5, 9, and section 4).
 
     phi = (gamma^k / (gamma^k + beta))^(1/k)
 

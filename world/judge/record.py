@@ -88,8 +88,7 @@ class Totals(msgspec.Struct):
 
 
 class PastRecord(msgspec.Struct, frozen=True):
-    """What another record needs to go on from one: totals and goals as they were when ticks were last
-    measured, and the configurations that were put aside since."""
+    """Totals and goals as they were when ticks were last measured, and the configurations since."""
 
     totals: Totals
     goals: Goals
@@ -109,7 +108,7 @@ class TrajectoryDigest:
         self._ids = np.array(ids, dtype="<f8")
 
     def add(self, ticks: Sequence[int], configurations: Configurations) -> None:
-        """Append the truth at the start of each of `ticks`, which do not decrease, in the order of ids."""
+        """Append the truth at the start of each of `ticks`, which do not decrease."""
         rows = np.empty((len(ticks), len(self._ids), 4), dtype="<f8")
         rows[..., 0] = np.asarray(ticks)[:, None]
         rows[..., 1] = self._ids
@@ -176,9 +175,8 @@ class Record:
         between: Sequence[tuple[Vector, ...]] = (),
         touching: Iterable[Pair] = (),
     ) -> None:
-        """The configuration one tick later, reached by straight motion since the one before; if a tick has
-        several parts, through those `between`. The plant itself has seen the disks of each pair `touching`.
-        """
+        """The configuration one tick later, reached by straight motions through those `between`. The plant
+        itself has seen the disks of each pair `touching`."""
         self._aside.extend(between)
         self._aside.append(tuple(positions))
         present, totals = frozenset(touching), self._totals
@@ -194,8 +192,8 @@ class Record:
     def set_fleet(
         self, scenario: Scenario, positions: Sequence[Vector], obstacles: Mapping[int, Shape]
     ) -> None:
-        """From the newest configuration on, which is `positions` now, the robots of another scenario are
-        judged, among obstacles of these shapes, by number."""
+        """From the newest configuration on, which is `positions` now, judge the robots of another scenario,
+        among obstacles by number."""
         totals = self.totals
         self.segment = segment_of(scenario, self.segment.goals.of_fleet(scenario), obstacles)
         self._latest = {}  # an overlap that goes on is another contact

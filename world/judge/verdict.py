@@ -33,9 +33,8 @@ class Referee:
 
     arrived: all robots at once within the tolerance of their goals, or all parts at theirs.
     aborted: all robots that are up have arrived, and the others are down for good.
-    deadlock: for the stated time no robot got further than the tolerance from where it was,
-        and nothing that the scenario has scheduled (process faults, partitions, orders) is still to change
-        that.
+    deadlock: for the stated time no robot got further than the tolerance from where it was, and no process
+        fault, partition or order of the scenario is still to come.
     timeout: the limit is reached.
 
     Args:
@@ -116,13 +115,8 @@ class Referee:
     def decide(
         self, tick: int, positions: Sequence[Vector], up: tuple[int, ...], alone: bool, pending: str
     ) -> None:
-        """Find out whether the run is over at the start of `tick`.
-
-        Args:
-            positions: in the order of ids, m.
-            up: ids of robots that take part.
-            alone: whether those that are not up will not come back.
-            pending: what is unfinished although robots are at their goals, as text; "" for nothing.
+        """Find out whether the run is over at the start of `tick`, with all disks at `positions` (m, in the
+        order of ids), the robots `up`, `alone` if the others will not come back, and `pending` work as text.
         """
         ids, arrived = tuple(self.record.segment.goals.ways), self.arrived(positions)
         missing = [robot for robot in ids if robot not in arrived]

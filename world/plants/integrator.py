@@ -77,13 +77,7 @@ class Errors(Protocol):
 
 class SimulatedBase:
     """One robot's base. From a command on, and from the first part of its tick, it is off its nominal way by
-    one vector of the unit disk times what its tolerance allows.
-
-    Args:
-        kinematics: of the body.
-        tolerance: of the body.
-        motion: with which it begins.
-        errors: the vectors.
+    one vector of the unit disk (`errors`) times what its tolerance allows.
 
     Attributes:
         motion: what it does at the start of the tick to come.
@@ -152,11 +146,10 @@ def simulated_base(scenario: Scenario, robot: int) -> SimulatedBase:
 
 
 class Integrator:
-    """Where every disk really is, by formulas; see `world.plants.plant.Plant`.
+    """Where every disk really is, by formulas: a `world.plants.plant.Plant`.
 
     Attributes:
-        ids, positions, lengths, parts, between, slips: see there.
-        displacements: what each did during the last tick, m; added to the old position it gave the new one.
+        displacements: of each during the last tick, m; added to the old position it gave the new one.
     """
 
     slips = False
@@ -170,17 +163,19 @@ class Integrator:
         self.lengths = [0.0] * len(self.ids)
         self.between: list[tuple[Vector, ...]] = []
         self._actuation = Actuators(scenario)
-        self._based = {
-            robot: simulated_base(scenario, robot) for robot in self.ids if not scenario.body_of(robot).ideal
-        }
-        self._bases = self._by_index()
+        self._bases: dict[int, SimulatedBase] = {}  # by robot; a point has none
+        self._set_bases(scenario)
         self.parts = steps_of(scenario.time.step) if self._bases else 1
 
-    def _by_index(self) -> dict[int, SimulatedBase]:
-        return {self.ids.index(robot): base for robot, base in self._based.items()}
+    def _set_bases(self, scenario: Scenario) -> None:
+        self._bases = {
+            robot: self._bases.get(robot) or simulated_base(scenario, robot)
+            for robot in self.ids
+            if not scenario.body_of(robot).ideal
+        }
 
     def report(self, index: int) -> BaseReport:
-        base = self._bases.get(index)
+        base = self._bases.get(self.ids[index])
         if base is None:
             displacement = self.displacements[index]
             return BaseReport(displacement, math.hypot(*displacement))
@@ -188,7 +183,7 @@ class Integrator:
         return BaseReport(self.displacements[index], base.way, motion.velocity, motion.heading, base.stop)
 
     def stands(self, index: int) -> bool:
-        base = self._bases.get(index)
+        base = self._bases.get(self.ids[index])
         return base is None or base.motion.stands
 
     def touched(self) -> list[tuple[int, int]]:
@@ -211,12 +206,7 @@ class Integrator:
         self.displacements = [displacement for _, displacement, _ in kept]
         self.lengths = [length for _, _, length in kept]
         self._actuation.set_fleet(scenario)
-        self._based = {
-            robot: self._based.get(robot) or simulated_base(scenario, robot)
-            for robot in self.ids
-            if not scenario.body_of(robot).ideal
-        }
-        self._bases = self._by_index()
+        self._set_bases(scenario)
 
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:
         """All move at once for one tick: x += executed velocity times step; a point without one stands."""
@@ -224,7 +214,7 @@ class Integrator:
         parts: dict[int, list[Vector]] = {}
         for index, robot in enumerate(self.ids):
             velocity = commands.get(robot)
-            base = self._bases.get(index)
+            base = self._bases.get(robot)
             if base is not None:
                 parts[index] = self._move_base(index, base.move(velocity, tick))
             elif velocity is None:

@@ -68,7 +68,7 @@ class Physics:
             robot.begin()
 
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:  # noqa: ARG002
-        """See `world.plants.plant.Plant`; no number is random here."""
+        """No number is random here."""
         for robot, driven in zip(self.ids, self._robots, strict=True):
             driven.plan(commands.get(robot))
         self._touched.clear()
@@ -134,7 +134,7 @@ class _Wheeled:
     """
 
     def __init__(self, model: Any, data: Any, robot: int, body: Body, period: float) -> None:
-        self._kinematics, self._body, self._radius = Kinematics(body, period), body, _wheel_radius(body)
+        self._kinematics, self._body, self._radius = Kinematics(body, period), body, _WHEEL * body.track
         self._site, self._frame = data.site(f"{robot}"), data.body(f"{robot}")
         self._control = data.ctrl
         self._wheels = [data.joint(f"{side} {robot}") for side in ("left", "right")]
@@ -200,10 +200,8 @@ class _Wheeled:
     def read_encoders(self) -> None:
         """Odometry: as far as the wheels have turned, they have rolled."""
         left, right = (float(wheel.qpos[0]) for wheel in self._wheels)
-        rolled_left, rolled_right = (
-            self._radius * (left - self._angles[0]),
-            self._radius * (right - self._angles[1]),
-        )
+        rolled_left = self._radius * (left - self._angles[0])
+        rolled_right = self._radius * (right - self._angles[1])
         self._angles = [left, right]
         turn = (rolled_right - rolled_left) / self._body.track
         arc = Arc(0.5 * (rolled_left + rolled_right), turn * self._body.offset, 1.0)
@@ -220,11 +218,6 @@ class _Wheeled:
         stop = turned(cx, cy, self.motion.heading)
         displacement, way = self._moved
         return BaseReport(displacement, way, self.motion.velocity, self.motion.heading, stop)
-
-
-def _wheel_radius(body: Body) -> float:
-    """Radius of the wheels that a body is given, m."""
-    return _WHEEL * body.track
 
 
 def _model(scenario: Scenario, timestep: float) -> str:
@@ -248,7 +241,7 @@ def _model(scenario: Scenario, timestep: float) -> str:
 
 def _robot(world: Element, actuator: Element, spec: RobotSpec, body: Body) -> None:
     hull = spec.radius - body.offset if body.radius is None else body.radius
-    wheel, mass = _wheel_radius(body), _DENSITY * math.pi * hull * hull
+    wheel, mass = _WHEEL * body.track, _DENSITY * math.pi * hull * hull
     x = spec.start[0] - body.offset * math.cos(spec.heading)
     y = spec.start[1] - body.offset * math.sin(spec.heading)
     half = 0.5 * spec.heading

@@ -1,5 +1,4 @@
-"""What moves the disks: formulas, or a physics engine; and its random disturbances: uniform numbers by
-robot and tick, and bounded normal vectors made of them."""
+"""What moves the disks: formulas or a physics engine; and random disturbances, by robot and tick."""
 
 from __future__ import annotations
 
@@ -101,11 +100,7 @@ class Plant(Protocol):
 
 
 def require(plant: str) -> None:
-    """Find out whether a plant's library is there, without loading it.
-
-    Raises:
-        UsageError: it is not installed; says how to.
-    """
+    """Raise UsageError if a plant's library is not installed, without loading it."""
     if plant == "mujoco" and find_spec("mujoco") is None:
         raise UsageError(
             'world.plant = "mujoco" needs MuJoCo, which is not installed: pip install "disknav[mujoco]"'
@@ -113,11 +108,7 @@ def require(plant: str) -> None:
 
 
 def plant_of(scenario: Scenario) -> Plant:
-    """The plant of `scenario.world.plant`.
-
-    Raises:
-        UsageError: its library is not installed.
-    """
+    """The plant of `scenario.world.plant`; raises UsageError if its library is not installed."""
     require(scenario.world.plant)
     if scenario.world.plant == "mujoco":
         from world.plants.mujoco import Physics  # the engine is loaded only where it is asked for

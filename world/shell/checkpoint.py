@@ -5,11 +5,9 @@ written before any change is published, once a tick and with each reply, and so 
 of robots, operators or the launcher.
 
 A successor does not take over lives. It draws an epoch of its own, under which no message of an earlier one
-counts, and founds the ledger on the places of the disks, which all stand. A robot that has not joined again
-has no life there, and its Commands are refused; once it has, it has only lines of this ledger. In a
-simulation no disk has moved meanwhile: the plant is the world's, and its bodies stand. An external base may
-drive on while its lease lasts: its place is held with a bound that covers this, and its next life begins only
-after it.
+counts, and founds the ledger on the places of the disks, which all stand. A robot has no life there before it
+joins again. In a simulation no disk has moved meanwhile. An external base may drive on while its lease lasts:
+its place is held with a bound that covers this, and its next life begins only after it.
 
 The file has two places for a state, which are written in turn, so that one of them is whole at every moment.
 It is kept by the system when this process is killed, but not forced to the disk: one from before the machine
@@ -47,9 +45,9 @@ _BOOT: Final = Path("/proc/sys/kernel/random/boot_id")
 class Processes(msgspec.Struct):
     """Processes that were admitted, by the names that they gave themselves, and which never come back.
 
-    One that the scenario has ended may live on for a while, and so may one whose robot was removed: it is no
-    other life of its robot, and no life of another robot with the same id, however often a token, a router or
-    a world goes in between. What became of a robot's newest process its newest life says.
+    One that the scenario has ended may live on for a while, and so may one whose robot was removed: it has no
+    other life, of its robot or of another with the same id. The fate of a robot's newest process is that of
+    its newest life.
     """
 
     newest: dict[Id, str] = {}  # of each robot that had one
@@ -58,8 +56,11 @@ class Processes(msgspec.Struct):
     def admit(self, robot: int, session: str, before: Fate) -> None:
         """A process is the newest of a robot; `before` is the fate of the one before it."""
         earlier = self.newest.get(robot, "")
-        if earlier != session:
-            self._keep(robot, earlier, before)
+        if before and earlier not in ("", session):
+            fates = self.over.setdefault(robot, {})
+            fates[earlier] = before
+            if len(fates) > _KEPT:
+                del fates[next(iter(fates))]
         self.newest[robot] = session
 
     def fate(self, robot: int, session: str, lives: Mapping[int, Life]) -> Fate:
@@ -68,13 +69,6 @@ class Processes(msgspec.Struct):
         if life is not None and session == self.newest.get(robot):
             return life.fate
         return self.over.get(robot, {}).get(session, "")
-
-    def _keep(self, robot: int, session: str, fate: Fate) -> None:
-        if session and fate:
-            fates = self.over.setdefault(robot, {})
-            fates[session] = fate
-            if len(fates) > _KEPT:
-                del fates[next(iter(fates))]
 
 
 class SavedRun(msgspec.Struct, frozen=True):
@@ -153,11 +147,10 @@ class Checkpoint:
             _refuse(path, f"cannot be kept: {error.strerror}")
 
     def write(self, progress: SavedRun) -> None:
-        """Replace the older of the two states. When this returns another world would go on from this one.
+        """Replace the older of the two states: from now on another world would go on from this one.
 
         Raises:
-            CheckpointError: it cannot be written, and the file cannot be removed either: to go on would leave
-                a checkpoint that is behind.
+            CheckpointError: it can neither be written nor removed, and would be behind.
         """
         if not self.kept:
             return

@@ -32,9 +32,7 @@ class FailureDetector:
     """Handles missing robots of the present run.
 
     Args:
-        run: at hand.
-        admissions: processes and their tokens.
-        pacing: the wait that begins again when a robot comes back.
+        run, admissions, pacing: of the world.
         tell: sends each robot its Tick.
         gathering: s that robots have to join.
         patience: s that an open tick of lock-step waits for a command.

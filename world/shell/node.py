@@ -2,8 +2,7 @@
 
 Lock-step: a tick begins when every robot that takes part is there, and ends when each has commanded.
 Real time: ticks end by the wall clock, with or without commands; the first waits for a while. All waits are
-bounded: a robot that is not heard in time is given up (it stands still, and is fenced) and named
-(`world/shell/failure_detector.py`).
+bounded (`world/shell/failure_detector.py`).
 With a checkpoint the node goes on where another one died, as another coordinator: all lives are over, and all
 robots join again before the tick is told that was open then.
 """
@@ -55,11 +54,9 @@ class WorldNode:
         speed: simulated seconds per second that lock-step is held to, 0 for no limit.
         restarts: how many times a robot whose process ends is started again; lock-step waits for it.
         clock: tells the time, s; for tests.
-        say: takes warnings for the operator.
-        note: takes lines for the log.
+        say, note, tell: take warnings for the operator, lines for the log, and the report.
         checkpoint: state to go on from; changes are written to it before they are published.
             A robot that is missing may come back within GRACE, unless another process takes its seat.
-        tell: takes the report.
 
     Attributes:
         report: of the run once it has ended.
@@ -102,15 +99,7 @@ class WorldNode:
         ids = {*scenario.ids, *lives.of, *lives.roster.members}
         ids.update(spec.id for spec in scenario.newcomers)
         self._publishers = Publishers(bus, run, ids, epoch)
-        self._operations = Operations(
-            bus,
-            run,
-            self._run,
-            self._publishers,
-            self._pacing,
-            say=say,
-            note=note,
-        )
+        self._operations = Operations(bus, run, self._run, self._publishers, self._pacing, say=say, note=note)
         self._failures = FailureDetector(
             self._run,
             self._admissions,
@@ -203,8 +192,7 @@ class WorldNode:
         self._advance()
 
     def _on_world(self, session: str, alive: bool) -> None:
-        """Another world came or went. Of two that have not begun, as of two that are started at the same
-        time, one leaves."""
+        """Another world came or went. Of two that have not begun one leaves."""
         self._operations.on_world(session, alive)
         founded = self._run.world.lives.founded
         if alive and not founded and session < self._session:
@@ -214,9 +202,8 @@ class WorldNode:
         reason = "key"  # a request may be for a pattern that matches one of the world's keys
         try:
             address = parse(request.key)
-            if self._operations.answers(address):
-                return self._operations.reply(address, request.payload)
-            return joining.encode_reply(self._answer(address, request.payload))
+            reply = self._operations.reply(address, request.payload)
+            return reply or joining.encode_reply(self._answer(address, request.payload))
         except KeyGrammarError as error:
             text = str(error)
         except MessageError as error:
@@ -271,8 +258,8 @@ class WorldNode:
 
     @property
     def _is_idle(self) -> bool:
-        """Whether no robot is there to wait for, nor does the run end: others are heard, too, but not before
-        the tick has opened, with what the scenario does then."""
+        """Whether no robot is there to wait for, nor does the run end: robots may come, once the tick has
+        opened, with what the scenario does then."""
         return self._run.scenario.time.endless and not self._run.world.exchange.active
 
     def _open(self) -> bool:

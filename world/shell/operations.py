@@ -11,7 +11,6 @@ from protocol.errors import MessageError
 from protocol.keys import Address, robot_key
 from protocol.operations import Outcome, Reply, decode_operation, decode_steer, encode_reply
 from protocol.scenario.model import Operation
-from world.coordinator.roster import present
 from world.shell.pacing import Pacing
 from world.shell.publishers import Publishers
 from world.shell.run import JudgedRun, Phase
@@ -23,11 +22,8 @@ class Operations:
     """Answers operators, and keeps the emergency stop.
 
     Args:
-        bus: where another robot is heard.
-        name: of the run.
-        run, publishers, pacing: of the world.
-        say: takes what a person should know.
-        note: takes what is worth a line in a log.
+        bus, name, run, publishers, pacing: of the world.
+        say, note: take warnings for the operator, and lines for the log.
     """
 
     def __init__(
@@ -46,16 +42,14 @@ class Operations:
         self._say, self._note = say, note
         self._rivals: set[str] = set()  # sessions of other worlds of this run
 
-    def answers(self, address: Address) -> bool:
-        """Whether a question is an operator's."""
-        return address.robot is None and address.stream in ("operation", "steering")
-
-    def reply(self, address: Address, payload: bytes) -> bytes:
-        """Do what is asked, and say what came of it.
+    def reply(self, address: Address, payload: bytes) -> bytes | None:
+        """Do what is asked, and say what came of it; None if the question is no operator's.
 
         Raises:
             MessageError: the payload is no change of the pace.
         """
+        if address.robot is not None or address.stream not in ("operation", "steering"):
+            return None
         if address.stream == "steering":
             if self._pacing.lockstep:
                 self._pacing.steering.apply(decode_steer(payload))
@@ -73,7 +67,7 @@ class Operations:
             halted=world.halted,
             moving=world.moving,
             roster=world.lives.roster.message,
-            obstacles=present(world.scenario.shapes, world.lives.obstacles.changes),
+            obstacles=world.lives.obstacles.present,
             goals=world.goal_statuses(),
         )
         return encode_reply(state, payload)

@@ -65,8 +65,8 @@ class Pacing:
         return True
 
     def holds(self, tick: int, step: float) -> bool:
-        """Whether a viewer's pause or speed holds back `tick`, of `step` s: `step / speed` after the one
-        before began, however long that is."""
+        """Whether a viewer's pause or speed holds back `tick`: until `step / speed` s after the one before
+        began."""
         steering = self.steering
         if steering.speed > 0.0 and not steering.paused and tick > 0:
             due = self._began + step / steering.speed
@@ -77,8 +77,8 @@ class Pacing:
         return not steering.allow()
 
     def prolongs(self, tick: int, now: float) -> bool:
-        """Whether `tick` of real time goes on although its time is over, for commands are missing: only the
-        first does, and not for ever."""
+        """Whether `tick` of real time goes on although its time is over, for commands are missing: the first
+        does, for a while."""
         if tick > 0 or now >= self.since + FIRST:
             return False
         self.deadline = now + _AGAIN

@@ -39,7 +39,6 @@ class JudgedRun:
     """A run with its judge, from its beginning or from where an earlier world has left it.
 
     Attributes:
-        phase: how far the run is.
         opened: whether the present tick has begun.
         began: s, monotonic: when its first tick began, or when it was prepared.
         received, rejected: commands accepted, and payloads refused by reason.
@@ -92,13 +91,7 @@ _ASK_AGAIN = 0.005  # s, for robots that have reported while others have not
 
 
 class Shutdown:
-    """Which robots have reported and which have been notified, and whether that is enough.
-
-    Args:
-        run: that ends.
-        admissions: where reports and notifications are kept, by robot.
-        pacing: for how long has been waited.
-    """
+    """Which robots have reported and which have been notified, and whether that is enough."""
 
     def __init__(self, run: JudgedRun, admissions: Admissions, pacing: Pacing) -> None:
         self._run, self._admissions, self._pacing = run, admissions, pacing

@@ -92,8 +92,8 @@ def drive(
     world = WorldCore(scenario)
     plant = world.simulation.plant
     if isinstance(plant, Integrator):
-        for index, base in plant._bases.items():
-            base._errors = TowardsTheNearest(plant, index, scenario)
+        for robot, base in plant._bases.items():
+            base._errors = TowardsTheNearest(plant, plant.ids.index(robot), scenario)
     believed = scenario if stated is None else replace(scenario, body=stated)
     robots = {robot: Robot(believed, robot, world.join(robot)) for robot in scenario.ids}
     for robot in robots.values() if naive else ():
