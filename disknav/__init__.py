@@ -34,26 +34,6 @@ if TYPE_CHECKING:
     from protocol.errors import UsageError as UsageError
     from protocol.scenario.model import Scenario as Scenario
 
-__all__ = [
-    "DisknavError",
-    "FleetOrders",
-    "Orders",
-    "Recording",
-    "Run",
-    "Scenario",
-    "ScenarioError",
-    "Simulation",
-    "Trajectory",
-    "UsageError",
-    "build",
-    "filtered",
-    "library",
-    "load",
-    "operate",
-    "parallel_env",
-    "read",
-    "run",
-]
 _MODULES = {
     "disknav.environment": ("parallel_env",),
     "disknav.filtering": ("filtered",),
@@ -67,6 +47,7 @@ _MODULES = {
     "protocol.scenario.model": ("Scenario",),
 }
 _FROM = {name: module for module, names in _MODULES.items() for name in names}
+__all__ = sorted(_FROM)  # noqa: PLE0605  # each name is listed once
 
 
 def __getattr__(name: str) -> Any:

@@ -136,23 +136,23 @@ def robot_key(run: str, robot: int, stream: str) -> str:
     """Key of one robot's stream, e.g. `disknav/demo/robot/3/state`."""
     if not 1 <= robot <= HIGHEST_ID:
         raise KeyGrammarError(f"robot {robot}: ids are whole numbers from 1 to {HIGHEST_ID}")
-    if stream not in ROBOT_STREAMS:
-        raise KeyGrammarError(f"no robot stream {stream!r}; there are {', '.join(ROBOT_STREAMS)}")
-    return f"disknav/{run}/robot/{robot}/{stream}"
+    return f"disknav/{run}/robot/{robot}/{_checked(stream, 'robot', ROBOT_STREAMS)}"
 
 
 def world_key(run: str, stream: str) -> str:
     """Key of one of the world's streams, e.g. `disknav/demo/world/clock`."""
-    if stream not in WORLD_STREAMS:
-        raise KeyGrammarError(f"no world stream {stream!r}; there are {', '.join(WORLD_STREAMS)}")
-    return f"disknav/{run}/world/{stream}"
+    return f"disknav/{run}/world/{_checked(stream, 'world', WORLD_STREAMS)}"
 
 
 def every_robot(run: str, stream: str) -> str:
     """Key expression that matches `stream` of all robots of a run."""
-    if stream not in ROBOT_STREAMS:
-        raise KeyGrammarError(f"no robot stream {stream!r}; there are {', '.join(ROBOT_STREAMS)}")
-    return f"disknav/{run}/robot/*/{stream}"
+    return f"disknav/{run}/robot/*/{_checked(stream, 'robot', ROBOT_STREAMS)}"
+
+
+def _checked(stream: str, whose: str, known: tuple[str, ...]) -> str:
+    if stream not in known:
+        raise KeyGrammarError(f"no {whose} stream {stream!r}; there are {', '.join(known)}")
+    return stream
 
 
 def robot_token(run: str, robot: int, session: str) -> str:

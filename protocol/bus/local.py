@@ -26,7 +26,6 @@ class LocalNetwork:
         self.listeners: list[LocalBus] = []  # subscribers to patterns
         self._ready: deque[LocalBus] = deque()
         self.routes: dict[str, list[LocalBus]] = {}  # subscribers to each plain key
-        self.generation = 0  # grows whenever a subscription to a pattern changes
 
     def connect(self) -> LocalBus:
         """A new participant."""
@@ -95,7 +94,6 @@ class LocalNetwork:
             self._buses.remove(bus)
             if bus in self.listeners:
                 self.listeners.remove(bus)
-                self.generation += 1
             for key in bus.keys:
                 self.routes[key].remove(bus)
             for key in bus.announced:
@@ -127,19 +125,14 @@ class LocalBus:
         return self._publish(key, lambda payload: Foreign(key, payload, beside()))
 
     def _publish(self, key: str, event: Callable[[bytes], Event]) -> Publish:
-        network = self.network
-        route, watchers = network.route(key), list[LocalBus]()
-        generation = -1
+        network, route = self.network, self.network.route(key)
 
         def publish(payload: bytes) -> None:
-            nonlocal watchers, generation
-            if generation != network.generation:
-                watchers, generation = network.watchers(key), network.generation
             sample = event(payload)
             for bus in route:
                 if bus is not self:
                     bus.put(sample)
-            for bus in watchers:
+            for bus in network.watchers(key):
                 if bus is not self and bus not in route:
                     bus.put(sample)
 
@@ -154,7 +147,6 @@ class LocalBus:
                 if not self._patterns:
                     self.network.listeners.append(self)
                 self._patterns.append(_pattern(each))
-                self.network.generation += 1
             elif self not in (route := self.network.route(each)):
                 route.append(self)
                 self.keys.add(each)

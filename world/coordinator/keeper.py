@@ -240,11 +240,7 @@ class Keeper:
         disk = self._ledger.disks.get(robot)
         if disk is None or disk.life == NO:
             return ()
-        return [
-            peer
-            for peer, pair in self._ledger.pairs[robot].items()
-            if peer > 0 and (_is_told(pair.living, disk) or _is_told(pair.static, disk))
-        ]
+        return {each.peer for each in self._ledger.told(disk).bindings if each.peer > 0}
 
     def news(self, robot: int) -> Grants | None:
         """Grants for the present life of a robot; None if it has the newest."""
@@ -252,13 +248,6 @@ class Keeper:
         if disk is None or disk.life == NO or self._known.get(robot, 0) >= self._changed.get(robot, 0):
             return None
         return _message(self._ledger.told(disk))
-
-
-def _is_told(binding: Binding[Line] | None, disk: DiskRecord[Region]) -> bool:
-    """Whether the present life of a disk is told of a binding: as `Ledger.told` has it."""
-    if binding is None or binding.end(disk.name).life != disk.life:
-        return False
-    return binding.told != NO or binding.asked == disk.name
 
 
 def _shapes(held: Held[Region]) -> list[Shape]:
