@@ -363,9 +363,12 @@ class Attraction:
 
     def _follow(self, obstacles: Sequence[Shape]) -> None:
         obstacles = tuple(obstacles)  # an unchanged tuple is the same object, which saves a comparison
-        if obstacles is self._obstacles or obstacles == self._obstacles:
+        if obstacles is self._obstacles:
             return
-        self._obstacles, self._routes, self._choice = obstacles, [], 0
+        known, self._obstacles = self._obstacles, obstacles
+        if obstacles == known:
+            return
+        self._routes, self._choice = [], 0
         self._clearances = None
         self.winds = not is_sphere_world(self._room, dict(enumerate(obstacles, 1)), self._radius)
 
