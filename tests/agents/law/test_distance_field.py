@@ -52,7 +52,7 @@ def test_ways_lead_to_the_goal_clear_of_everything_and_are_nearly_shortest(seed:
     shapes, start, goal = scattered(seed, 14), (-4.6, -3.6), (4.6, 3.6)
     exact = Route(WayPoints(ROOM, shapes, 1.3 * RADIUS)).ahead(start, goal)  # with room for the grid's steps
     route, position, length = FieldRoute(Clearances(ROOM, shapes, RADIUS), RADIUS), start, 0.0
-    if exact is None:
+    if exact is None or min(shape.distance(*end) for shape in shapes for end in (start, goal)) < 1.3 * RADIUS:
         return
     for _ in range(200):
         found = route.ahead(position, goal)
