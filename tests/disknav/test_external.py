@@ -100,7 +100,7 @@ def test_a_wish_that_is_not_finite_is_refused_by_the_robot() -> None:
 @pytest.mark.slow
 def test_a_planner_drives_real_processes_by_key_with_no_more_than_zenoh(tmp_path: Path) -> None:
     """It hears the truth and says wishes, as docs/streams.md has them, straight through each other."""
-    scenario = disknav.build(CROSSING, {"control.lifetime": 2.0, "time.limit": 12.0})
+    scenario = disknav.build(CROSSING, {"control.lifetime": 2.0, "time.limit": 5.0})
     (tmp_path / "crossing.toml").write_text(write_toml(scenario))
     page = (Path(__file__).parents[2] / "docs/streams.md").read_text()
     kind_of_wish = re.findall(r'"(wish/\d+)"', page)[0]

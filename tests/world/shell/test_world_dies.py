@@ -212,7 +212,7 @@ def test_another_world_goes_on(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["quick", "wheels"])
+@pytest.mark.parametrize("name", ["quick", pytest.param("wheels", marks=pytest.mark.campaign)])
 def test_in_real_time_too(name: str, tmp_path: Path) -> None:
     doom, report = run(name, tmp_path, [200, 900], lockstep=False)
     assert (report["verdict"], report["collisions"], len(report["worlds"])) == ("arrived", 0, doom.deaths)
