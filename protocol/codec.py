@@ -1,8 +1,8 @@
 """Encoding and checked decoding of messages.
 
-Every payload is untrusted. It is accepted only if its size, version, type, shape and numbers are right and
-its sender's id is that of its key; else MessageError names one of `REASONS`. Each key is parsed once.
-States, which a robot reads once per peer and tick, are read by a `Cursor` where they can be.
+Every payload is untrusted. It is accepted only if its size, version, type, shape and numbers are valid and
+its sender's id is that of its key; otherwise MessageError has one of `REASONS`. Each key is parsed once.
+States, which a robot reads once per peer and tick, are read by a `Cursor` where possible.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from protocol.keys import STREAMS, parse
 from protocol.messages import VERSION, AnyMessage, Command, Message, Tick
 
 _TAG = re.compile(r"([a-z]+)/([0-9]+)")
-_MOST = 1 << 14  # keys that are remembered
+_MOST = 1 << 14  # remembered keys
 _DECODE: dict[str, Any] = {
     name: msgspec.msgpack.Decoder(stream.message).decode for name, stream in STREAMS.items()
 }
@@ -84,7 +84,7 @@ def reader(key: str) -> Reader:
 
 
 def _refusal(stream: str, payload: bytes, error: Exception) -> MessageError:
-    """Say why a payload did not decode: of another version, another type, or of the wrong shape."""
+    """Error of a payload that did not decode: of another version, another type, or of the wrong shape."""
     try:
         content = msgspec.msgpack.decode(payload)
     except DAMAGED:
@@ -103,7 +103,7 @@ def _refusal(stream: str, payload: bytes, error: Exception) -> MessageError:
 
 
 def _with_defaults(message: type[Message]) -> tuple[tuple[str, object], ...]:
-    """Fields that may be left out, and what they are then, from the last one on."""
+    """Optional fields and their defaults, from the last one on."""
     defaults = message.__struct_defaults__
     fields = message.__struct_fields__[-len(defaults) :]
     return tuple(zip(reversed(fields), reversed(defaults), strict=True))
@@ -114,8 +114,7 @@ _OF_COMMAND: Final = _with_defaults(Command)
 
 
 def encode(message: Message) -> bytes:
-    """A message as it travels. Ticks and Commands cross links between hosts in every tick: they end with the
-    last field that is not as it is by default."""
+    """A message as sent. The last fields of Ticks and Commands are omitted if they have their defaults."""
     if isinstance(message, Tick):
         return _shortened(message, _OF_TICK)
     if isinstance(message, Command):
@@ -124,7 +123,7 @@ def encode(message: Message) -> bytes:
 
 
 def _shortened(message: Message, fields: tuple[tuple[str, object], ...]) -> bytes:
-    """Without `fields` at the end that are as by default: each of those is one byte of a short array."""
+    """Without final `fields` with default values, each of which is one byte of a short array."""
     payload, spare = _pack(message), 0
     for name, default in fields:
         if getattr(message, name) != default:
@@ -139,12 +138,13 @@ def decode(key: str, payload: bytes) -> AnyMessage:
 
 
 def keeps_newest(make: Callable[[Told], Made]) -> Callable[[Told], Made]:
-    """`make`, whose newest result is kept for the next call with equal arguments. Unlike
-    `lru_cache` it hashes nothing: of a thousand robots that takes as long as to make the result."""
+    """`make`, with its newest result kept for the next call with equal arguments. Unlike `lru_cache` it
+    hashes nothing, which for a thousand robots takes as long as `make`.
+    """
     kept: list[tuple[Told, Made]] = []
 
     def found(told: Told) -> Made:
-        newest = kept[0] if kept else None  # looked at once: another thread may replace it
+        newest = kept[0] if kept else None  # read once: another thread may replace it
         if newest is None or (told is not newest[0] and told != newest[0]):
             newest = told, make(told)
             kept[:] = [newest]
@@ -165,10 +165,10 @@ _ARRAY16: Final = 0xDC
 @final
 @mypyc_attr(acyclic=True)
 class Cursor:
-    """A place in a msgpack payload of the form in which libraries write it: short integers, 64-bit floats.
+    """A position in a msgpack payload in the usual encoding of libraries: short integers, 64-bit floats.
 
-    It moves on with everything read, and creates objects only for values that the caller reads. Any other
-    encoding that msgpack allows, or a truncated payload, raises IndexError, and is left to `decode`.
+    It advances with every value, and creates objects only for values that the caller reads. Other valid
+    encodings, and truncated payloads, raise IndexError, and are left to `decode`.
 
     Attributes:
         at: index of the next byte.
@@ -211,14 +211,14 @@ class Cursor:
         return read_f64_be(self._payload, at + 1)
 
     def none(self) -> bool:
-        """Whether there is nothing; what there is remains to be read."""
+        """Whether the next value is nil, which is skipped; any other remains."""
         if self._payload[self.at] != _NONE:
             return False
         self.at += 1
         return True
 
     def array(self) -> i64:
-        """How many elements follow as an array."""
+        """Number of elements of an array that follows."""
         head: i64 = self._payload[self.at]
         if _ARRAY <= head < _ARRAY + 16:
             self.at += 1
@@ -229,6 +229,6 @@ class Cursor:
         raise IndexError("no array")
 
     def enter(self, elements: i64) -> None:
-        """Exactly so many elements follow as an array."""
+        """Enter an array with exactly this number of elements."""
         if self.array() != elements:
             raise IndexError("another number of elements")

@@ -1,8 +1,9 @@
-"""Large fleets: the times and distances that the world and all robots go by.
+"""Large fleets: times and distances that the world and all robots use.
 
-A robot stays in a region around its last known place, and hears the robots that it is bound to. Every PERIOD
-the world sums up where all robots are; what the summary says is taken in LEAD ticks later, by some robots in
-one tick and by others in the next. LEAD ticks after it was bound to a robot, a robot has subscribed to it.
+A robot stays in a region around its last known position, and receives the States of the robots that it is
+bound to. Every PERIOD the world publishes a summary of all positions, which takes effect LEAD ticks later,
+for some robots in one tick and for others in the next. LEAD ticks after a binding begins, a robot is
+subscribed to its peer.
 """
 
 from __future__ import annotations
@@ -13,10 +14,10 @@ from protocol.scenario.model import Scenario
 
 PERIOD: Final = 0.5  # s of simulated time
 LEAD: Final = 2  # ticks
-_TURNS: Final = 2  # ticks in which robots take in a summary: all in one would make that a long one
+_TURNS: Final = 2  # ticks over which summaries take effect: for all robots at once that would be a long tick
 _AHEAD: Final = 8  # ticks of motion, besides PERIOD, for which the gap of two leaves room as they are bound
-_LEAST: Final = 6  # ticks of motion that a region leaves at least
-_BOUNDS: Final = 3.0  # error bounds that a region leaves beyond that
+_LEAST: Final = 6  # least ticks of motion in a region
+_BOUNDS: Final = 3.0  # error bounds in a region beyond that
 
 
 def period(scenario: Scenario) -> int:
@@ -25,17 +26,17 @@ def period(scenario: Scenario) -> int:
 
 
 def turn(scenario: Scenario, robot: int) -> int:
-    """Ticks after LEAD in which this robot takes in a summary."""
+    """Ticks after LEAD in which a summary takes effect for this robot."""
     return robot % min(_TURNS, period(scenario) - LEAD)
 
 
 def way(scenario: Scenario, ticks: int) -> float:
-    """How far a robot gets at most in so many ticks, m."""
+    """Longest displacement of a robot in this number of ticks, m."""
     return ticks * scenario.time.step * scenario.control.speed * (1.0 + scenario.actuation.bound)
 
 
 def slack_of(scenario: Scenario) -> float:
-    """How much larger than its disk the region of a robot is, m: half the gap below which two are bound."""
+    """Radius of a robot's region less that of its disk, m: half the gap below which two robots are bound."""
     reach = scenario.network.reach
     gap = way(scenario, _AHEAD + period(scenario)) if reach is None else reach
     bound = max((each.bound for each in scenario.sensing), default=0.0)

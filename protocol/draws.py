@@ -1,7 +1,7 @@
 """Random draws by counter: the same key gives the same numbers, independent of earlier draws.
 
-Every draw is keyed by (seed, purpose, robot, tick), with one column per peer where pairs matter (a key of its
-own for each robot that joins later), so neither the order of messages nor the transport can change a run.
+Every draw is keyed by (seed, purpose, robot, tick), with one column per peer where pairs matter (a separate
+key for each robot that joins later), so neither the order of messages nor the transport can change a run.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ LARGEST_SEED = 2**63 - 1
 
 
 class Purpose(IntEnum):
-    """What a draw is for; each purpose has numbers of its own."""
+    """Purpose of a draw; each has its own numbers."""
 
     SENSING = 1
     LINK = 2
@@ -36,7 +36,7 @@ _MASK = (1 << 64) - 1
 def checked_seed(seed: object) -> int:
     """A seed as a program gave it, such as an integer of numpy; raises UsageError if it is none."""
     try:
-        number = -1 if isinstance(seed, bool) else index(seed)  # type: ignore[arg-type]  # it finds out
+        number = -1 if isinstance(seed, bool) else index(seed)  # type: ignore[arg-type]  # `index` rejects other types
     except TypeError:
         number = -1
     if not 0 <= number <= LARGEST_SEED:
@@ -45,7 +45,7 @@ def checked_seed(seed: object) -> int:
 
 
 def generator(seed: int, purpose: Purpose, robot: int = 0, tick: int = 0, peer: int = 0) -> Generator:
-    """A numpy generator for one key; `seed` is any non-negative integer, ids and ticks below 2**32."""
+    """A numpy generator for a key; `seed` is any non-negative integer, ids and ticks below 2**32."""
     key = np.array([seed & _MASK, (int(purpose) << 56) ^ (seed >> 64)], dtype=np.uint64)
     counter = np.array([0, peer, robot, tick], dtype=np.uint64)
     return Generator(Philox(key=key, counter=counter))

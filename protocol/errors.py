@@ -21,7 +21,7 @@ class Problem(NamedTuple):
 
 
 class DocumentError(DisknavError):
-    """A file that people write is malformed; carries every problem found, not just the first."""
+    """A file of the user is malformed; carries every problem found, not just the first."""
 
     def __init__(self, source: str, problems: Sequence[Problem]) -> None:
         self.source = source
@@ -36,11 +36,11 @@ class ScenarioError(DocumentError):
 
 
 class HostsError(DocumentError):
-    """A table of hosts is malformed, or does not fit the scenario."""
+    """A table of hosts is malformed, or does not match the scenario."""
 
 
 class UsageError(DisknavError):
-    """The command line asks for something that does not exist or does not fit together."""
+    """An argument or option is invalid, or cannot be combined with others."""
 
 
 class MessageError(DisknavError):
@@ -60,11 +60,11 @@ class BusError(DisknavError):
 
 
 class ListenError(BusError):
-    """The endpoint that was asked for cannot be listened on."""
+    """The process cannot listen on the given endpoint."""
 
 
 class EndpointTakenError(ListenError):
-    """Another process listens on the endpoint that was asked for."""
+    """Another process listens on the given endpoint."""
 
 
 class RunTakenError(DisknavError):
@@ -97,16 +97,16 @@ class ProcessError(DisknavError):
 
 
 class StartError(ProcessError):
-    """A process of the fleet could not start, and has said why on standard error."""
+    """A process of the fleet could not start, and reported the reason on standard error."""
 
 
 class RecordingError(DisknavError):
-    """A recording cannot be read, or does not say what its result claims."""
+    """A recording cannot be read, or contradicts its result."""
 
 
 class CheckpointError(DisknavError):
-    """No world can go on from a checkpoint: it is damaged, of another run, in use, or not there."""
+    """A checkpoint cannot be continued: it is damaged, of another run, in use, or missing."""
 
 
 class MapError(DocumentError):
-    """A map, or another tool's file, cannot be read or does not describe what it should."""
+    """A map, or another tool's file, cannot be read or is invalid."""

@@ -11,11 +11,11 @@ from mypy_extensions import mypyc_attr
 
 Point = tuple[float, float]
 Side = tuple[float, float, float]  # outward unit normal, and the largest n.p, m
-SIDES = 48  # of the polygon that stands for a disk
-ROOM = 0  # stands for the boundary where obstacles are numbered
-_SHORT = 1e-9  # m, the least length of a side: its direction must be more than rounding
-_STRAIGHT = 1e-9  # sine of a turn below which a corner is taken for a point of a straight side
-_THIN = 1e-6  # of its length, that a polygon must be wide: it has two faces
+SIDES = 48  # corners of a polygon in place of a disk
+ROOM = 0  # the boundary, among numbers of obstacles
+_SHORT = 1e-9  # m, least length of a side, so that its direction is exact enough
+_STRAIGHT = 1e-9  # sine of a turn below which a corner is ignored
+_THIN = 1e-6  # least width of a polygon over its length
 
 
 @final
@@ -56,7 +56,7 @@ class Disk:
 
     @property
     def box(self) -> tuple[Point, Point]:
-        """The lower left and the upper right corner of the upright rectangle around it, m."""
+        """Lower left and upper right corner of its bounding box, m."""
         return (self.x - self.radius, self.y - self.radius), (self.x + self.radius, self.y + self.radius)
 
     def distance(self, x: float, y: float) -> float:
@@ -128,12 +128,11 @@ class ConvexPolygon:
 
     @property
     def box(self) -> tuple[Point, Point]:
-        """The lower left and the upper right corner of the upright rectangle around it, m."""
+        """Lower left and upper right corner of its bounding box, m."""
         xs, ys = [x for x, _ in self.points], [y for _, y in self.points]
         return (min(xs), min(ys)), (max(xs), max(ys))
 
     def distance(self, x: float, y: float) -> float:
-        """Distance of (x, y), m; inside, minus the distance to the edge."""
         highest = -math.inf
         for nx, ny, offset in self.sides:
             highest = max(highest, nx * x + ny * y - offset)
@@ -143,7 +142,6 @@ class ConvexPolygon:
         return math.hypot(px - x, py - y)
 
     def nearest(self, x: float, y: float) -> Point:
-        """The nearest point to (x, y), which is itself inside."""
         least, best, outside = math.inf, (x, y), False
         ax, ay = self.points[-1]
         nx, ny, offset = self.sides[-1]
@@ -162,7 +160,6 @@ class ConvexPolygon:
         return best if outside else (x, y)
 
     def limit(self, nx: float, ny: float, clearance: float) -> float:
-        """The largest c so that n.p >= c + clearance for every p of it, n = (nx, ny) a unit vector, m."""
         least = math.inf
         for x, y in self.points:
             least = min(least, nx * x + ny * y)
@@ -177,14 +174,14 @@ Shape = Disk | ConvexPolygon
 
 
 def shape_of(points: Sequence[Point], radius: float) -> Shape:
-    """A shape as messages have it: the disk around one point, or the polygon of several corners, m."""
+    """A shape from its form in messages: the disk around one point, or the polygon of several corners, m."""
     if len(points) == 1:
         return Disk(points[0][0], points[0][1], radius)
     return ConvexPolygon(points)
 
 
 def points_of(shape: Shape) -> tuple[tuple[Point, ...], float]:
-    """The reverse."""
+    """The reverse of `shape_of`."""
     if isinstance(shape, Disk):
         return ((shape.x, shape.y),), shape.radius
     return shape.points, 0.0
@@ -212,7 +209,7 @@ def _side(corners: Sequence[Point], index: int) -> Side:
 
 
 def _around(corners: Sequence[Point]) -> Disk:
-    """Around the middle of its upright rectangle."""
+    """A disk around the middle of its bounding box."""
     xs, ys = [x for x, _ in corners], [y for _, y in corners]
     x, y = 0.5 * (min(xs) + max(xs)), 0.5 * (min(ys) + max(ys))
     return Disk(x, y, max([math.hypot(px - x, py - y) for px, py in corners]))
@@ -248,7 +245,7 @@ def _turn(one: Point, other: Point) -> float:
 def obstructed(room: Shape, shapes: Mapping[int, Shape], radius: float) -> Iterator[tuple[int, int]]:
     """Pairs of obstacles, or of boundary (`ROOM`) and obstacle, between which no disk of `radius` (m) passes.
 
-    Of what is no disk, the disk around it counts.
+    Other shapes are replaced by the disks around them.
     """
     disks = {number: shape.around for number, shape in shapes.items()}
     for (one, a), (other, b) in combinations(disks.items(), 2):

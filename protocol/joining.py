@@ -32,11 +32,11 @@ class JoinRequest(msgspec.Struct, frozen=True):
     """A request under a robot's `join` key. `session` distinguishes two processes with one id."""
 
     session: Annotated[str, Meta(pattern=f"^{SESSION}$")]
-    health: Health | None = None  # of the run that this process has just ended
+    health: Health | None = None  # of the life that has ended
 
 
 class Join(NamedTuple):
-    """A robot's request to join: its content, and the robot that its key names."""
+    """A robot's request to join: its content, and the robot in its key."""
 
     robot: Id
     session: str
@@ -49,13 +49,13 @@ class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
     incarnation: Count
     lockstep: bool
     scenario: Scenario
-    away: Size = 0.0  # s that the world may be gone and still come back; 0 if it never does
-    founded: bool = False  # whether the run has begun: a later process begins where its disk stands
-    epoch: Epoch = 0  # of the coordinator: messages of any other do not count
+    away: Size = 0.0  # s after which a lost world may still return; 0 if it never does
+    founded: bool = False  # whether the run has begun: a later process begins at its disk
+    epoch: Epoch = 0  # of the coordinator: messages of any other are refused
 
 
 class Refusal(msgspec.Struct, frozen=True, tag="refused", tag_field="reply"):
-    """Not admitted, and asking again will not help; `text` says why."""
+    """Not admitted, and another request will not help; `text` is the reason."""
 
     text: str
 
@@ -113,8 +113,7 @@ def decode_request(robot: Id, payload: bytes) -> Join:
 
 @keeps_newest
 def encode_reply(reply: Reply) -> bytes:
-    """Payload of a reply: once, if a fleet is admitted one by one and all are told the same.
-    A reply is never changed."""
+    """Payload of a reply, encoded once for all processes that receive it. A reply is never changed."""
     return _encode(reply)
 
 

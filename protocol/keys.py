@@ -116,7 +116,7 @@ class Address(NamedTuple):
     Attributes:
         robot: None for the world's.
         stream: `TOKEN` for a liveliness token.
-        session: of the process that a token stands for, else empty.
+        session: of the process of a token, otherwise empty.
     """
 
     run: str
@@ -126,7 +126,7 @@ class Address(NamedTuple):
 
 
 def checked_run(run: str) -> str:
-    """Return `run` if it may stand in a key, else raise KeyGrammarError."""
+    """Return `run` if it is valid in a key, otherwise raise KeyGrammarError."""
     if not (isinstance(run, str) and _RUN.fullmatch(run)):
         raise KeyGrammarError(f"run name {run!r}: use letters, digits, '_' and '-' only")
     return run
@@ -176,7 +176,7 @@ def is_driver(key: str) -> bool:
 
 
 def session_of(epoch: int) -> str:
-    """The session that the token of a world names."""
+    """The session in the token of a world."""
     return f"{epoch:08x}"
 
 
@@ -195,9 +195,9 @@ def everything(run: str) -> str:
     return f"disknav/{run}/**"
 
 
-@lru_cache(maxsize=1 << 14)  # every message is heard under a key, and there are few
+@lru_cache(maxsize=1 << 14)  # every message has a key, and there are few
 def parse(key: str) -> Address:
-    """Take a key apart; raises KeyGrammarError on anything that the grammar does not allow."""
+    """Parse a key; raises KeyGrammarError on anything that the grammar does not allow."""
     found = _KEY.fullmatch(key)
     if found is not None:
         run, robot, stream, session = found.group("run", "robot", "stream", "session")

@@ -7,18 +7,18 @@ from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
-ROUNDING: Final = 1e-9  # m; covers what floating point loses between an agreed line and the judged truth
-SURE: Final = 0.25 * ROUNDING  # m, by which a half-plane has to be satisfied to be agreed on
-_ULP: Final = 2.0**-51  # of |x| + |y|: more than two coordinates lose, and than an edge's distance is off
-_UNIT: Final = 1e-12  # how far a normal's length may be from one
+ROUNDING: Final = 1e-9  # m; covers rounding between an agreed line and the judged truth
+SURE: Final = 0.25 * ROUNDING  # m, margin with which a half-plane must be satisfied at its agreement
+_ULP: Final = 2.0**-51  # of |x| + |y|: more than the rounding of two coordinates, and of an edge's distance
+_UNIT: Final = 1e-12  # tolerance of a normal's length
 
 
 def room_of(slack: float, x: float, y: float) -> float:
-    """How far a displacement from (x, y), which is exact, may lead towards an edge that is `slack` away, of
-    which twice ROUNDING was taken off before; all in m.
+    """Allowed displacement from an exact (x, y) towards an edge at distance `slack`, of which twice ROUNDING
+    was subtracted before; all in m.
 
-    Nowhere, if there is none; and once half of what was taken off is gone, it has to lead away by what adding
-    it to a place may lose: a robot that slides along an edge loses that in every tick.
+    Zero if there is none. Once half of the subtracted distance is used, it must lead away by the rounding
+    error of its addition to a position, since a robot that slides along an edge has that error in every tick.
     """
     if slack > 0.0:
         return slack
@@ -70,7 +70,7 @@ class Line:
         return self.nx, self.ny, self.offset
 
     def side(self, radius: float, owner: bool) -> HalfPlane:
-        """Where the centre of a disk of `radius` (m) may be when it obeys this line."""
+        """Half-plane of the centre of a disk of `radius` (m) that obeys this line."""
         if owner:
             return HalfPlane(self.nx, self.ny, self.offset - radius)
         return HalfPlane(-self.nx, -self.ny, -self.offset - radius)

@@ -67,9 +67,9 @@ class Reply(Outcome, frozen=True, kw_only=True):
 
     Attributes:
         tick: the present one; of a stop, the first in which it is in force.
-        halted: whether all robots are to stand.
+        halted: whether all robots must stand.
         moving: robots that do not stand yet; empty unless `halted`.
-        obstacles: all that stand or are to appear.
+        obstacles: all that are present or announced.
         goals: of all robots, by increasing id.
     """
 
@@ -95,14 +95,14 @@ class Steer:
 
 
 class Steering(msgspec.Struct):
-    """The pace that is in force."""
+    """The pace in force."""
 
     paused: bool = False
     steps: int = 0
     speed: float = 0.0
 
     def apply(self, steer: Steer) -> None:
-        """Change what is asked."""
+        """Change the given settings."""
         if steer.pause is not None:
             self.paused, self.steps = steer.pause, 0
         if steer.step is not None:
@@ -121,11 +121,7 @@ class Steering(msgspec.Struct):
 
 
 def read_operation(document: Any) -> Operation:
-    """An operation from plain maps, arrays and values.
-
-    Raises:
-        MessageError: with everything that is wrong with it.
-    """
+    """An operation from plain maps, arrays and values; raises MessageError with all its errors."""
     operation = _read(document, Operation)
     if len(operation.asked) != 1:
         how = f"not {' and '.join(operation.asked)}" if operation.asked else "and asks for none"
@@ -144,7 +140,7 @@ def read_steer(document: Any) -> Steer:
 
 
 def decode_steer(payload: bytes) -> Steer:
-    """The change of the pace that a request asks for; raises MessageError."""
+    """The change of the pace in a request; raises MessageError."""
     return read_steer(_document(payload, "steer"))
 
 
@@ -182,5 +178,5 @@ def decode_reply(payload: bytes, kind: type[T]) -> T:
 
 
 def is_json(payload: bytes) -> bool:
-    """Whether a request is JSON text; no map in msgpack begins like that."""
+    """Whether a request is JSON text, which begins unlike any msgpack map."""
     return payload[:1] in (b"{", b" ", b"\n", b"\t")

@@ -1,7 +1,7 @@
-"""Regions in which disks stay, places where they stand, and lines between them: the kernel's geometry.
+"""Regions of disks, places of static disks, and lines between them: the kernel's geometry.
 
-Rounding never says that two are apart, or that one is beside a line, if they are not: of the `ROUNDING` by
-which robots keep off their half-planes, twice, a line may lose `SURE` at either side.
+Rounding never makes two regions disjoint, or one beside a line, if they are not: of the `ROUNDING` by which
+robots keep off their half-planes, twice, a line may lose `SURE` at either side.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from protocol.line import ROUNDING, SURE, Line
 @final
 @mypyc_attr(acyclic=True)
 class Region:
-    """A closed convex set that holds a whole disk. Immutable.
+    """A closed convex set that contains a whole disk. Immutable.
 
     Args:
         shape: the set.
-        obstacle: whether it is where an obstacle stands: two of these may overlap.
+        obstacle: whether it is the place of an obstacle: two of these may overlap.
     """
 
     __slots__ = ("obstacle", "shape")
@@ -74,7 +74,7 @@ def is_beside(shape: Shape, line: Line, low: bool) -> bool:
 
 
 def parting(low: Iterable[Shape], high: Iterable[Shape]) -> Line | None:
-    """A line in the middle of the gap between two sets of shapes; None if no direction tried shows one."""
+    """A line in the middle of the gap between two sets of shapes; None if no tried direction has one."""
     ours, theirs = list(low), list(high)
     best, found = 2.0 * SURE, None
     for one in ours:
@@ -90,7 +90,7 @@ def parting(low: Iterable[Shape], high: Iterable[Shape]) -> Line | None:
 
 
 def _direction(one: Shape, other: Shape) -> tuple[float, float]:
-    """From the one to the other, a unit vector; (0, 0) if there is none."""
+    """Unit vector from the one to the other; (0, 0) if there is none."""
     (ax, ay), (bx, by) = _centre(one), _centre(other)
     if not isinstance(other, Disk):
         bx, by = other.nearest(ax, ay)
@@ -110,7 +110,7 @@ def _of(around: Disk) -> tuple[float, float, float]:
 
 
 def _circle(held: Held[Region]) -> tuple[float, float, float]:
-    """A disk around all that is held: its centre and radius, m."""
+    """A disk around all regions that are held: its centre and radius, m."""
     x, y, radius = _of(held.regions[-1][1].shape.around)
     for _, region in held.regions[:-1]:
         each = region.shape.around
@@ -120,8 +120,7 @@ def _circle(held: Held[Region]) -> tuple[float, float, float]:
 
 @final
 class RegionGeometry:
-    """Implements `protocol.kernel.records.LedgerGeometry`, with a disk around all that each disk holds, in
-    the order in which they came."""
+    """Implements `protocol.kernel.records.LedgerGeometry`, with a disk around all regions of each disk."""
 
     def __init__(self) -> None:
         self._names: list[int] = []
@@ -129,7 +128,7 @@ class RegionGeometry:
         self._around: NDArray[np.float64] = np.full((3, 16), -np.inf)  # x, y, radius, m
 
     def note(self, disk: Disk_[Region]) -> None:
-        """What a disk holds, or whether it is there, has changed."""
+        """Note that the regions of a disk, or its presence, have changed."""
         row = self._rows.get(disk.name)
         if row is None:
             row = self._rows[disk.name] = len(self._names)
@@ -139,27 +138,28 @@ class RegionGeometry:
         self._around[:, row] = (0.0, 0.0, -math.inf) if disk.phase == GONE else _circle(disk.held)
 
     def around(self, disk: Disk_[Region], region: Region) -> list[int]:
-        """Names of all disks, but for those that are gone or hold nothing that meets the region, or what the
-        disk holds."""
+        """Names of all disks, perhaps without some that are gone, or disjoint from this region and the
+        disk's.
+        """
         found = self._meeting(*_circle(disk.held)) | self._meeting(*_of(region.shape.around))
         return [self._names[row] for row in np.flatnonzero(found).tolist()]
 
     def _meeting(self, x: float, y: float, radius: float) -> NDArray[np.bool_]:
-        """Which disks may hold anything that meets a disk, m."""
+        """Disks whose regions may intersect a disk, m."""
         xs, ys, radii = self._around[:, : len(self._names)]
         with np.errstate(invalid="ignore"):  # of infinite ones that are gone
             found: NDArray[np.bool_] = np.hypot(xs - x, ys - y) <= radii + (radius + ROUNDING)
         return found
 
     def apart(self, one: Held[Region], other: Held[Region]) -> bool:
-        """Whether no region that the one holds meets one that the other holds."""
+        """Whether no region of the one intersects one of the other."""
         for _, region in other.regions:  # noqa: SIM110  # mypyc compiles loops, not generators
             if not self.clear(one, region):
                 return False
         return True
 
     def clear(self, held: Held[Region], region: Region) -> bool:
-        """Whether no region held meets this one."""
+        """Whether no region that is held intersects this one."""
         for _, each in held.regions:
             both = each.obstacle and region.obstacle
             if not both and not distance(each.shape, region.shape) >= SURE:
@@ -167,7 +167,7 @@ class RegionGeometry:
         return True
 
     def beside(self, held: Held[Region], line: Line, low: bool) -> bool:
-        """Whether all regions held are on one side of a line."""
+        """Whether all regions that are held are on one side of a line."""
         for _, each in held.regions:  # noqa: SIM110
             if not is_beside(each.shape, line, low):
                 return False

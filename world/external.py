@@ -15,24 +15,24 @@ STILL: Vector = (0.0, 0.0)
 # Ticks that may take no time: the one in which something is heard, at its end, and one by which the clock of
 # real time catches up with one that was late.
 _HURRIED = 2
-_HOPE = 5.0  # s after a base has come to rest, in which its robot may still learn more exactly where
+_HOPE = 5.0  # s after a stop in which the robot may still improve its position
 
 
 class External:
-    """In place of `world.simulation.SimulatedFleet`: an external fleet as its coordinator sees it.
+    """An external fleet as its coordinator sees it, in place of `world.simulation.SimulatedFleet`.
 
-    A robot moves only under its lease (`agents.bases.drive`). So a robot that was not heard for lease, hold
-    and braking together stands, no further from its last report than it can have gone by then.
+    A robot moves only under its lease (`agents.bases.drive`). So a robot that has been silent for lease, hold
+    and braking together stands, no further from its last report than it can have moved by then.
 
     Args:
-        past: where an earlier world has left the robots, if there was one.
-        tick: that is opened first; an earlier world may have told it, but no later one.
+        past: the robots at the end of an earlier world, if there was one.
+        tick: opened first; an earlier world may have opened it, but no later one.
 
     Attributes:
-        plant: the robots' disks as they are reported.
-        bounds: by how much places are off, m, by robot id.
-        unsettled: robots that stand, but have not reported where since they do, or not exactly.
-        founding_bounds: by how much robots may be off their starts as they begin a run, or until they stand.
+        plant: the robots' disks by their reports.
+        bounds: errors of positions, m, by robot id.
+        unsettled: robots that stand without a report of that position, or with an inexact one.
+        founding_bounds: distances from their starts at the beginning of a run, or until they stand, m.
         largest_bound: of all reports so far, m.
     """
 
@@ -53,10 +53,10 @@ class External:
             scenario.control.speed * (1.0 + scenario.actuation.bound),
         )
         self._tick = tick
-        # Tick in which the newest Command came that gave a lease, by robot.
+        # Tick of the newest Command that gave a lease, by robot.
         self._heard = dict.fromkeys(past.moving, tick)
-        self._stopped = 0  # first tick in which robots are told of the emergency stop
-        self._still: dict[int, int] = {}  # since when each commands no motion because of it, ticks
+        self._stopped = 0  # first tick with the emergency stop
+        self._still: dict[int, int] = {}  # tick since which each commands no motion because of it
         self._reports: dict[int, tuple[int, Report]] = {}  # newest of each robot, and its tick
         self._bodies = {robot: scenario.body_of(robot) for robot in scenario.ids}
         self._late = {robot: _late(scenario, robot) for robot in scenario.ids}  # s
@@ -68,7 +68,7 @@ class External:
 
     @property
     def places(self) -> dict[int, Vector]:
-        """Where every disk's centre is by the newest report, m; before any, at its start."""
+        """Newest reported position of every disk's centre, m; its start before the first report."""
         return dict(zip(self.plant.ids, self.plant.positions, strict=True))
 
     @property
@@ -78,30 +78,27 @@ class External:
 
     @property
     def past(self) -> PastDisks:
-        """The disks for a successor.
-
-        A Command that arrives later gives no lease, for no Tick acknowledges it any more.
-        """
+        """The disks for a successor. Later Commands give no lease, since no Tick acknowledges them."""
         bounds = {**self.founding_bounds, **{robot: self._off(robot) for robot in self._reports}}
         return PastDisks(self.places, {}, self.lengths, bounds, tuple(self._heard), self.largest_bound)
 
     def sense(self, tick: int) -> dict[int, Sense]:
-        """Nothing: external bases measure themselves."""
+        """Nothing: external bases have their own sensors."""
         self._tick = tick
         return {}
 
     @property
     def measurements(self) -> dict[str, int]:
-        """How many measurements came late, were missing, or were dropped: none is made here."""
+        """Numbers of late, missing and dropped measurements: none."""
         return {"delayed": 0, "missing": 0, "dropped": 0}
 
     def hear(self, command: Command) -> None:
-        """A robot commands itself in a tick, and says where it was as that began, if it knows."""
+        """Receive a robot's Command of a tick, with its position at the beginning of that tick, if known."""
         robot, tick, report = command.robot, command.tick, command.report
-        sent = max(tick, self._tick)  # by then, however late the tick that it is of
-        if command.may_move:  # only such a Command gives a lease
+        sent = max(tick, self._tick)  # by then, even if its tick is late
+        if command.may_move:  # only this Command gives a lease
             self._heard[robot] = sent
-        if tick >= self._stopped and command.velocity == STILL:  # it takes in no earlier Tick any more
+        if tick >= self._stopped and command.velocity == STILL:  # it accepts no earlier Tick
             self._still.setdefault(robot, sent)
         if report is not None:
             self._reports[robot] = tick, report
@@ -109,13 +106,13 @@ class External:
             self.plant.put(robot, report.position)
 
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:
-        """A tick is over; robots obey their own commands."""
+        """End a tick, whose commands robots execute themselves."""
 
     def brake(self, tick: int) -> None:
-        """A tick is over in which robots were told to stand."""
+        """End a tick in which robots were ordered to stand."""
 
     def resting(self) -> dict[int, Vector]:
-        """Where robots stand that were not heard for so long that they surely do, m, by robot id."""
+        """Positions of robots that certainly stand after long silence, m, by robot id."""
         self.bounds = {}
         resting, unsettled = {}, set()
         for robot, (_, report) in self._reports.items():
@@ -128,33 +125,33 @@ class External:
         return resting
 
     def _hopes(self, robot: int) -> bool:
-        """Whether a robot that stands may soon know better where: a place once settled stays as large."""
+        """Whether a standing robot may soon report a better position."""
         heard = self._heard.get(robot)
         return heard is not None and (self._tick - heard) * self._step < self._leased(robot) + _HOPE
 
     def _leased(self, robot: int) -> float:
-        """For how long a base may move after the newest Command that gave a lease, s."""
+        """Time for which a base may move after the newest Command that gave a lease, s."""
         return self._lease + self._stops[robot]
 
     def _moved(self, robot: int) -> float:
-        """For how long a robot may have moved since its newest report, whose odometry was late, until another
-        Command is heard, s."""
+        """Time for which a robot may have moved since its newest report, without another Command, s."""
         tick, heard = self._reports[robot][0], self._heard.get(robot)
         moving = self._leased(robot) + self._late[robot]
         return 0.0 if heard is None else (heard + _HURRIED - tick) * self._step + moving
 
     def _off(self, robot: int) -> float:
-        """By how much it may be off that report then, m."""
+        """Error of that report after this time, m."""
         bound, moved = self._reports[robot][1].bound, self._moved(robot)
         return bound + self._farthest(robot, moved) if moved > 0.0 else bound
 
     def stop(self, tick: int) -> None:
-        """An emergency stop is in force, of which robots are told from `tick` on."""
+        """Note that an emergency stop is in force from `tick` on."""
         self._stopped, self._still = tick, {}
 
     def moving(self) -> frozenset[int]:
-        """Robots that may not stand yet: those that have not obeyed the emergency stop for as long as their
-        bases need to brake, and are not silent for so long that they surely stand."""
+        """Robots that may still move: they have neither obeyed the emergency stop for their braking time, nor
+        been silent for so long that they certainly stand.
+        """
         silent = self.resting().keys() | (set(self.plant.ids) - self._heard.keys())
         still = {
             robot
@@ -164,7 +161,7 @@ class External:
         return frozenset(self.plant.ids) - silent - still
 
     def _farthest(self, robot: int, seconds: float) -> float:
-        """How far a robot goes at most in a time, m."""
+        """Longest motion of a robot in a time, m."""
         body, speed = self._bodies[robot], self._speed
         return speed * seconds * (1.0 + body.error) + body.play
 
@@ -188,7 +185,7 @@ class Reported:
         self._known = set(past.moving)
 
     def put(self, robot: int, position: Vector) -> None:
-        """A robot is there."""
+        """Set a robot's position."""
         index = self.ids.index(robot)
         if robot in self._known:
             self.lengths[index] += math.dist(self.positions[index], position)
@@ -200,17 +197,16 @@ class Reported:
         return self.fixed
 
     def touched(self) -> tuple[()]:
-        """No contact is sensed."""
         return ()
 
 
 def _late(scenario: Scenario, robot: int) -> float:
-    """Time before a report at which its odometry may have been made, with the lag of the wheels, s."""
+    """Greatest age of a report's odometry, with the lag of the wheels, s."""
     base = scenario.base_of(robot)
     return scenario.body_of(robot).lag + (0.0 if base is None else base.lateness.age)
 
 
 def _stopping(scenario: Scenario, robot: int) -> float:
-    """Time in which a robot's base stands when it is left alone, s."""
+    """Time to a stop of a robot's base without commands, s."""
     body = scenario.body_of(robot)
     return body.hold + body.speed / body.acceleration

@@ -23,7 +23,7 @@ from world.shell.node import WorldNode
 
 SUCCESS, REFUSED, FAULT = 0, 2, 3
 _LOOK = 0.1  # s between looks at the tokens of other worlds
-_GONE = 4.0  # s after which a token is there for good: that of a world that died goes within its lease
+_GONE = 4.0  # s after which a token is permanent: that of a dead world disappears within its lease
 
 
 def main(

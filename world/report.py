@@ -1,4 +1,4 @@
-"""The result of a run as far as the world knows it, in plain types."""
+"""The world's result of a run, in plain types."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def _order(tick: int, order: Order, refused: str) -> dict[str, Any]:
 
 
 def _faults(scenario: Scenario, lives: Lives, measurements: dict[str, int]) -> dict[str, Any]:
-    """What the scenario asked for, and what came of it."""
+    """Faults of the scenario, and their outcome."""
     return {
         "process": [{**plain(fault), "tick": tick} for tick, fault in lives.applied[:LISTED]],
         "fenced": [

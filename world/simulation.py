@@ -42,9 +42,9 @@ class Sensor:
         self._newest = -1
 
     def measure(self, tick: int, truth: Vector) -> tuple[Vector | None, int]:
-        """Position as measured and the tick at which it was taken; (None, tick) when nothing new arrived.
+        """Measured position, and the tick of the measurement; (None, tick) if no new one arrived.
 
-        To be called once for every tick, in order, with the true position at its start.
+        Called once for every tick, in order, with the true position at its start.
         """
         if self.ideal:
             return truth, tick
@@ -61,7 +61,7 @@ class Sensor:
         return position, stamp
 
     def _take(self, tick: int, truth: Vector) -> None:
-        """Take one measurement and send it on its way."""
+        """Take one measurement and schedule its arrival."""
         sensing = self._sensing
         dropout, delay, radial, angular = self._draws.at(tick)
         if dropout < sensing.dropout:
@@ -74,17 +74,17 @@ class Sensor:
         heappush(self._arriving, (arrival, tick, measured))
 
 
-_INSIDE = 1.0 - 1e-9  # keeps rounding from carrying an error past its bound
+_INSIDE = 1.0 - 1e-9  # keeps errors within their bound in spite of rounding
 
 
 class OdometrySensor:
-    """Odometry of one robot's base, with errors up to those that the scenario states.
+    """Odometry of one robot's base, with errors up to those of the scenario.
 
     A base steers by its estimate of its heading, so its reports, and the Commands to it, are in a frame that
-    is turned by the same error in a tick.
+    is rotated by the same error within a tick.
 
     Args:
-        slips: whether what the plant reports is not exact already; then no error is added to the way.
+        slips: whether the plant's report is inexact itself; then no error is added to the displacement.
     """
 
     def __init__(self, scenario: Scenario, robot: int, slips: bool) -> None:
@@ -97,7 +97,7 @@ class OdometrySensor:
         self._draws = Uniforms(scenario.seed, Purpose.ODOMETRY, robot, 3)
 
     def read(self, report: BaseReport, tick: int) -> tuple[Vector, float, BaseMotion | None]:
-        """Displacement in the tick before, its error bound (m), and what the base says that it does."""
+        """Displacement in the last tick, its error bound (m), and the motion that the base reports."""
         displacement = report.displacement
         if self.ideal:
             return displacement, 0.0, None
@@ -116,8 +116,9 @@ class OdometrySensor:
         return (dx, dy), bound, BaseMotion(velocity, report.heading + askew, stop)
 
     def obeyed(self, velocity: Vector, tick: int) -> Vector:
-        """What the base makes of a commanded velocity, which it takes to be in its own frame; a point has no
-        such frame, and its filter counts on that, whatever its odometry is."""
+        """The base's execution of a commanded velocity, which it takes to be in its own frame. A point has no
+        such frame, as its filter assumes, whatever its odometry is.
+        """
         if not self._has_heading:
             return velocity
         return turned(velocity[0], velocity[1], -self._askew(tick))
@@ -148,18 +149,18 @@ class SimulatedFleet:
         self.plant = plant_of(scenario)
         self.sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
         self._odometers = {robot: OdometrySensor(scenario, robot, self.plant.slips) for robot in scenario.ids}
-        # Path lengths in earlier worlds, and of robots that left, m.
+        # Path lengths in earlier worlds, and of removed robots, m.
         self._before = {} if past is None else past.ways
         self._turn = any(not scenario.body_of(robot).ideal for robot in scenario.ids)
 
     @property
     def places(self) -> dict[int, Vector]:
-        """Where every disk's centre is, m, by robot id."""
+        """Position of every disk's centre, m, by robot id."""
         return dict(zip(self.plant.ids, self.plant.positions, strict=True))
 
     @property
     def lengths(self) -> dict[int, float]:
-        """Path length of every robot that is or was there, m; of all that had the same id together."""
+        """Path length of every present or past robot, m; of all robots with the same id together."""
         lengths = dict(self._before)
         for robot, length in zip(self.plant.ids, self.plant.lengths, strict=True):
             lengths[robot] = lengths.get(robot, 0.0) + length
@@ -186,24 +187,24 @@ class SimulatedFleet:
 
     @property
     def measurements(self) -> dict[str, int]:
-        """How many measurements came late, were missing, or were dropped."""
+        """Numbers of late, missing and dropped measurements."""
         kinds = ("delayed", "missing", "dropped")
         return {kind: sum(getattr(each, kind) for each in self.sensors.values()) for kind in kinds}
 
     def hear(self, command: Command) -> None:
-        """Robots that are simulated have nothing to report."""
+        """Do nothing: simulated robots report no position."""
 
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:
-        """Go through a tick with commanded velocities (m/s) by robot id; others hear nothing."""
+        """Advance a tick with commanded velocities (m/s) by robot id; others receive none."""
         obeyed = {robot: self._odometers[robot].obeyed(commands[robot], tick) for robot in commands}
         self.plant.move(obeyed, tick)
 
     def brake(self, tick: int) -> None:
-        """Go through a tick in which every base is told to stand."""
+        """Advance a tick in which every base is ordered to stand."""
         self.plant.move(dict.fromkeys(self.plant.ids, STANDING), tick)
 
     def resting(self) -> dict[int, Vector]:
-        """Where robots are that do not move until they hear another command, m, by robot id."""
+        """Positions of robots that stand until they receive another command, m, by robot id."""
         plant = self.plant
         return {
             robot: position
@@ -212,14 +213,14 @@ class SimulatedFleet:
         }
 
     def stop(self, tick: int) -> None:
-        """An emergency stop is in force: `brake` is called from now on."""
+        """Do nothing: during an emergency stop `brake` is called."""
 
     def moving(self) -> frozenset[int]:
         """Robots that do not stand."""
         return frozenset(self.plant.ids) - self.resting().keys()
 
     def set_fleet(self, scenario: Scenario) -> None:
-        """Robots came and went: a new one is at its start."""
+        """Set the robots; a new one is at its start."""
         plant = self.plant
         for robot, length in zip(plant.ids, plant.lengths, strict=True):
             if robot not in scenario.ids:

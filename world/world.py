@@ -26,12 +26,12 @@ from world.simulation import SimulatedFleet
 
 
 class Past(msgspec.Struct, frozen=True):
-    """What a world leaves behind for another one, which goes on with the same run.
+    """State of a world for a successor in the same run.
 
-    It is not the state of a process: lives, lines, grants and messages under way end with their world.
+    It is not the state of a process: lives, lines, grants and messages on their way end with their world.
     """
 
-    tick: Count = 0  # that was open, or was to be opened next
+    tick: Count = 0  # open, or next to open
     founded: bool = False
     stopped: bool = False
     lives: PastLives | None = None
@@ -87,7 +87,6 @@ class WorldCore:
 
     @property
     def past(self) -> Past:
-        """What another world needs to go on from here."""
         return Past(
             self.tick,
             self.lives.founded,
@@ -104,7 +103,7 @@ class WorldCore:
 
     @property
     def tick(self) -> int:
-        """The tick that is open, or that is to be opened next."""
+        """The open tick, or the next one."""
         return self.exchange.tick
 
     @property
@@ -114,17 +113,17 @@ class WorldCore:
 
     @property
     def scenario(self) -> Scenario:
-        """The scenario with the robots that are there now."""
+        """The scenario with the present robots."""
         return self.membership.scenario
 
     @property
     def truth(self) -> Truth:
-        """Where every disk is at the start of `tick`."""
+        """Position of every disk at the start of `tick`."""
         return self.referee.record.totals.truth
 
     @property
     def verdict(self) -> str:
-        """How the run ended; empty while it goes on."""
+        """Verdict of the run; empty while it continues."""
         return self.referee.verdict
 
     # -- joining and leaving
@@ -148,7 +147,7 @@ class WorldCore:
         return took_part
 
     def give_up_waiting(self, robot: int, reason: str = "") -> bool:
-        """Go on without a robot of `lives.awaited`; it may still join later. As `lost` otherwise."""
+        """Continue without a robot of `lives.awaited`, which may still join later; otherwise as `lost`."""
         return self.lives.give_up(self.tick, robot, reason)
 
     # -- a tick
@@ -156,9 +155,9 @@ class WorldCore:
     def open_tick(self) -> dict[int, Tick]:
         """Begin the tick; returns the Tick for each robot that may listen. Idempotent until `close_tick`.
 
-        The scenario's orders and process faults of this tick happen first, those of the first tick once all
-        robots have joined: all of them begin the run, in any order of joining. While robots are awaited the
-        tick does not begin: only those receive a Tick that have to learn that they were fenced.
+        The scenario's orders and process faults of this tick are applied first, those of the first tick after
+        all robots have joined, so that all begin the run in any order of joining. While robots are awaited
+        the tick does not begin: then only fenced robots that are not yet informed receive a Tick.
         """
         lives, simulation = self.lives, self.simulation
         if self.exchange.told is not None:
@@ -175,7 +174,7 @@ class WorldCore:
         return self.exchange.open(self.scenario, sensed, self.halted)
 
     def accept(self, command: Command) -> bool:
-        """Take a command if it is of the open tick, of an active life and the first; else count why not."""
+        """Accept the first command of an active life for the open tick, or count its refusal."""
         taken = self.exchange.accept(command)
         if taken:
             self.simulation.hear(command)
@@ -214,7 +213,7 @@ class WorldCore:
         self.lives.found(radii, self.simulation.places, self.simulation.founding_bounds)
 
     def _handle(self) -> bool:
-        """Let robots take up parts and put them down; returns whether a disk changed."""
+        """Execute the requests for parts; returns whether a disk changed."""
         if not self.scenario.parts or self.halted:
             return False
         live = {
@@ -225,12 +224,12 @@ class WorldCore:
         return self.parts.handle(live, self.simulation.places)
 
     def _judge_anew(self) -> None:
-        """Judge from now on by the present disks, loaded carriers included, and the present obstacles."""
+        """Continue with the present disks, loaded carriers included, and the present obstacles."""
         obstacles = self.lives.obstacles.standing
         self.referee.set_fleet(self.parts.loaded, self.simulation.plant.positions, obstacles, self.tick)
 
     def _turn_over(self) -> None:
-        """Between two ticks: let robots appear that were added, and vanish that were removed."""
+        """Between two ticks, let added robots appear, and remove robots."""
         if self.membership.turn_over(self.tick, self.simulation.places):
             self.simulation.set_fleet(self.scenario)
             self.missions.set_fleet(self.scenario)
@@ -263,16 +262,16 @@ class WorldCore:
         return len(self.lives.up) < len(self.scenario.ids) and self.lives.gone_for_good(self.tick - 1)
 
     def finish(self, verdict: str, reason: str) -> None:
-        """End the run, e.g. as interrupted or aborted; a collision outranks, a second verdict is ignored."""
+        """End the run, e.g. as interrupted or aborted; a collision has priority, later verdicts none."""
         self.referee.finish(verdict, reason)
 
     # -- operations
 
     def operate(self, operation: Operation, *, awaited: bool = False) -> Outcome:
-        """Carry out an operation; a refused one changes nothing.
+        """Execute an operation; a refused one changes nothing.
 
         Args:
-            awaited: whether the run goes on only once the process of a robot that is added has joined.
+            awaited: whether the run waits for the process of an added robot.
         """
         if operation.goal is not None:
             return self._order(operation.goal)
@@ -288,7 +287,6 @@ class WorldCore:
         return Outcome(True)
 
     def _order(self, order: Journey) -> Outcome:
-        """Set a robot's goal, from the next opened tick on."""
         standing, obstacles = self.lives.roster.standing, self.lives.obstacles.standing
         if refusal := self.missions.refusal(order, standing, obstacles):
             return Outcome(False, text=refusal)
@@ -330,15 +328,13 @@ class WorldCore:
 
     @property
     def _fixed(self) -> str:
-        """Why no robot can come or go; "" if that is possible."""
+        """The reason why robots cannot be added or removed; "" if they can."""
         if not self.lives.founded or self.verdict:
             return "the run has not begun, or is over"
         return self.simulation.plant.fixed
 
     def _place(self, order: Obstacle) -> Outcome:
-        """Announce an obstacle; it appears once every robot keeps clear of its place. Refused before the
-        first tick.
-        """
+        """Announce an obstacle, which appears once robots keep clear. Refused before the first tick."""
         positions = self.simulation.plant.positions
         refusal = "" if self.lives.founded else "the run has not begun"
         refusal = refusal or self.lives.obstacles.refusal(order, self.parts.loaded, positions)
@@ -349,7 +345,6 @@ class WorldCore:
         return Outcome(True, number, self.missions.covered(order.shape))
 
     def _take(self, number: int) -> Outcome:
-        """Remove an obstacle, or withdraw its announcement."""
         if part := self.parts.owns(number):
             return Outcome(False, text=f"obstacle {number} is part {part}, which robots carry")
         if not (self.lives.founded and self.lives.take_away(number)):
@@ -361,12 +356,11 @@ class WorldCore:
 
     @property
     def halted(self) -> bool:
-        """Whether all robots are to stand."""
+        """Whether all robots must stand."""
         return self.stopped or self.contested
 
     def contest(self, contested: bool) -> None:
-        """Another coordinator of this run appeared or left: all robots stand meanwhile, even if a stop is
-        released."""
+        """Set whether there is another coordinator of this run: then all robots stand, also if released."""
         self._stand(self.stopped, contested)
 
     def _stand(self, stopped: bool, contested: bool) -> None:
@@ -377,7 +371,7 @@ class WorldCore:
 
     @property
     def moving(self) -> tuple[int, ...]:
-        """Robots that an emergency stop has not brought to a stand yet; none once the run is over."""
+        """Robots that still move after an emergency stop; none once the run is over."""
         if not self.halted or self.verdict:
             return ()
         return tuple(sorted(self.simulation.moving()))

@@ -1,1 +1,1 @@
-"""How bodies move: the kinematics that a robot's filter predicts with, and that a plant executes."""
+"""Kinematics of bodies: a robot's filter predicts with them, and a plant executes them."""

@@ -1,16 +1,16 @@
-"""The nominal motion of a body: a base that holds its velocity, brakes in finite time, and turns as its
-wheels make it.
+"""The nominal motion of a body: a base that holds its velocity, brakes in finite time, and turns with its
+wheels.
 
 Its velocity is that of the control point q, in the frame of the body: ahead, and aside to the left. On two
 wheels, q lies a distance l ahead of the axle's middle, so that the body's speed is `ahead` and its turning
-rate `aside / l`: any velocity of q can be had at once, but for the limits. While both stay the same, q
+rate `aside / l`: any velocity of q is possible at once, but for the limits. While both are constant, q
 describes an arc. A base of another kind does not turn, and its arcs are straight.
 
-A tick that brings a command consists of equal arcs, whose velocities lead evenly to the one commanded. The
-zero velocity means to brake. A tick without a command goes on as it was for the rest of the hold time, and
-then brakes. Braking scales both wheels by one factor, so that it leads along the same circle.
+A tick with a command consists of equal arcs, whose velocities change evenly to the commanded one. The zero
+velocity means to brake. A tick without a command continues the motion for the rest of the hold time, and then
+brakes. Braking scales both wheels by one factor, so that it follows the same circle.
 
-A point is a base that takes every velocity at once and stands when the tick is over.
+A point is a base that takes every velocity at once and stands at the end of the tick.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from mypy_extensions import mypyc_attr
 
 from protocol.scenario.body import Body
 
-_STEPS: Final = 5  # velocities that the wheels are given one after another, in a tick or in `_RAMP`
-_RAMP: Final = 0.1  # s; longer ticks have more of them, so that no step is larger than servos can follow
-_TURNING: Final = 3.0  # rad; arcs that turn further can have the chord of a shorter one
-_TINY: Final = 1e-100  # m, m/s: what is less is none, and what is not can be divided by
-_NEARLY: Final = 1.0 + 1e-12  # rounding of a velocity that was limited before
+_STEPS: Final = 5  # successive wheel velocities in a tick, or in `_RAMP`
+_RAMP: Final = 0.1  # s; longer ticks have more, so that servos can follow each step
+_TURNING: Final = 3.0  # rad; arcs that turn further may have the chord of a shorter one
+_TINY: Final = 1e-100  # m, m/s: smaller values are zero, others are valid divisors
+_NEARLY: Final = 1.0 + 1e-12  # rounding of a limited velocity
 
 Vector = tuple[float, float]
 
@@ -34,9 +34,10 @@ Vector = tuple[float, float]
 @final
 @mypyc_attr(acyclic=True)
 class Motion:
-    """What a base does: velocity of its control point in its own frame, m/s, direction, rad, for how long it
-    still holds that velocity when it hears nothing, s, and the velocities that it was told before, oldest
-    first, which it may still have when it is late. Immutable."""
+    """Motion of a base: velocity of its control point in its own frame, m/s; direction, rad; time for which
+    it still holds that velocity without commands, s; and earlier velocities, oldest first, which a late base
+    may still execute. Immutable.
+    """
 
     __slots__ = ("ahead", "aside", "before", "heading", "hold")
 
@@ -135,8 +136,9 @@ class Kinematics:
         return math.hypot(ahead, aside)
 
     def limited(self, motion: Motion, velocity: Vector) -> Vector:
-        """What the base makes of a commanded velocity (m/s, world's frame): ahead and aside at the end of the
-        tick, both wheels scaled by one factor to what they can do, and to what they can reach."""
+        """The executable part of a commanded velocity (m/s, world's frame): ahead and aside at the end of the
+        tick, both wheels scaled by one factor to their top speed and acceleration.
+        """
         ahead, aside = turned(velocity[0], velocity[1], -motion.heading)
         if not math.isfinite(ahead + aside):
             return 0.0, 0.0
@@ -150,7 +152,7 @@ class Kinematics:
         return ahead, aside
 
     def drive(self, motion: Motion, ahead: float, aside: float) -> list[Arc]:
-        """The arcs of a tick that leads to a velocity that the base can reach."""
+        """The arcs of a tick towards a reachable velocity."""
         if self._instant:
             return [Arc(ahead, aside, self.period)]
         more, less = ahead - motion.ahead, aside - motion.aside
@@ -161,7 +163,7 @@ class Kinematics:
         return arcs
 
     def driven(self, motion: Motion, ahead: float, aside: float) -> Motion:
-        """What the base does at the end of that tick."""
+        """The motion at the end of that tick."""
         if self._instant:
             return Motion(motion.heading)
         heading = motion.heading
@@ -170,19 +172,18 @@ class Kinematics:
         return Motion(heading, ahead, aside, self._hold)
 
     def braking(self, motion: Motion) -> Motion:
-        """The same, but told to stand: nothing is held any more."""
+        """The same motion under the command to stand: nothing is held."""
         return Motion(motion.heading, motion.ahead, motion.aside, 0.0, motion.before)
 
     def coast(self, motion: Motion, duration: float) -> Arc:
-        """What the base does when it hears nothing for a time, s, as an arc at its present velocity: the
-        time in which it comes as far without braking."""
+        """The motion in a time without commands, s, as an arc at the present velocity of equal length."""
         held = min(motion.hold, duration)
         rest = min(duration - held, self._stopping(motion))
         lost = self._lost(motion)
         return Arc(motion.ahead, motion.aside, held + rest - 0.5 * lost * rest * rest)
 
     def coasted(self, motion: Motion, duration: float) -> Motion:
-        """What the base does after that time."""
+        """The motion after that time."""
         held = min(motion.hold, duration)
         rest = duration - held
         heading = motion.heading + self.turn(self.coast(motion, duration))
@@ -194,15 +195,16 @@ class Kinematics:
         return Motion(heading, motion.ahead * left, motion.aside * left, 0.0)
 
     def halt(self, motion: Motion) -> Arc:
-        """Everything that the base still does when it hears nothing, as one arc."""
+        """The whole further motion without commands, as one arc."""
         return Arc(motion.ahead, motion.aside, motion.hold + 0.5 * self._stopping(motion))
 
     def motion(
         self, velocity: Vector, heading: float, stop: Vector, before: tuple[Vector, ...] = ()
     ) -> Motion:
-        """What a base does that says of itself, in the world's frame, its velocity (m/s), heading (rad), and
-        the vector (m) from here to where it stands if it hears nothing; of one that may turn by half a
-        circle until then, which that vector does not tell, one that goes on as long as it ever does."""
+        """The motion that a base reports, in the world's frame: velocity (m/s), heading (rad), and the vector
+        (m) to its stop without commands. If it may turn by half a circle until then, which the vector does
+        not show, its longest possible motion.
+        """
         ahead, aside = turned(velocity[0], velocity[1], -heading)
         speed = math.hypot(ahead, aside)
         if speed < _TINY:
@@ -216,9 +218,9 @@ class Kinematics:
         return Motion(heading, ahead, aside, max(0.0, time - 0.5 * self._stopping(still)), before)
 
     def lead(self, motion: Motion, velocity: Vector) -> Vector:
-        """From the middle of a tick's way, motion.velocity * period / 2 from its beginning, to where the base
-        stands if it is given a velocity (m/s, world's frame) in that tick and hears nothing more, m; as if it
-        did not turn."""
+        """Displacement from the middle of a tick's path, motion.velocity * period / 2 from its beginning, to
+        the stop after a velocity (m/s, world's frame) in that tick only, m; as if the base did not turn.
+        """
         time = self._held_for + self._slowing(motion, velocity) * math.hypot(*velocity)
         return velocity[0] * time, velocity[1] * time
 
@@ -232,10 +234,10 @@ class Kinematics:
         return 2.0 * lead[0] / (time + root), 2.0 * lead[1] / (time + root)
 
     def reach(self, speed: float) -> float:
-        """The longest way from the beginning of a tick until the body stands, m.
+        """The longest path from the beginning of a tick to a stop, m.
 
         Args:
-            speed: that is never commanded to be exceeded, m/s.
+            speed: largest commanded speed, m/s.
         """
         speed = min(speed, self.top_speed)
         if self._instant:
@@ -246,11 +248,11 @@ class Kinematics:
 
     @property
     def _held_for(self) -> float:
-        """Time that a velocity counts for with the half of a tick that leads to it, s."""
+        """Time for which a velocity acts, with half of the tick that leads to it, s."""
         return self.period if self._instant else 0.5 * self.period + self._hold
 
     def _slowing(self, motion: Motion, direction: Vector) -> float:
-        """Way to brake from a velocity in that direction, divided by the square of its length, s^2/m."""
+        """Braking distance from a velocity in that direction, divided by its squared length, s^2/m."""
         length = math.hypot(*direction)
         if length < _TINY or self._instant:
             return 0.0
@@ -262,7 +264,7 @@ class Kinematics:
         return self.rim(motion.ahead, motion.aside) / self._acceleration
 
     def _lost(self, motion: Motion) -> float:
-        """Share of the velocity that braking takes away in a second."""
+        """Relative decrease of the velocity per second of braking."""
         rim = self.rim(motion.ahead, motion.aside)
         return self._acceleration / rim if rim > 0.0 else 0.0
 

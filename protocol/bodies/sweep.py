@@ -59,17 +59,17 @@ _TURN: Final = 0.5  # rad; an arc that turns further is cut
 @final
 @mypyc_attr(acyclic=True)
 class Tolerance:
-    """How far a control point may be from its nominal way.
+    """Largest deviation of a control point from its nominal path.
 
     Args:
-        body: which states that.
-        noise: what is added to its `error`, a share of the way.
-        heading: rad, by which the direction may be off in which the nominal way is drawn.
-        late: what comes late at an external base; None for any other.
+        body: with its errors.
+        noise: added to its `error`, per length.
+        heading: error of the direction of the nominal path, rad.
+        late: delays of an external base; None for any other.
 
     Attributes:
-        error: share of the way.
-        alone: s for which a base goes on with a velocity of the tick's middle; negative if it never does.
+        error: per length.
+        alone: time for which a base may hold a velocity of the tick's middle, s; negative if never.
     """
 
     __slots__ = ("_age", "_lag", "_latency", "_offset", "_play", "_spread", "alone", "error")
@@ -83,7 +83,7 @@ class Tolerance:
         self._age, self._latency, self.alone, self._spread = (0.0, 0.0, -1.0, 0.0) if late is None else late
 
     def share(self, motion: Motion, to: Vector) -> float:
-        """The share of the way, of a tick that leads from a motion to a velocity, by which it may be off."""
+        """The error per length of a tick that leads from a motion to a velocity."""
         if self._offset == 0.0 or self.alone < 0.0:
             return self.error
         fastest, varied, last = abs(motion.aside), abs(to[1] - motion.aside), motion.aside
@@ -93,7 +93,7 @@ class Tolerance:
         return self.error + 2.0 * math.sin(0.5 * min(askew, math.pi))
 
     def slip(self, motion: Motion, to: Vector) -> float:
-        """The part that does not grow with the way, m, of a tick that leads from a motion to a velocity."""
+        """The error independent of the length, m, of a tick that leads from a motion to a velocity."""
         ahead, aside = to
         fastest = math.hypot(motion.ahead, motion.aside)
         change = math.hypot(ahead - motion.ahead, aside - motion.aside)
@@ -112,8 +112,8 @@ class Tolerance:
 @final
 @mypyc_attr(acyclic=True)
 class Sweep:
-    """The convex hull of disks around points (xs[i], ys[i]), m, of radius `margins[i]`; the first is the
-    origin, as the others are seen from there.
+    """The convex hull of disks around points (xs[i], ys[i]), m, of radius `margins[i]`, relative to the
+    first, the origin.
 
     Attributes:
         radius: of a disk around the origin that contains it, m.
@@ -142,14 +142,13 @@ class Sweep:
 
 
 def sweep(kinematics: Kinematics, motion: Motion, tolerance: Tolerance, to: Vector | None = None) -> Sweep:
-    """Positions of the control point from the beginning of a tick until it stands without another command.
+    """Positions of the control point from the beginning of a tick to its stop without another command.
 
     Args:
         kinematics: of the body.
-        motion: what it does as the tick begins.
-        tolerance: by how much it may be off.
-        to: velocity that the tick leads to, ahead and aside, which the base can reach; None: it hears nothing
-            in this tick either.
+        motion: at the beginning of the tick.
+        tolerance: of the body.
+        to: reachable velocity at the end of the tick, ahead and aside; None without a command in this tick.
     """
     if to is None:
         to = motion.ahead, motion.aside
@@ -172,7 +171,7 @@ def sweep(kinematics: Kinematics, motion: Motion, tolerance: Tolerance, to: Vect
 @final
 @mypyc_attr(acyclic=True)
 class _Hull:
-    """Points with margins, m, whose convex hull contains arcs with what is around them."""
+    """Points with margins, m, whose convex hull contains arcs and their surroundings."""
 
     __slots__ = ("_error", "_slip", "margins", "xs", "ys")
 
@@ -183,7 +182,7 @@ class _Hull:
     def follow(
         self, kinematics: Kinematics, arc: Arc, x: float, y: float, heading: float, way: float
     ) -> tuple[float, float, float, float]:
-        """Add an arc from a point, m, with a heading, rad, and after a way, m; returns those of its end.
+        """Add an arc from a point, m, with a heading, rad, after a path length, m; returns those of its end.
 
         One that goes around more than once lies in its circle, with the margin of its end all around.
         """
@@ -191,7 +190,7 @@ class _Hull:
         if arc.duration == 0.0 or speed == 0.0:
             return x, y, heading, way
         whole = abs(kinematics.turn(arc))
-        around = min(1.0, math.tau / whole) if whole > 0.0 else 1.0  # of the arc that a circle is
+        around = min(1.0, math.tau / whole) if whole > 0.0 else 1.0  # length of a full circle
         pieces = 1 + int(around * whole / _TURN)
         piece = Arc(arc.ahead, arc.aside, around * arc.duration / pieces)
         turn = kinematics.turn(piece)

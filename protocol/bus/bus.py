@@ -56,7 +56,7 @@ class Foreign(NamedTuple):
 
 
 class Presence(NamedTuple):
-    """A liveliness token appeared or went."""
+    """A liveliness token appeared or disappeared."""
 
     key: str
     alive: bool
@@ -79,7 +79,7 @@ class Bus(Protocol):
     """One participant's connection. Not thread-safe: one thread owns it."""
 
     def publisher(self, stream: Stream, key: str) -> Publish:
-        """Declare a publication; the returned function publishes one payload. No bus hears itself."""
+        """Declare a publication; returns a function that publishes a payload, but not to this bus."""
 
     @property
     def identity(self) -> str:
@@ -93,40 +93,40 @@ class Bus(Protocol):
         """Subscribe to a key expression outside this fleet; its events are `Foreign`, with attachments."""
 
     def is_heard(self, key: str) -> bool:
-        """Whether `key` may have a subscriber; True where that is not known."""
+        """Whether `key` may have a subscriber; True if unknown."""
 
     def subscribe(self, *key_expressions: str) -> None:
-        """Ask for samples under key expressions; under plain keys they cost least."""
+        """Subscribe to key expressions, of which plain keys cost least."""
 
     def unsubscribe(self, key: str) -> None:
-        """Ask for no more samples under a plain key."""
+        """Unsubscribe from a plain key."""
 
     def expect(self, keys: Iterable[str]) -> None:
         """Name keys that a pattern will match; a sample under one of them costs less."""
 
     def watch(self, key_expression: str) -> None:
-        """Ask for presence of liveliness tokens, those already there included."""
+        """Request presence of liveliness tokens, including present ones."""
 
     def serve(self, key: str) -> None:
         """Answer the requests under `key`."""
 
     def announce(self, key: str) -> None:
-        """Declare a liveliness token: it lasts until `close`, or until this process dies."""
+        """Declare a liveliness token, which lasts until `close`, or the death of this process."""
 
     def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
         """Request, and wait for all replies; raises BusError after `timeout` s without one."""
 
     def post(self, key: str, payload: bytes) -> None:
-        """Request, and do not wait: replies are events."""
+        """Send a request without waiting: replies are events."""
 
     def tokens(self, key_expression: str) -> list[str]:
-        """Keys of the liveliness tokens that are there now, those of this participant included."""
+        """Keys of all present liveliness tokens, including those of this participant."""
 
     def receive(self, timeout: float) -> Event | None:
-        """The next event, or None after `timeout` seconds (0: only what is there already)."""
+        """The next event, or None after `timeout` seconds (0: without waiting)."""
 
     def close(self) -> None:
-        """Withdraw everything and disconnect; may be called twice."""
+        """Disconnect, and withdraw all declarations; may be called twice."""
 
 
 class Node(Protocol):
@@ -136,18 +136,18 @@ class Node(Protocol):
         """React to one event."""
 
     def wake(self, now: float) -> None:
-        """React to the passing of time: `now` (s, monotonic) reached `deadline`."""
+        """Handle the passing of time: `now` (s, monotonic) has reached `deadline`."""
 
     @property
     def deadline(self) -> float:
-        """When `wake` wants to be called next, s, monotonic; infinity for never."""
+        """Time of the next `wake`, s, monotonic; infinity for never."""
 
     @property
     def finished(self) -> bool:
-        """True when the node has nothing more to do."""
+        """Whether the node is done."""
 
 
-_TOGETHER: Final = 256  # events that are handled before the clock is looked at again
+_TOGETHER: Final = 256  # most events handled between two looks at the clock
 
 
 def drive(
@@ -174,7 +174,7 @@ def follow(node: Node, bus: Bus, beat: Callable[[float], None] | None = None) ->
 
     Events that have arrived precede a deadline that has passed: the node was late, not its peers.
     """
-    receive, handle = bus.receive, node.handle  # looked up once: this goes round for every message
+    receive, handle = bus.receive, node.handle  # looked up once for all messages
     while not (node.finished or STOP.requested):
         event = receive(max(0.0, node.deadline - time.monotonic()))
         handled = 0
@@ -195,11 +195,11 @@ PERIOD: Final = 1.0  # s
 
 
 class Heartbeat:
-    """To be called with the time, s, whenever the loop comes round; the first call says that all is ready.
+    """Called with the time, s, in each round of the loop; the first call reports that the process is ready.
 
     Args:
-        file: is touched; none unless given.
-        notify: address of systemd's socket, as `NOTIFY_SOCKET` has it; none if empty.
+        file: is touched; none by default.
+        notify: address of systemd's socket, as in `NOTIFY_SOCKET`; none if empty.
     """
 
     def __init__(self, file: Path | None = None, notify: str = "") -> None:
@@ -207,7 +207,7 @@ class Heartbeat:
         self._due = -inf
 
     def __call__(self, now: float) -> None:
-        """Raises ProcessError if systemd cannot be told."""
+        """Raises ProcessError if systemd cannot be notified."""
         if now < self._due:
             return
         try:
@@ -226,6 +226,6 @@ class Heartbeat:
 
 
 def heartbeat(file: Path | None) -> Heartbeat | None:
-    """As this process was started: into `file`, and to systemd where that asked for it; None for neither."""
+    """The heartbeat of this process, into `file`, and to systemd if that started it; None for neither."""
     notify = os.environ.get("NOTIFY_SOCKET", "")
     return Heartbeat(file, notify) if file is not None or notify else None

@@ -30,16 +30,12 @@ _HOW = "write PROTOCOL/HOST:PORT, such as tcp/127.0.0.1:7447 (an IPv6 address in
 
 
 class Endpoint(str):
-    """An endpoint that zenoh understands: made from HOST, HOST:PORT or PROTOCOL/HOST:PORT.
-
-    Raises:
-        UsageError: it is none.
-    """
+    """A zenoh endpoint from HOST, HOST:PORT or PROTOCOL/HOST:PORT; raises UsageError for any other text."""
 
     __slots__ = ()
 
     def __new__(cls, text: str, protocol: str = "tcp") -> Endpoint:
-        """`protocol` is that of an endpoint which names none."""
+        """`protocol` is the default."""
         if isinstance(text, Endpoint) or _SOCKET.fullmatch(text):
             return str.__new__(cls, text)
         found = _FORM.fullmatch(text)
@@ -61,7 +57,7 @@ class Endpoint(str):
 
     @property
     def protocol(self) -> str:
-        """What its links speak."""
+        """Protocol of its links."""
         return self.partition("/")[0]
 
     @property
@@ -111,9 +107,8 @@ def key_file(role: str) -> str:
 def credentials(directory: Path, role: str) -> Credentials:
     """The certificate and key of `role` in `directory`.
 
-    Raises:
-        CertificateError: a file is missing, or the private key is exposed: it may be read by its owner
-            only, and by a group if it is root's, as orchestrators hand keys to processes.
+    Raises CertificateError if a file is missing, or if the private key may be read by others than its owner,
+    or than a group if it is root's, as orchestrators pass keys to processes.
     """
     paths = [directory.absolute() / name for name in (AUTHORITY, certificate_file(role), key_file(role))]
     for path in paths:
@@ -135,23 +130,22 @@ def credentials(directory: Path, role: str) -> Credentials:
 class Connection:
     """One process's place in the network.
 
-    A `client` reaches all others through one of `connect`; a `router` relays between its clients and
-    the routers in `connect`; a `peer` has a direct link to each endpoint in `connect` and relays
-    nothing, so every two peers need a link of their own. A client needs one of its endpoints, a peer
-    the first: links to the others come up when they do, so that a peer may start while another is down.
+    A `client` reaches all others through one of `connect`; a `router` relays between its clients and the
+    routers in `connect`; a `peer` has a direct link to each endpoint in `connect` and relays nothing, so
+    every two peers need their own link. A client needs one of its endpoints, a peer the first: other links
+    may come up later, so that a peer may start while another is down.
 
-    Raises:
-        UsageError: `connect` or `listen` has a text that is no endpoint.
+    Raises UsageError if `connect` or `listen` contains an invalid endpoint.
     """
 
     mode: Literal["client", "router", "peer"] = "client"
     connect: tuple[Endpoint, ...] = ()
     listen: tuple[Endpoint, ...] = ()
     timeout: float = 20.0  # s, how long opening tries to reach `connect`
-    lease: float = 2.0  # s, silence of this process after which others consider it gone
-    credentials: Credentials | None = None  # what `tls/` endpoints show, and demand, at both ends
+    lease: float = 2.0  # s, silence after which others consider this process lost
+    credentials: Credentials | None = None  # certificates of `tls/` endpoints, at both ends
     access: Mapping[str, Any] | None = None  # a router's rules, zenoh's `access_control`
-    admin: bool = False  # whether a router tells of its links and declarations in zenoh's admin space
+    admin: bool = False  # whether a router shows its links and declarations in zenoh's admin space
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "connect", tuple(map(Endpoint, self.connect)))
@@ -164,9 +158,9 @@ class Connection:
 
 
 def configuration(connection: Connection, attempt: float | None = None) -> Mapping[str, Any]:
-    """zenoh's configuration for `connection`: the settings that differ from its defaults, and why.
+    """zenoh's configuration for `connection`: the settings that differ from its defaults, with reasons.
 
-    `attempt` (s) bounds one attempt to open; the whole of `connection.timeout` unless given.
+    `attempt` (s) bounds one attempt to open; by default the whole of `connection.timeout`.
     """
     wait = connection.timeout if attempt is None else attempt
     access = {} if connection.access is None else {"access_control": connection.access}
@@ -175,16 +169,16 @@ def configuration(connection: Connection, attempt: float | None = None) -> Mappi
         "mode": connection.mode,
         "connect": {
             "endpoints": _endpoints(connection),
-            # A client's default is to give up at once when its router is not up yet.
+            # By default a client fails at once if its router is not up yet.
             "timeout_ms": round(1000 * wait),
-            # A router or a further peer goes on trying unreachable endpoints in the background.
+            # A router or a further peer retries unreachable endpoints in the background.
             "exit_on_failure": connection.mode == "client",
             # A restarted router is found again within 0.1 s (1.5 s by default).
             "retry": {"period_init_ms": 100, "period_max_ms": 400, "period_increase_factor": 2},
         },
-        # An endpoint that is taken is an error at once, not something to wait for.
+        # An endpoint in use is an error at once.
         "listen": {"endpoints": list(connection.listen), "timeout_ms": 0, "exit_on_failure": True},
-        # Endpoints are explicit: no peer is searched for, and none is told about third parties.
+        # Endpoints are explicit, without scouting or gossip.
         "scouting": {"delay": 0, "multicast": {"enabled": False}, "gossip": {"enabled": False}},
         # `get('@/**')` under many declarations can deadlock a router for good, so it is off by default.
         "adminspace": {"enabled": connection.admin, "permissions": {"read": True, "write": False}},
@@ -195,10 +189,10 @@ def configuration(connection: Connection, attempt: float | None = None) -> Mappi
                 "accept_pending": 1000,  # a fleet connects all at once (default 100)
                 "open_timeout": 2000,  # closing waits for an attempt to reach a frozen router (default 10 s)
             },
-            "shared_memory": {"enabled": False},  # messages are far too small to gain by it
+            "shared_memory": {"enabled": False},  # messages are too small to benefit
             "link": {
                 **_tls(connection.credentials),
-                "rx": {"max_message_size": MAX_MESSAGE},  # a stranger cannot make us hold a gigabyte
+                "rx": {"max_message_size": MAX_MESSAGE},  # limits the memory that a stranger can occupy
                 "tx": {
                     # A sample that is kept keeps a buffer of this size (default 65535), which zenoh clears
                     # anew; a tick's batches are some hundred bytes.

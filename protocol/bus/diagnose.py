@@ -1,7 +1,7 @@
-"""Why a session did not open, and what to do about it.
+"""Diagnosis of a session that did not open.
 
-Of a TLS link that does not come up zenoh only ever says that time is up: a handshake of our own finds out
-which end refuses the other's certificate.
+zenoh reports any failed TLS link as a timeout; a separate handshake finds out which end refuses the other's
+certificate.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import ssl
 from protocol.bus.connection import Connection, Credentials, Endpoint
 from protocol.errors import BusError, CertificateError, EndpointTakenError, ListenError
 
-_PLACE = re.compile(r" at \S+\.rs:\d+\.?")  # in zenoh's sources: means nothing to a user
+_PLACE = re.compile(r" at \S+\.rs:\d+\.?")  # a position in zenoh's sources, of no use to a user
 _PATIENCE = 1.0  # s for a connection, and for the other end's verdict after the handshake
 _ALERTS = {
     "TLSV1_ALERT_UNKNOWN_CA": "it was not signed by the authority that the router trusts",
@@ -74,12 +74,12 @@ def refusal(endpoint: Endpoint, credentials: Credentials) -> str | None:
     except ssl.SSLError as error:
         return _alert(endpoint, credentials, error)
     except OSError:
-        return None  # nothing listens there, or it is too slow to tell
+        return None  # nothing listens there, or it is too slow to decide
     return None
 
 
 def demands_certificates(endpoint: Endpoint) -> bool:
-    """Whether TLS is spoken at an endpoint that was tried without certificates."""
+    """Whether an endpoint that was tried without certificates uses TLS."""
     address = endpoint.address
     if address is None:
         return False
@@ -95,7 +95,7 @@ def demands_certificates(endpoint: Endpoint) -> bool:
 
 
 def _shake_hands(address: tuple[str, int], context: ssl.SSLContext) -> None:
-    """A whole handshake: in TLS 1.3 a client learns of its refusal only when it next reads."""
+    """Complete a handshake and read: in TLS 1.3 a client learns of its refusal only then."""
     with (
         socket.create_connection(address, _PATIENCE) as plain,
         context.wrap_socket(plain, server_hostname=address[0]) as link,
@@ -103,7 +103,7 @@ def _shake_hands(address: tuple[str, int], context: ssl.SSLContext) -> None:
         try:
             link.recv(1)
         except TimeoutError:
-            return  # silence is consent
+            return  # without an answer the certificate is accepted
 
 
 def _alert(endpoint: str, credentials: Credentials, error: ssl.SSLError) -> str:

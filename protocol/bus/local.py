@@ -36,7 +36,7 @@ class LocalNetwork:
     def run(self, finished: Callable[[], bool]) -> None:
         """Deliver events and wake nodes until `finished`; sleeps while nothing is due.
 
-        A node that wants to be woken at once is woken after its events, however busy the others are.
+        A node with an immediate deadline is woken after its events, however busy the others are.
         """
         while not finished():
             if not self._ready:
@@ -71,7 +71,7 @@ class LocalNetwork:
         return [bus for bus in self.listeners if bus.hears(key)]
 
     def notify(self, bus: LocalBus) -> None:
-        """`bus` has something in its inbox."""
+        """Note that `bus` has something in its inbox."""
         self._ready.append(bus)
 
     def tokens(self) -> list[str]:
@@ -79,7 +79,7 @@ class LocalNetwork:
         return [key for bus in self._buses for key in bus.announced]
 
     def tell_presence(self, key: str, alive: bool, sender: LocalBus) -> None:
-        """A token came or went."""
+        """Report that a token appeared or disappeared."""
         for bus in self._buses:
             if bus is not sender and bus.watches(key):
                 bus.put(Presence(key, alive))
@@ -89,7 +89,7 @@ class LocalNetwork:
         return [bus for bus in self._buses if any(each.fullmatch(key) for each in bus.served)]
 
     def leave(self, bus: LocalBus) -> None:
-        """`bus` is closed: its tokens go, its subscriptions end."""
+        """Remove a closed `bus` with its tokens and subscriptions."""
         if bus in self._buses:
             self._buses.remove(bus)
             if bus in self.listeners:
@@ -175,7 +175,7 @@ class LocalBus:
         self.network.tell_presence(key, True, self)
 
     def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:  # noqa: ARG002
-        """In one thread no other node can act while this waits: answers come at once or never."""
+        """In one thread no other node can act meanwhile: replies come at once or never."""
         replies: list[bytes] = []
         for server in self.network.servers(key):
             if server.node is not None:
@@ -206,17 +206,17 @@ class LocalBus:
         return any(pattern.fullmatch(key) for pattern in self._patterns)
 
     def watches(self, key: str) -> bool:
-        """Whether presence under `key` is asked for."""
+        """Whether presence under `key` is requested."""
         return any(pattern.fullmatch(key) for pattern in self._watches)
 
     def put(self, event: Event) -> None:
-        """Something happened that this participant asked for."""
+        """Add an event to the inbox."""
         if not self.inbox:
             self.network.notify(self)
         self.inbox.append(event)
 
     def drain(self) -> None:
-        """Let the node handle everything that is there now."""
+        """Let the node handle all events of the inbox."""
         node, inbox = self.node, self.inbox
         while node is not None and inbox:
             node.handle(inbox.popleft())

@@ -1,8 +1,8 @@
 """The bus on zenoh. The only module that imports it.
 
-zenoh's threads do the least possible with what arrives: they put it into one queue, and run not a
-line of Python for it, which would halve the rate of a fleet. Everything else happens in `receive`,
-on the thread that owns the bus: a callback that computed would be starved by a busy main thread.
+zenoh's threads only put events into one queue, and execute no Python for that, which would halve the rate of
+a fleet. Everything else happens in `receive`, on the thread that owns the bus: a computing callback would be
+starved by a busy main thread.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from functools import partial
 from queue import Empty, SimpleQueue
 from typing import Final
 
-# zenoh reads this once, at the first `open` of a process: four threads instead of seven, and faster.
+# zenoh reads this once, at the first `open` of a process: four threads instead of seven are faster.
 os.environ.setdefault(
     "ZENOH_RUNTIME", "(rx:(worker_threads:1),acc:(handover:net),app:(handover:net),tx:(handover:net))"
 )
@@ -32,13 +32,13 @@ from protocol.errors import BusError, CertificateError, ListenError
 from protocol.keys import Stream
 from protocol.process.signals import STOP, Stopped
 
-_ATTEMPT = 0.5  # s; an attempt that fails says only at its end why, so the first ones are short
-_ASK_AGAIN = 0.02  # s between attempts while no process answers under a key yet
-_OTHERS = 0.5  # s that further answers are waited for
-_TOKENS = 2.0  # s that routers may take to name the tokens that they know of
+_ATTEMPT = 0.5  # s; a failed attempt reports its reason only at its end, so the first ones are short
+_ASK_AGAIN = 0.02  # s between attempts while no process serves a key
+_OTHERS = 0.5  # s to wait for further answers
+_TOKENS = 2.0  # s for routers to list their tokens
 _LONGEST: Final = 3600.0  # s, longest single wait for the queue
-_LINKING = 5.0  # s a peer waits for its links before it announces itself
-# With one thread to receive, a router whose link to another is cut may cease to relay for good.
+_LINKING = 5.0  # s that a peer waits for its links before it announces itself
+# With one receiving thread, a router may stop relaying for ever after the loss of a link to another.
 _LINKED = "(rx:(worker_threads:4))"
 _ROUTER_LOG = "error,zenoh_link_tls=warn"  # unless RUST_LOG says otherwise: refused certificates are reported
 _CAPACITY: Final = 1 << 16
@@ -53,13 +53,13 @@ class ZenohBus:
 
     Args:
         connection: its endpoints and role.
-        capacity: events that may wait; of more, only the newest half of as many are kept.
+        capacity: most waiting events; of more, only the newest half of this number are kept.
 
     Attributes:
         dropped: events lost to a full queue.
 
     Raises:
-        ListenError: an endpoint of `connection.listen` is taken (EndpointTakenError), or none of this host.
+        ListenError: an endpoint of `connection.listen` is in use (EndpointTakenError), or not of this host.
         CertificateError: one end does not accept the other's certificate.
         BusError: no process could be reached within `connection.timeout`.
         Stopped: a signal asks this process to end; so does `ask`, and a wait for links.
@@ -68,9 +68,9 @@ class ZenohBus:
     def __init__(self, connection: Connection, capacity: int = _CAPACITY) -> None:
         self._queue: SimpleQueue[_Arrived] = SimpleQueue()
         self._wake = partial(self._queue.put, None)
-        self._take: Callable[[], _Arrived] = self._queue.get_nowait  # looked up once, called for all
-        self._there = 0  # events that were waiting when it was last asked, without those taken since
-        self._declared: list[object] = []  # zenoh withdraws what is no longer referenced
+        self._take: Callable[[], _Arrived] = self._queue.get_nowait  # looked up once
+        self._there = 0  # last known number of waiting events, less those taken since
+        self._declared: list[object] = []  # zenoh withdraws unreferenced declarations
         self._subscribed: dict[str, zenoh.Subscriber[None]] = {}  # by key expression
         self._connection, self._awaited = connection, False
         if connection.mode == "router":
@@ -86,8 +86,8 @@ class ZenohBus:
             congestion_control=(
                 zenoh.CongestionControl.BLOCK if stream.reliable else zenoh.CongestionControl.DROP
             ),
-            express=False,  # express messages defeat batching, which carries the whole rate
-            allowed_destination=zenoh.Locality.REMOTE,  # no bus hears itself
+            express=False,  # express messages would prevent batching, on which the rate depends
+            allowed_destination=zenoh.Locality.REMOTE,  # a bus does not receive its own samples
         )
         self._declared.append(publisher)
         return publisher.put
@@ -100,7 +100,7 @@ class ZenohBus:
         publisher = self._session.declare_publisher(
             key,
             congestion_control=zenoh.CongestionControl.DROP,
-            express=True,  # for one small message now and then there is nothing to wait for
+            express=True,  # a rare small message need not wait
             allowed_destination=zenoh.Locality.REMOTE,
         )
         self._declared.append(publisher)
@@ -112,7 +112,7 @@ class ZenohBus:
         return True
 
     def subscribe(self, *key_expressions: str) -> None:
-        # A key that was declared is a number in a sample; of any other the text is sent, and searched for.
+        # A declared key is sent as a number, any other as text, which must be looked up.
         for each in key_expressions:
             handler = zenoh.handlers.Callback(self._queue.put, indirect=False)
             self._subscribed[each] = self._session.declare_subscriber(each, handler)
@@ -127,7 +127,7 @@ class ZenohBus:
             subscriber.undeclare()  # type: ignore[no-untyped-call]  # untyped in zenoh's stub
 
     def expect(self, keys: Iterable[str]) -> None:
-        # Of a declared key the route is kept; that of any other is searched for again with every sample.
+        # The route of a declared key is kept; that of any other is looked up for every sample.
         self._declared += [self._session.declare_keyexpr(key) for key in keys]
 
     def bursts(self, key_expression: str) -> Callable[[], list[tuple[str, bytes]]]:
@@ -151,7 +151,7 @@ class ZenohBus:
         self._declared.append(self._session.declare_queryable(key, handler, complete=True))
 
     def announce(self, key: str) -> None:
-        # Without a router in between, what is published before a link is up is lost to that peer.
+        # Without a router, samples published before a link is up are lost to that peer.
         if self._connection.mode == "peer" and not self._awaited:
             self._await_links()
             self._awaited = True
@@ -235,7 +235,7 @@ class ZenohBus:
             time.sleep(0.005)
 
     def _await_links(self) -> None:
-        """Wait for the links to all of `connection.connect`, but not for ever: one may be down for good."""
+        """Wait for the links to all of `connection.connect`, not for ever: one may stay down."""
         deadline = time.monotonic() + _LINKING
         wanted = set(self._connection.connect)
         while wanted - {link.dst for link in self._session.info.links()} and time.monotonic() < deadline:
@@ -243,7 +243,7 @@ class ZenohBus:
             time.sleep(0.005)
 
     def _count(self) -> int:
-        """How many events wait, after the oldest of too many are dropped: those cannot be caught up with."""
+        """Number of waiting events, after the oldest of too many are dropped."""
         waiting = self._queue.qsize()
         if waiting <= self._capacity:
             return waiting
@@ -287,7 +287,7 @@ def _request(query: zenoh.Query) -> Query:
 
 
 def _reply(query: zenoh.Query, payload: bytes) -> None:
-    with query:  # leaving it tells the asker that nothing more will come
+    with query:  # its end ends the wait of the requester
         query.reply(query.key_expr, payload)
 
 
@@ -307,7 +307,7 @@ def _open(connection: Connection) -> zenoh.Session:
         try:
             return _opened(config)
         except zenoh.ZError as error:
-            from protocol.bus.diagnose import explained  # and with it ssl, which a robot needs not
+            from protocol.bus.diagnose import explained  # it imports ssl, which a robot does not need
 
             failure = explained(connection, str(error))
             if isinstance(failure, ListenError | CertificateError) or time.monotonic() >= deadline:
@@ -315,10 +315,8 @@ def _open(connection: Connection) -> zenoh.Session:
 
 
 def _opened(config: zenoh.Config) -> zenoh.Session:
-    """Open a session on a thread of its own, which waits without looking at signals.
-
-    That thread, and so those that zenoh starts in it, leave signals to the main thread: else a frozen process
-    that is told to end gives SIGTERM to whichever thread wakes first, and Python hears of it late.
+    """Open a session on a separate thread, which leaves signals to the main thread, as do those that zenoh
+    starts in it. Otherwise a frozen process may receive SIGTERM in any thread, and Python notices it late.
     """
     outcome: SimpleQueue[zenoh.Session | BaseException | None] = SimpleQueue()
     given_up = threading.Event()

@@ -1,4 +1,4 @@
-"""Which installation of this software runs: a checkout or a wheel, and how to add to it what is missing."""
+"""The installation of this software: a checkout or a wheel, and the way to add missing libraries."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from shlex import quote
 from protocol.errors import UsageError
 
 ROOT = Path(__file__).resolve().parents[2]
-# Top-level modules of libraries that only an extra brings, and are imported where they are used.
+# Top-level modules of libraries that only an extra installs.
 _EXTRAS = {"scipy": "theory"}
 
 
@@ -21,12 +21,12 @@ def is_checkout(root: Path = ROOT) -> bool:
 
 
 def missing_library(what: str, library: str, extra: str) -> UsageError:
-    """The error of a request for `what` (such as "a picture") that needs a library of an extra."""
+    """The error for `what` (such as "a picture") that needs a library of an extra."""
     return UsageError(f"{what} needs the library {library}, which is not installed: {how_to_install(extra)}")
 
 
 def explained(error: ModuleNotFoundError) -> UsageError | None:
-    """What to show where a library of an extra is missing; None where `error` is a fault of this software."""
+    """The error to show for a missing library of an extra; None if `error` is a fault of this software."""
     library = (error.name or "").partition(".")[0]
     if library not in _EXTRAS:
         return None
@@ -42,7 +42,7 @@ def how_to_install(extra: str, root: Path = ROOT) -> str:
 
 
 def _origin() -> str:
-    """Where pip got the wheel from, unless it was an index."""
+    """Source of the wheel for pip, unless it was an index."""
     try:
         recorded = distribution("disknav").read_text("direct_url.json")
     except PackageNotFoundError:

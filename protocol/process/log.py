@@ -40,14 +40,14 @@ class Speaker(msgspec.Struct, frozen=True):
 
 
 class LogLine(Speaker, frozen=True, kw_only=True):
-    """One line of a file: the process, its text, and the time by the clock of its host."""
+    """One line of a file: the process, its text, and the time by its host's clock."""
 
     time: Annotated[datetime, msgspec.Meta(tz=True)]
     level: Level
     text: str
 
     def record(self, host: str) -> logging.LogRecord:
-        """The record that this was made of, of a process on `host`."""
+        """The log record of this line, of a process on `host`."""
         level = logging.getLevelNamesMapping()[self.level.upper()]
         record = logging.LogRecord(LOG.name, level, "", 0, self.text, (), None)
         record.created = self.time.timestamp()
@@ -75,11 +75,11 @@ class _Lines(_Words):
 
 
 class _File(WatchedFileHandler):
-    """Appends; begins anew what was moved away. What it cannot write it drops, and says so once."""
+    """Appends; starts a new file after a rotation. Drops lines that it cannot write, with one warning."""
 
     _said = False
 
-    def handleError(self, record: logging.LogRecord) -> None:  # noqa: ARG002, N802  as logging calls it
+    def handleError(self, record: logging.LogRecord) -> None:  # noqa: ARG002, N802  as in logging
         if not self._said:
             self._said = True
             print(f"{self.baseFilename}: {sys.exc_info()[1]}", file=sys.stderr, flush=True)
@@ -94,10 +94,8 @@ def words(speaker: Speaker) -> logging.Handler:
 
 
 def lines(speaker: Speaker, file: Path | None) -> logging.Handler:
-    """Writes everything to `file`; without one to standard error, for a launcher on another host.
-
-    Raises:
-        UsageError: it cannot be written.
+    """Writes everything to `file`, by default to standard error, for a launcher on another host.
+    Raises UsageError if it cannot be written.
     """
     try:
         if file is not None:
@@ -111,16 +109,15 @@ def lines(speaker: Speaker, file: Path | None) -> logging.Handler:
 
 
 def begin(name: str, run: str = "", folder: Path | None = None, *, wired: bool = False) -> None:
-    """Have `LOG` of this process speak as `name`; a second call replaces the first.
+    """Have `LOG` of this process log as `name`; a second call replaces the first.
 
     Args:
         name: of the process, such as `robot-3`.
         run: name of the run.
-        folder: where its file is, `robot-3.jsonl`; none unless given.
+        folder: of its file, `robot-3.jsonl`; none by default.
         wired: whether a launcher on another host reads standard error.
 
-    Raises:
-        UsageError: nothing can be written to `folder`.
+    Raises UsageError if nothing can be written to `folder`.
     """
     role, _, number = name.partition("-")
     speaker = Speaker(run, "", role, int(number) if role == "robot" else None)
@@ -136,13 +133,14 @@ def begin(name: str, run: str = "", folder: Path | None = None, *, wired: bool =
     LOG.propagate = False
 
 
-_SHORT = 15  # bytes that Linux keeps of a process's short name
+_SHORT = 15  # bytes of a process's short name in Linux
 
 
 def set_process_title(role: str, run: str = "") -> None:
-    """Have `ps -f` show this process as `disknav robot 3 (run yard)`; to be called on its main thread.
+    """Set this process's title in `ps -f` to `disknav robot 3 (run yard)`; called on its main thread.
 
-    The short name, in `top`, is `robot 3 yard`: it begins with the role, lest a robot's number be cut off.
+    The short name, in `top`, is `robot 3 yard`: it begins with the role, so that a robot's number is not
+    cut off.
     """
     setproctitle(f"disknav {role} (run {run})" if run else f"disknav {role}")
     setthreadtitle(f"{role} {run}".rstrip()[:_SHORT])

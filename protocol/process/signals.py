@@ -1,8 +1,8 @@
-"""A signal that asks this process to end, as an event: it is noted and wakes what waits, and raises nothing.
+"""A signal that asks this process to end, as an event: it is noted and wakes waits, and raises nothing.
 
-Python runs the handler of a signal between any two instructions of the main thread, so an exception that it
-raised could be lost in a callback, or leave anything half done. What loops or waits looks at `STOP` instead,
-and ends where it is in good order: by itself, or by `Stopped`, which only the documented waits raise.
+Python executes the handler of a signal between any two instructions of the main thread, so an exception from
+it could be lost in a callback, or leave anything incomplete. Loops and waits check `STOP` instead, and end in
+a consistent state: by themselves, or by `Stopped`, which only the documented waits raise.
 """
 
 from __future__ import annotations
@@ -20,27 +20,27 @@ from types import FrameType
 from typing import Any, Final, NoReturn
 
 ENDING: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # Ctrl-C, a supervisor, a terminal that closes
-_HELD_UP = 2.0  # s without a look at a signal after which another one is handled as if nothing listened
+_HELD_UP = 2.0  # s without a check of a signal after which another one has its original effect
 
 
-class Stopped(Exception):  # noqa: N818  # it is no error
+class Stopped(Exception):  # noqa: N818  # not an error
     """A wait was given up because this process was asked to end."""
 
 
 class StopSignal:
     """Whether a signal has asked this process to end. Handlers belong to a process, so there is one: `STOP`.
 
-    A signal that is not looked at for two seconds is followed by one that has the effect that it had before:
-    code of others may be stuck, such as a law of the user's.
+    If a signal is not checked for two seconds, the next one has its original effect, since other code may
+    hang, such as a law of the user.
 
     Attributes:
         number: of the first signal, 0 without one.
-        count: how many signals came.
+        count: number of signals.
     """
 
     def __init__(self) -> None:
         self.number = self.count = 0
-        self._unseen: float | None = None  # s, monotonic: since when a signal has not been looked at
+        self._unseen: float | None = None  # s, monotonic: time of an unchecked signal
         self._before: dict[int, Any] = {}  # handlers
         self._calls: list[Callable[[], object]] = []
 
@@ -54,7 +54,7 @@ class StopSignal:
 
     @property
     def status(self) -> int:
-        """The exit status that says which signal it was: 130 for Ctrl-C, 143 for SIGTERM; 0 without one."""
+        """The exit status for the signal: 130 for Ctrl-C, 143 for SIGTERM; 0 without one."""
         return 128 + self.number if self.requested else 0
 
     def check(self) -> None:
@@ -63,7 +63,7 @@ class StopSignal:
             raise Stopped
 
     def wait(self, timeout: float | None = None) -> bool:
-        """Wait for a signal, at most `timeout` s (without one for ever); whether this process is to end."""
+        """Wait for a signal, at most `timeout` s (default: for ever); returns whether to end."""
         signals: SimpleQueue[None] = SimpleQueue()
         with self.calling(partial(signals.put, None)), suppress(Empty):
             signals.get(timeout=timeout)
@@ -71,8 +71,9 @@ class StopSignal:
 
     @contextmanager
     def calling(self, wake: Callable[[], object]) -> Iterator[None]:
-        """Inside, `wake` is called by each signal, in the main thread and between any two instructions of it;
-        at once, if there was a signal before. `SimpleQueue.put` is made for that."""
+        """Inside, each signal calls `wake`, in the main thread and between any two instructions; also an
+        earlier signal, at once. `SimpleQueue.put` is made for that.
+        """
         self.call(wake)
         try:
             yield
@@ -86,14 +87,14 @@ class StopSignal:
             wake()
 
     def call_no_more(self, wake: Callable[[], object]) -> None:
-        """The reverse; nothing happens if it is not called."""
+        """The reverse of `call`; no effect without it."""
         if wake in self._calls:
             self._calls.remove(wake)
 
     def listen(self) -> None:
-        """Note the signals that end a process, from now on: for a process that is this software's own.
+        """Note the signals that end a process from now on, for a process of this software.
 
-        SIGHUP stays ignored where `nohup` asked for that; SIGINT does not where a shell's `command &` did.
+        SIGHUP stays ignored under `nohup`; SIGINT does not under a shell's `command &`.
         """
         for number in ENDING:
             if number != signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN:
@@ -103,8 +104,9 @@ class StopSignal:
 
     @contextmanager
     def listening(self) -> Iterator[None]:
-        """Inside, note Ctrl-C: for a call in a program of the user's. There it raises KeyboardInterrupt
-        again afterwards; another handler, or a call from another thread, is left alone."""
+        """Inside, note Ctrl-C, for a call in a program of the user. Afterwards it raises KeyboardInterrupt;
+        another handler, or a call from another thread, is left alone.
+        """
         default = signal.getsignal(signal.SIGINT) is signal.default_int_handler
         if not default or threading.current_thread() is not threading.main_thread():
             yield
@@ -124,17 +126,16 @@ class StopSignal:
             signal.signal(number, signal.SIG_IGN)
 
     def exit(self) -> NoReturn:
-        """End this process at once, with the status of its signal: no thread that still waits for a network
-        holds it up, or is torn out of that."""
+        """End this process at once, with the status of its signal, without waiting for other threads."""
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(self.status)
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Inside, signals wait, and so they do for good in each process that is started here: it leaves them
-        to this one, unless it listens itself, from the moment when it does. A process that is forked inside,
-        and leaves it as well, loses none: Python forgets in a new process what came before it was ready.
+        """Inside, signals wait, in processes that are started here even for ever: these leave them to this
+        process, unless they listen themselves. A process that is forked inside, and leaves the context as
+        well, loses none: Python forgets in a new process the signals from before it was ready.
         """
         before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
         try:

@@ -1,5 +1,4 @@
-"""What carries a robot's disk: a point, a base that cannot stop at once, or two wheels; and the messages and
-delays of a base that is not simulated."""
+"""Bodies of robots: a point, a base with inertia, or two wheels; messages and delays of external bases."""
 
 from __future__ import annotations
 
@@ -36,9 +35,9 @@ Preset = Literal[
 class Body:
     """A robot's body. A Command sets the velocity of its control point, the centre of its disk.
 
-    point: takes any velocity at once, and stands as soon as it is told nothing. The others hold the last
-    velocity for `hold`, then brake. omnidirectional: moves into all directions. differential-drive: two
-    wheels; the control point lies `offset` ahead of the middle of their axle.
+    point: takes any velocity at once, and stands without a command. The others hold the last velocity for
+    `hold`, then brake. omnidirectional: moves into all directions. differential-drive: two wheels; the
+    control point lies `offset` ahead of the middle of their axle.
     """
 
     kind: Kind = "point"
@@ -112,12 +111,11 @@ DECISION: Final = 0.05  # s from the beginning of a tick to its Command at most,
 
 
 class Lateness(NamedTuple):
-    """What comes late at an external base, s.
+    """Delays of an external base, s.
 
-    age: true age at most of the odometry with which a velocity is decided.
-    latency: from when a velocity is due until the base executes it, at most.
-    alone: for how long at most a base goes on with its last velocity if its robot's process dies.
-    spread: by how much the time for which the heading is predicted may be off.
+    age: greatest true age of the odometry with which a velocity is decided. latency: longest time from when a
+    velocity is due to its execution by the base. alone: longest time for which a base holds its last velocity
+    after the death of its robot's process. spread: error of the time for which the heading is predicted.
     """
 
     age: float
@@ -127,7 +125,7 @@ class Lateness(NamedTuple):
 
     @property
     def window(self) -> float:
-        """For how long velocities count that were told earlier, s."""
+        """Time for which earlier velocities matter, s."""
         return self.age + self.latency
 
 
@@ -136,8 +134,9 @@ class Base:
     """The external base and localisation of a robot: its topics, times and dialect.
 
     ros2: by ROS 2 messages over zenoh, in the dialect of zenoh-bridge-ros2dds or of rmw_zenoh: a Twist or
-    TwistStamped to the base; Odometry from it, and a PoseStamped from a localisation; where the law is
-    "external", another Twist or TwistStamped from a planner. In every text, `{id}` stands for the robot's id.
+    TwistStamped to the base; Odometry from it, and a PoseStamped from a localisation; with the law
+    "external", another Twist or TwistStamped from a planner. In every text, `{id}` is replaced by the robot's
+    id.
     """
 
     kind: Literal["ros2"] = "ros2"
@@ -160,12 +159,12 @@ class Base:
     age: Positive = 0.1  # s, besides `latency`, that the odometry may be old with which a tick begins
 
     def carries(self, body: Body) -> Body:
-        """The body with the time for which this base goes on at most."""
+        """The body, with the longest hold time of this base."""
         return replace(body, hold=self.lateness.alone + self.patience)
 
     @property
     def lateness(self) -> Lateness:
-        """What comes late.
+        """The delays of this base.
 
         A tick begins with odometry of an estimated age of at most `age + latency`. The estimate takes the
         least delay seen for `delay`; it is between that and `latency`.
@@ -187,7 +186,8 @@ class Base:
     def topic(self, name: str) -> str:
         """The full name of a topic, without its first slash.
 
-        A name that begins with a slash is in no namespace, but for the bridge, which puts all names into its.
+        A name that begins with a slash is in no namespace, except for the bridge, which puts all names into
+        its own.
         """
         is_full = self.dialect == "rmw_zenoh" and name.startswith("/")
         return f"{'' if is_full else self.namespace.strip('/')}/{name.strip('/')}".lstrip("/")
@@ -206,11 +206,7 @@ class Actuation:
 
 
 def ros_name(text: str) -> str:
-    """Return `text` if it may be a namespace, or with something between its slashes a topic.
-
-    Raises:
-        UsageError: it may not.
-    """
+    """Return `text` if it is a valid name of a namespace or topic; raises UsageError."""
     if not _NAME.fullmatch(text):
         raise UsageError(
             f"{text!r} is no ROS name: letters, digits, '_', '-' and '.', with one '/' between words, "

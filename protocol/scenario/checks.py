@@ -1,7 +1,7 @@
-"""Checks between the fields of a scenario: ids that exist, times in order, bodies that fit the plant.
+"""Checks between the fields of a scenario: ids that exist, times in order, bodies that the plant supports.
 
-Each check reads a whole scenario and is silent about what is malformed in itself: such a number is NaN, an id
-0, and `Sound` tells where more than that has to be known.
+Each check reads a whole scenario and ignores malformed fields: such a number is NaN, an id 0, and `Sound`
+tells where more has to be known.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _LONGEST = 10**9  # ticks
 _LONG_NAME = 200  # characters
 _LONG_TEXT = 10_000  # characters
 _MEMBERS = 50_000  # of partitions' groups: the scenario is part of several messages
-_TICKS = 3  # from a Command to the Tick that says that it was heard, and one that is late
+_TICKS = 3  # from a Command to the Tick that acknowledges it, and one late tick
 _LARGEST_SPAN = 1e6  # s
 # state of a process -> fault -> state afterwards
 EVENTS = {
@@ -42,7 +42,7 @@ EVENTS = {
 
 
 def checked(scenario: Scenario, malformed: Collection[Steps]) -> list[Finding]:
-    """Everything that is wrong between fields; `malformed` names the fields that are wrong in themselves."""
+    """All findings between fields; `malformed` lists the fields that are invalid by themselves."""
     sound = Sound(malformed)
     room, findings = placed(scenario, sound)
     findings = [
@@ -63,7 +63,7 @@ def checked(scenario: Scenario, malformed: Collection[Steps]) -> list[Finding]:
 
 
 def misfits(spec: RobotSpec, default: Preset | Body) -> Iterator[str]:
-    """Findings about a robot's body, the default unless it has one of its own."""
+    """Findings about a robot's own or default body."""
     own = default if spec.body is None else spec.body
     body = PRESETS[own] if isinstance(own, str) else own
     for steps, text in (*_wheels(("body",), body), *_hull(("radius",), body, spec.radius)):
@@ -111,7 +111,7 @@ def _spans(scenario: Scenario) -> dict[Steps, float | tuple[float, float]]:
 
 
 def _texts(scenario: Scenario) -> Iterator[Finding]:
-    """What is printed wherever the run is shown."""
+    """Texts that are printed with the run."""
     name, description = scenario.name, scenario.description
     if not (name.isprintable() and len(name) <= _LONG_NAME):
         yield ("name",), f"must have no control characters, and at most {_LONG_NAME} characters"
@@ -125,7 +125,7 @@ def _texts(scenario: Scenario) -> Iterator[Finding]:
 
 
 def described(scenario: Scenario) -> list[tuple[Steps, RobotSpec]]:
-    """Where robots are described: those of the start, and those that orders add."""
+    """Places of robots' descriptions: those at the start, and those that orders add."""
     return [
         *((("robots", index), spec) for index, spec in enumerate(scenario.robots)),
         *(
@@ -137,7 +137,7 @@ def described(scenario: Scenario) -> list[tuple[Steps, RobotSpec]]:
 
 
 def _body(scenario: Scenario, sound: Sound, steps: Steps, spec: RobotSpec) -> Body | None:
-    """The body of a robot that is described at `steps`; None where it is malformed."""
+    """The body of a robot described at `steps`; None if it is malformed."""
     if not sound(*steps, "body") or (spec.body is None and not sound("body")):
         return None
     body = scenario.body if spec.body is None else spec.body
@@ -196,7 +196,7 @@ def _wheels(steps: Steps, body: Body) -> Iterator[Finding]:
 
 
 def _physical(steps: Steps, body: Body) -> Iterator[Finding]:
-    """Why a body cannot be had in MuJoCo."""
+    """The reason why MuJoCo does not support a body."""
     if body.kind != "differential-drive":
         yield steps, 'world.plant = "mujoco" moves robots on two wheels only, such as "turtlebot3-burger"'
     elif body.acceleration > BRISKEST:
@@ -209,12 +209,14 @@ def _hull(steps: Steps, body: Body, radius: float) -> Iterator[Finding]:
 
 
 def _bases(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
-    """External bases: bodies that brake, keys that can be told apart, no scripted faults."""
+    """External bases: bodies that brake, distinct keys, no scripted faults."""
     external = scenario.is_external
     if scenario.base is not None:
         yield from _names(("base",), scenario.base)
     keys: dict[str, Steps] = {}
-    topics = TOPICS if scenario.control.law == "external" else TOPICS[:-1]  # else nothing is desired
+    topics = (
+        TOPICS if scenario.control.law == "external" else TOPICS[:-1]
+    )  # otherwise there is no desired velocity
     for steps, spec in described(scenario):
         if spec.base is not None:
             yield from _names((*steps, "base"), spec.base)
@@ -232,7 +234,7 @@ def _bases(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
 
 
 def _names(steps: Steps, base: Base) -> Iterator[Finding]:
-    """Names that no key can have, and frames that no header should have."""
+    """Names that are invalid in keys, and frames that are invalid in headers."""
     for key in ("namespace", *TOPICS):
         name = getattr(base, key)
         try:
@@ -249,7 +251,7 @@ def _names(steps: Steps, base: Base) -> Iterator[Finding]:
 
 
 def _shared(robot: Steps, base: Base, topics: Iterable[str], seen: dict[str, Steps]) -> Iterator[Finding]:
-    """Keys that two topics have, of one robot or of two; `seen` are those of robots before this one."""
+    """Keys of two topics, of one robot or of two; `seen` are those of robots before this one."""
     keys: dict[str, str] = {}
     for topic in topics:
         key = base.topic(getattr(base, topic))
@@ -278,7 +280,7 @@ def _external(scenario: Scenario) -> Iterator[Finding]:
 
 
 def _known(scenario: Scenario, sound: Sound) -> set[int] | None:
-    """Ids that are there at some time, None while one is malformed."""
+    """Ids that are present at some time, None while one is malformed."""
     ids = {spec.id for _, spec in described(scenario)}
     hidden: set[Steps] = {("robots",), ("orders",)}
     for n in range(len(scenario.orders)):
@@ -287,7 +289,7 @@ def _known(scenario: Scenario, sound: Sound) -> set[int] | None:
 
 
 def _faults(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
-    """Robots that are named exist, partitions have an inside and a time, events follow each other."""
+    """Named robots exist, partitions have groups and a time, events follow each other."""
     named: list[tuple[Steps, int]] = [
         (("process", n, "robot"), fault.robot) for n, fault in enumerate(scenario.process)
     ]
@@ -338,7 +340,7 @@ def _events(scenario: Scenario) -> Iterator[Finding]:
 
 
 def _orders(scenario: Scenario, sound: Sound, room: Shape | None) -> Iterator[Finding]:
-    """Each asks for one operation, of robots and obstacles that there are at some time."""
+    """Each has one operation, with robots and obstacles that are present at some time."""
     ids = _known(scenario, sound)
     obstacles = len(scenario.obstacles) + sum(order.place is not None for order in scenario.orders)
     for index, order in enumerate(scenario.orders):
@@ -358,7 +360,7 @@ def _orders(scenario: Scenario, sound: Sound, room: Shape | None) -> Iterator[Fi
 
 
 def _asked(order: Order, steps: Steps, sound: Sound, room: Shape | None) -> Iterator[Finding]:
-    """Points in the workspace, and disks and obstacles that fit into it."""
+    """Points in the workspace, and disks and obstacles inside it."""
     if order.place is not None:
         yield from obstacle(order.place, (*steps, "place"), sound, room)[1]
     if room is not None and order.goal is not None:

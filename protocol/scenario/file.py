@@ -1,7 +1,7 @@
 """Scenario files: TOML in, `Scenario` out, or every problem at once, each with its path; and back. Settings
-are laid over a document: `control.k=80`, `robots[1].goal=[0, 0]`, `link.delay=[0.0, 0.3]`.
+modify a document: `control.k=80`, `robots[1].goal=[0, 0]`, `link.delay=[0.0, 0.3]`.
 
-Positions in paths count from 0, as they stand in the file: `robots[2].start` is the start of the third
+Positions in paths count from 0, in the order of the file: `robots[2].start` is the start of the third
 `[[robots]]`. Robots are named by their ids: "overlaps robot 1".
 """
 
@@ -33,7 +33,7 @@ from protocol.scenario.tables import (
     written,
 )
 
-_ALWAYS = ("name", "seed", "workspace", "time", "control")  # written even where they say what holds anyway
+_ALWAYS = ("name", "seed", "workspace", "time", "control")  # written even with default values
 _STEP = re.compile(r"\.?([A-Za-z_][A-Za-z0-9_-]*)|\[(0|[1-9][0-9]{0,5})\]")
 
 
@@ -44,12 +44,11 @@ class _RefusedError(Exception):
 def apply_settings(document: Document, settings: Iterable[str]) -> Document:
     """A copy of `document` with settings `path=VALUE` applied in order.
 
-    Positions in arrays count from 0, as in error messages; the position after the last adds an element.
-    A value is written as in TOML; a bare word is taken as a string. Values are checked by the reader of
-    the document, paths are checked here.
+    Positions in arrays count from 0, as in error messages; the position after the last adds an element. A
+    value is written as in TOML; a bare word is a string. Values are checked by the reader of the document,
+    paths here.
 
-    Raises:
-        ScenarioError: a setting is malformed, or its path leads nowhere; names all of them.
+    Raises ScenarioError with all settings that are malformed, or whose path leads nowhere.
     """
     changed = copy.deepcopy(document)
     problems: list[Problem] = []
@@ -93,7 +92,7 @@ def _parsed(text: str) -> Any:
 
 
 def _assign(document: Document, steps: Steps, value: Any) -> None:
-    """Go down, adding tables and elements that are not there, and set the last step."""
+    """Follow the path, adding missing tables and elements, and set the last step."""
     holder: Any = document
     gone: Steps = ()
     steps = _indexed(document, steps)
@@ -129,7 +128,7 @@ def _indexed(document: Document, steps: Steps) -> Steps:
 
 
 def _absent(holder: Any, step: Step, gone: Steps) -> bool:
-    """Whether `step` is still to be added to `holder`; refuses a step that leads nowhere."""
+    """Whether `step` is still to be added to `holder`; refuses an invalid step."""
     parent = written(gone[:-1])
     if isinstance(step, int):
         if not isinstance(holder, list):
@@ -150,7 +149,7 @@ def _absent(holder: Any, step: Step, gone: Steps) -> bool:
 
 
 def _table_at(steps: Steps) -> type | None:
-    """The table that a path leads to, None where the path leads to a value or out of the document."""
+    """The table at a path; None if it leads to a value or out of the document."""
     table: type | None = Scenario
     for step in steps:
         if isinstance(step, str) and table is not None:
@@ -164,11 +163,7 @@ def read_scenario(path: Path | str) -> Scenario:
 
 
 def read_document(path: Path | str) -> Document:
-    """Read a TOML file without checking its content.
-
-    Raises:
-        ScenarioError: the file cannot be read, or is not TOML.
-    """
+    """Read a TOML file without checking its content; raises ScenarioError if that is impossible."""
     return read_toml(path, ScenarioError)
 
 
@@ -189,11 +184,7 @@ def parse_toml(text: str, source: str = "scenario") -> Scenario:
 
 
 def parse_document(document: Document, source: str = "scenario") -> Scenario:
-    """A scenario from plain tables, arrays and values, as tomllib makes them.
-
-    Raises:
-        ScenarioError: with every problem, in the order of the file.
-    """
+    """A scenario from plain tables, arrays and values; raises ScenarioError with every problem."""
     single = isinstance(document.get("sensing"), dict)
     arrays = _with_radii(document | {"sensing": [document["sensing"]]} if single else document)
     scenario, findings = read_table(arrays, Scenario)
@@ -205,13 +196,13 @@ def parse_document(document: Document, source: str = "scenario") -> Scenario:
 
 
 def validated(scenario: Scenario) -> Scenario:
-    """Return a scenario that was put together in Python if it is valid; raises ScenarioError."""
+    """Return a scenario that was built in Python if it is valid; raises ScenarioError."""
     parse_document(document_of(scenario), scenario.name)
     return scenario
 
 
 def _with_radii(document: Document) -> Document:
-    """The document, where a robot that has no radius is given that of its body's disk, if this has one."""
+    """The document, with the radius of the body's disk for each robot without a radius, if there is one."""
     document = copy.deepcopy(document)
     robots, orders = (
         each if isinstance(each := document.get(key), list) else [] for key in ("robots", "orders")

@@ -1,8 +1,8 @@
 """A scenario: everything that determines a run, besides the transport. SI units, plain data.
 
-Field names are the keys of the TOML file; a trailing underscore avoids a Python keyword (`from_`
-is `from` in the file). Ranges stand in the annotations; `protocol.scenario.tables` enforces them in files,
-msgspec in messages.
+Field names are the keys of the TOML file; a trailing underscore avoids a Python keyword (`from_` is `from` in
+the file). Ranges are in the annotations; `protocol.scenario.tables` enforces them in files, msgspec in
+messages.
 """
 
 from __future__ import annotations
@@ -92,11 +92,7 @@ class Workspace:
 
     @property
     def disk_radius(self) -> float:
-        """Radius of a round workspace, m, for properties stated of no other.
-
-        Raises:
-            UsageError: it is a polygon.
-        """
+        """Radius of a round workspace, m; raises UsageError for a polygon."""
         if self.radius is None:
             raise UsageError("the workspace is a polygon; this is possible in a round one only")
         return self.radius
@@ -111,7 +107,7 @@ class Obstacle:
     points: Corners | None = None
 
     def defect(self) -> str:
-        """Why it has no shape; "" if it has one."""
+        """The reason why its shape is invalid; "" if it is valid."""
         if self.points is not None and self.center is None and self.radius is None:
             return defect(self.points)
         if self.center is not None and self.radius is not None and self.points is None:
@@ -120,7 +116,7 @@ class Obstacle:
 
     @property
     def shape(self) -> Shape:
-        """What no disk touches."""
+        """The set that no disk touches."""
         if self.points is not None:
             return ConvexPolygon(self.points)
         assert self.center is not None
@@ -158,9 +154,9 @@ class Carrying:
 
 @dataclass(frozen=True, slots=True)
 class Time:
-    """Control period, limit (s of simulated time), arrival tolerance (m), and what counts as silence (s).
+    """Control period, limit (s of simulated time), arrival tolerance (m), and time of silence (s).
 
-    An endless run has no verdict of its own: it goes on until it is stopped.
+    An endless run has no verdict of its own: it continues until it is stopped.
     """
 
     step: Positive = 0.05  # s, control period
@@ -184,13 +180,13 @@ class Control:
     turn: Positive | None = None  # s; only one robot moves at a time, in the order of ids, each for this long
 
     def without(self, *names: Addition) -> Control:
-        """The same with some additions left out."""
+        """The same without some additions."""
         return replace(self, additions=tuple(each for each in self.additions if each not in names))
 
 
 @dataclass(frozen=True, slots=True)
 class Sensing:
-    """How a robot's own position is measured: delay (s), noise and bias (m), dropout."""
+    """Measurement of a robot's own position: delay (s), noise and bias (m), dropout."""
 
     delay: Span = 0.0  # s, age of a measurement
     noise: NonNegative = 0.0  # m, standard deviation per axis, truncated at noise_bound
@@ -321,16 +317,12 @@ class Scenario:
     network: Network = Network()
 
     def ticks(self, seconds: float) -> int:
-        """First tick at or after `seconds`; a whisker below a tick still counts as that tick."""
+        """First tick at or after `seconds`; rounding below a tick is ignored."""
         return math.ceil(seconds / self.time.step - 1e-9)
 
     @property
     def k(self) -> float:
-        """The number k in use; `auto` must have been resolved before (`deploy.library.load`).
-
-        Raises:
-            ScenarioError: k is still "auto" or "certified".
-        """
+        """The number k; raises ScenarioError if `deploy.library.load` has not resolved it."""
         if isinstance(self.control.k, str):
             raise ScenarioError(
                 self.name, [Problem("control.k", f'is still "{self.control.k}"; resolve it before the run')]
@@ -339,7 +331,7 @@ class Scenario:
 
     @property
     def hears_near(self) -> bool:
-        """Whether robots hear only those that are near them at every tick."""
+        """Whether each robot receives only the States of near peers."""
         if self.parts:
             return False  # part carriers plan with the ways of all robots
         interest = self.network.interest
@@ -349,12 +341,12 @@ class Scenario:
 
     @property
     def shapes(self) -> dict[int, Shape]:
-        """Obstacles from the start, by number; parts follow those that the scenario lists."""
+        """Obstacles at the start, by number; parts follow the listed ones."""
         parts = [Disk(*part.start, part.radius) for part in self.parts]
         return dict(enumerate([*(obstacle.shape for obstacle in self.obstacles), *parts], 1))
 
     def loaded_radius(self, robot: int, part: int) -> float:
-        """Radius of the disk that a robot is while it carries a part, m."""
+        """Radius of a robot's disk while it carries a part, m."""
         return max(self.spec(robot).radius, self.parts[part - 1].radius)
 
     @property
@@ -397,12 +389,12 @@ class Scenario:
 
     @property
     def has_topics(self) -> bool:
-        """Whether robots have topics of ROS 2."""
+        """Whether robots have ROS 2 topics."""
         bases = (self.base, *(spec.base for spec in self.robots))
         return self.is_external or any(base is not None and base.tools for base in bases)
 
     def sensing_of(self, robot: int) -> Sensing:
-        """How this robot is measured: the last entry that names it, or that names no robot."""
+        """Sensing of a robot: the last entry that names it, or names none."""
         for sensing in reversed(self.sensing):
             if sensing.robots is None or robot in sensing.robots:
                 return sensing
@@ -412,7 +404,7 @@ class Scenario:
 def gain_for_fleet(k: float, robots: int, present: int) -> float:
     """The gain for `present` robots, if `k` is that for `robots`.
 
-    gamma is a sum over robots, so the repulsive layer gamma / k must be thinned as they grow in number: by
-    the square of it, as the rule behind k = "auto" says. A fleet that shrinks keeps its gain.
+    gamma is a sum over robots, so the repulsive layer gamma / k must become thinner with their number: by its
+    square, as in the rule of k = "auto". A fleet that shrinks keeps its gain.
     """
     return k if present <= robots else min(LARGEST_GAIN, k * (present / robots) ** 2)

@@ -1,8 +1,7 @@
-"""What must hold of places in a scenario: a room, disks in it that do not overlap, obstacles, and parts; and
-how near to its start an external robot has to stand.
+"""Checks of places in a scenario: a workspace, disks in it that do not overlap, obstacles, and parts; and the
+largest distance of an external robot from its start.
 
-A check is silent about what is malformed in itself: such a number is NaN. Contact counts as overlap: phi is 1
-there, beta 0.
+A check ignores malformed values: such a number is NaN. Contact counts as overlap: phi is 1 there, beta 0.
 """
 
 from __future__ import annotations
@@ -17,23 +16,23 @@ from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.scenario.model import CELLS, MOST_CELLS, Obstacle, Point, Scenario, Workspace
 from protocol.scenario.tables import Finding, Steps
 
-_NAMED = 3  # overlaps of one disk that are spelled out
+_NAMED = 3  # listed overlaps of one disk
 _Named = tuple[str, Shape]  # its name in messages
 
 
 @dataclass(frozen=True)
 class Sound:
-    """Which parts of a scenario can be relied on; `malformed` are the paths that cannot."""
+    """Which parts of a scenario are valid; `malformed` are the paths that are not."""
 
     malformed: Collection[Steps]
 
     def __call__(self, *steps: str | int) -> bool:
-        """Whether there is nothing malformed at this path, above or below it."""
+        """Whether nothing at this path, above or below it is malformed."""
         return not any(each[: len(steps)] == steps[: len(each)] for each in self.malformed)
 
 
 def placed(scenario: Scenario, sound: Sound) -> tuple[Shape | None, list[Finding]]:
-    """The workspace, None where it is malformed, and all findings about places."""
+    """The workspace, None if it is malformed, and all findings about places."""
     room, findings = _shape(scenario.workspace, ("workspace",), sound)
     robots: dict[str, list[_Named]] = {}
     for end in ("start", "goal"):
@@ -86,7 +85,7 @@ def inside(room: Shape, point: Point, radius: float, steps: Steps) -> Iterator[F
 def obstacle(
     obstacle: Obstacle, steps: Steps, sound: Sound, room: Shape | None
 ) -> tuple[Shape | None, list[Finding]]:
-    """The shape of an obstacle, None where it has none, and findings about it."""
+    """The shape of an obstacle, None if it has none, and findings about it."""
     shape, findings = _shape(obstacle, steps, sound)
     if shape is not None and room is not None and _outside(shape, room):
         findings = [((*steps, _where(shape)), "lies outside of the workspace")]
@@ -103,7 +102,7 @@ def _outside(shape: Shape, room: Shape) -> bool:
 
 
 def _robots(scenario: Scenario, end: str) -> tuple[list[Finding], list[_Named]]:
-    """Robots where they begin or where they end, each against those before it in the file."""
+    """Starts or goals of robots, each against those before it in the file."""
     findings: list[Finding] = []
     before: list[tuple[str, Shape]] = []
     for index, spec in enumerate(scenario.robots):
@@ -115,7 +114,7 @@ def _robots(scenario: Scenario, end: str) -> tuple[list[Finding], list[_Named]]:
 
 
 def _parts(scenario: Scenario, end: str, room: Shape | None, others: list[_Named]) -> Iterator[Finding]:
-    """Parts against the workspace and `others`, to which each of them is added."""
+    """Parts against the workspace and `others`, to which each part is added."""
     for index, part in enumerate(scenario.parts):
         disk = Disk(*(part.start if end == "start" else part.goal), part.radius)
         if not _is_finite(disk):
@@ -132,12 +131,12 @@ def _is_finite(disk: Disk) -> bool:
 
 
 def _where(shape: Shape) -> str:
-    """The key that says where it is."""
+    """The key of its place."""
     return "points" if isinstance(shape, ConvexPolygon) else "center"
 
 
 def _overlaps(shape: Shape, others: Iterable[_Named], steps: Steps) -> Iterator[Finding]:
-    """Names of the shapes that a shape overlaps or touches, as one text; one of every two is a disk."""
+    """Names of the shapes that a shape overlaps or touches, as one text; of each two one is a disk."""
     around = shape.around
     depths = [
         (name, depth)
@@ -175,14 +174,14 @@ def _cells(scenario: Scenario, room: Shape | None) -> Iterator[Finding]:
         )
 
 
-SHARE: Final = 0.99  # of the room, which leaves more than rounding takes
+SHARE: Final = 0.99  # share of the gap, more than rounding below 1
 
 
 def room_at_start(scenario: Scenario, robot: int) -> tuple[float, str]:
-    """How far a robot may be from its start, m, and because of what.
+    """Largest distance of a robot from its start, m, and the reason for it.
 
-    Half of the gap to another starting disk is the other's; to obstacles and to what encloses the workspace
-    there is all the room.
+    Half of the gap to another starting disk is the other's; the gap to obstacles and to the boundary is its
+    own.
     """
     own = scenario.spec(robot)
     room, what = -scenario.workspace.shape.distance(*own.start) - own.radius, "the boundary"

@@ -1,7 +1,7 @@
-"""Plain tables, as TOML has them, become dataclasses; or everything is named that is wrong with them.
+"""Plain tables, as of TOML, become dataclasses; otherwise all their errors are listed.
 
-Keys, types and ranges are those that the dataclasses declare; a trailing underscore avoids a Python keyword
-(`from_` is `from` in a file). Strict: no number is read from a string, and a truth value is not a number.
+Keys, types and ranges are those of the dataclasses; a trailing underscore avoids a Python keyword (`from_` is
+`from` in a file). Strict: no number is read from a string, and a truth value is not a number.
 """
 
 from __future__ import annotations
@@ -35,10 +35,9 @@ _KINDS: dict[object, str] = {
 
 
 def read_table(document: Document, table: type[_Table]) -> tuple[_Table, list[Finding]]:
-    """A document as `table`, and everything that is wrong with its keys, types and ranges.
+    """A document as `table`, and all errors of its keys, types and ranges.
 
-    What is malformed reads as NaN, 0, "", False, None where that is allowed, an empty array, or a table of
-    these.
+    Malformed values become NaN, 0, "", False, None where allowed, an empty array, or a table of these.
     """
     findings: list[Finding] = []
     found: _Table = _table((), document, table, findings)
@@ -96,7 +95,7 @@ def _array(steps: Steps, value: list[Any], kind: Any, metas: Sequence[Meta], fin
 
 
 def _wrong(value: Any, kinds: dict[Any, tuple[Meta, ...]], metas: Sequence[Meta]) -> str:
-    """Why this is no value of these alternatives, none of which is a table or array that it could be."""
+    """The reason why a value is none of these alternatives, which are neither its table nor its array."""
     leaves = [kind for kind in kinds if kind is not NoneType]
     kind = next((kind for kind in leaves if _is_of(value, kind)), None)
     if kind is None:
@@ -128,7 +127,7 @@ def _is_of(value: Any, kind: Any) -> bool:
 
 
 def _nothing(hint: Any) -> Any:
-    """The value in place of a malformed one."""
+    """The replacement of a malformed value."""
     kinds, _ = _alternatives(hint)
     if NoneType in kinds:
         return None
@@ -142,7 +141,7 @@ def _nothing(hint: Any) -> Any:
     return "" if get_origin(kind) is Literal else {float: nan, int: 0, bool: False}.get(kind, "")
 
 
-@cache  # a scenario of 1000 robots asks 10 000 times
+@cache  # called 10 000 times for a scenario of 1000 robots
 def _alternatives(hint: Any) -> tuple[dict[Any, tuple[Meta, ...]], tuple[Meta, ...]]:
     """The alternatives of a type annotation, each with its ranges; and their common description."""
     metas: tuple[Meta, ...] = ()
@@ -174,7 +173,7 @@ def _named(kinds: Iterable[Any]) -> str:
 
 
 def _described(value: Any) -> str:
-    """A value as people would name it."""
+    """A value as users would name it."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str) and not _is_unicode(value):
@@ -189,7 +188,7 @@ def _described(value: Any) -> str:
 
 
 def _is_unicode(text: str) -> bool:
-    """Whether `text` is whole characters: a setting from a command line in another encoding is not."""
+    """Whether `text` consists of whole characters, unlike an argument in another encoding."""
     return not any("\ud800" <= character <= "\udfff" for character in text)
 
 
@@ -198,7 +197,7 @@ def _is_unicode(text: str) -> bool:
 
 @cache
 def keys_of(table: Any) -> dict[str, type | None]:
-    """Keys of a table in the file's order, each with the table (or array of tables) that it holds."""
+    """Keys of a table in the file's order, each with its table (or array of tables)."""
     hints = get_type_hints(table, include_extras=True)
     return {field.name.rstrip("_"): _table_in(hints[field.name]) for field in fields(table)}
 
@@ -215,7 +214,7 @@ def _table_in(hint: Any) -> type | None:
 
 
 def file_order(table: type) -> Any:
-    """A key that sorts findings as their places stand in a file; unknown keys come first."""
+    """A key that sorts findings by their places in a file; unknown keys come first."""
     top = list(keys_of(table))
 
     def key(finding: Finding) -> tuple[int, tuple[tuple[int, str], ...]]:
@@ -227,7 +226,7 @@ def file_order(table: type) -> Any:
 
 
 def written(steps: Iterable[Step]) -> str:
-    """A path as people write it: `robots[2].start`."""
+    """A path as users write it: `robots[2].start`."""
     text = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in steps)
     return text.removeprefix(".")
 
@@ -238,6 +237,6 @@ def unknown_key(key: str, table: type) -> str:
 
 
 def suggestion(word: str, known: Sequence[str]) -> str:
-    """The known word that is nearest to `word`, or all of them where none is near."""
+    """The known word nearest to `word`, or all of them if none is near."""
     near = get_close_matches(word, known, 1, 0.5)
     return f"did you mean `{near[0]}`?" if near else f"known are {', '.join(f'`{name}`' for name in known)}"

@@ -57,7 +57,7 @@ class Exchange:
 
     @property
     def summary(self) -> Summary | None:
-        """Recent positions of all robots, if this tick has to carry them."""
+        """Positions of all robots, if one is due in this tick."""
         return None if self._interest is None else self._interest.summary
 
     def open(self, scenario: Scenario, sensed: Mapping[int, Sense], halted: bool) -> dict[int, Tick]:
@@ -110,7 +110,7 @@ class Exchange:
         }
 
     def close(self) -> None:
-        """End the tick: what is outstanding was missed."""
+        """End the tick; outstanding commands are missed."""
         self.missed += len(self.waiting)
         self.waiting, self.told = set(), None
         self.tick += 1
@@ -127,7 +127,7 @@ class Exchange:
             self.told = {other: _without(robot, tick) for other, tick in self.told.items()}
 
     def accept(self, command: Command) -> bool:
-        """Take a command, or count why not; a robot that cannot command yet says which States it lacks."""
+        """Accept a command, or count its refusal; a robot that cannot command lists missing States."""
         reason = self._refusal(command)
         if reason:
             self.refused[reason] += 1
@@ -173,12 +173,12 @@ def _without(robot: int, tick: Tick) -> Tick:
 def blamed(
     heard_by: Mapping[int, int], waiting: Collection[int], lacking: Mapping[int, Collection[int]]
 ) -> dict[int, str]:
-    """Robots to give up, with reasons, in a tick that was told again; at least one, if any is waited for.
+    """Robots to exclude, with reasons, in a repeated tick; at least one, if a command is outstanding.
 
     Args:
         heard_by: number of receivers of each active robot's State, itself included.
         waiting: those of them that owe a command.
-        lacking: ids of the States that each of these lacks, by its reports since the tick was told again.
+        lacking: ids of the States that each of these lacks, by its reports since the repetition.
     """
     silent = {robot: "hangs: it does not answer" for robot in sorted(waiting) if not lacking.get(robot)}
     lack = Counter(peer for robot in waiting for peer in set(lacking.get(robot, ())) if peer in heard_by)

@@ -12,18 +12,18 @@ from protocol.scenario.model import Scenario
 
 
 class Interest:
-    """Interest management of a run in which robots receive the States of peers that they are bound to.
+    """Interest management of a run in which robots receive the States of the peers in their bindings.
 
     Attributes:
         summary: the newest to publish; None before the first.
-        places: where robots were sensed last, m, by id.
+        places: last measured positions, m, by id.
     """
 
     def __init__(self, scenario: Scenario) -> None:
         self.summary: Summary | None = None
         self.places: dict[int, Vector] = {spec.id: spec.start for spec in scenario.robots}
         self._period = period(scenario)
-        self._slices: dict[int, float] = {}  # m, as last commanded
+        self._slices: dict[int, float] = {}  # m, of the newest Command
         # By robot: its life, and from which tick on it hears each peer.
         self._since: dict[int, tuple[int, dict[int, int]]] = {}
 
@@ -52,15 +52,16 @@ class Interest:
             self.summary = Summary(tick, runs(ids), where, far, pace)
 
     def accept(self, command: Command) -> None:
-        """A command was taken."""
+        """Note an accepted command."""
         if command.slice is not None:
             self._slices[command.robot] = command.slice
 
     def heard(
         self, robot: int, incarnation: int, tick: int, bound: Iterable[int], active: frozenset[int]
     ) -> tuple[int, ...]:
-        """The active robots whose States a life receives in this tick, itself included, given the peers that
-        it is `bound` to: it has subscribed to a peer LEAD ticks after the Tick that named it."""
+        """The active robots whose States a life receives in this tick, itself included, from the peers that
+        it is `bound` to: it is subscribed to a peer LEAD ticks after the Tick that named it.
+        """
         life, before = self._since.get(robot, (0, {}))
         if life != incarnation:
             before = {}

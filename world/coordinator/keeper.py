@@ -1,11 +1,11 @@
 """Applies the ledger's rules: binds robots, grants regions, and prepares the grants for each robot's Ticks.
 
-Safety is decided elsewhere: every change is a rule of `protocol.kernel.ledger`, which refuses it unless its
+Safety is ensured elsewhere: every change is a rule of `protocol.kernel.ledger`, which refuses it unless its
 preconditions hold. This module decides when to apply which rule.
 
-In a small fleet every region is the whole plane, and every robot is bound to all that is there. In a large
-one it is a disk around the last known place, and two are bound when a region to be granted meets what the
-other holds.
+In a small fleet every region is the whole plane, and every robot is bound to all disks and obstacles. In a
+large one a region is a disk around the last known position, and two robots are bound when a region to be
+granted intersects the other's.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from protocol.messages import ListedBinding as Listing
 from protocol.region import EVERYWHERE, Region, RegionGeometry, distance, parting
 from protocol.scenario.model import Scenario
 
-_RENEWED: Final = 1.0 / 3.0  # of the slack, that a robot may use up before it is granted another region
-_PARTED: Final = 0.5  # of the slack, by which regions of two have to be apart until the two are parted
+_RENEWED: Final = 1.0 / 3.0  # share of the slack that a robot may use before another region is granted
+_PARTED: Final = 0.5  # distance of the regions of two robots, in slacks, at which their binding ends
 
 
 class Keeper:
@@ -44,8 +44,8 @@ class Keeper:
         self._geometry = RegionGeometry()
         self._first = version
         self._ledger: Ledger[Region, Line] = Ledger(version, {}, self._geometry)
-        self._changed: dict[int, int] = {}  # version in which the grants for a disk changed last
-        self._known: dict[int, int] = {}  # version that the present life of a robot has adopted
+        self._changed: dict[int, int] = {}  # version of the last change of a disk's grants
+        self._known: dict[int, int] = {}  # version adopted by the present life of a robot
         self._moved: set[int] = set()  # disks whose regions have shrunk
 
     @property
@@ -62,19 +62,19 @@ class Keeper:
     # -- lives and places
 
     def lives(self, robot: int) -> bool:
-        """Whether a life may move the disk of a robot."""
+        """Whether a robot's disk has a life, which may move it."""
         disk = self._ledger.disks.get(robot)
         return disk is not None and disk.life != NO
 
     def rejoin(self, robot: int) -> None:
-        """A life begins in a disk that stands."""
+        """Begin a life of a static disk."""
         disk = self._ledger.disks[robot]
         self._ledger.rejoin(disk)
         self._known[robot] = 0
         self._change(robot)
 
     def fence(self, robot: int, place: Circle) -> None:
-        """The life of a robot is over: its disk stands at a place."""
+        """End the life of a robot: its disk is static at a place."""
         disk = self._ledger.disks[robot]
         self._ledger.fence(disk, Region(place))
         self._change(robot, *self._ledger.pairs[robot])
@@ -88,7 +88,7 @@ class Keeper:
             self._change(robot, *self._ledger.pairs[robot])
 
     def announce(self, name: int, shape: Shape) -> None:
-        """A disk is to appear at a place."""
+        """Announce a disk at a place."""
         self._ledger.announce(name, Region(shape, name < 0))
 
     def appear(self, name: int) -> bool:
@@ -100,7 +100,7 @@ class Keeper:
         return clear
 
     def remove(self, name: int) -> None:
-        """A disk without a life is gone, or does not appear."""
+        """Remove a static or announced disk."""
         peers = tuple(self._ledger.pairs[name])
         self._ledger.remove(self._ledger.disks[name])
         self._change(name, *peers)
@@ -130,7 +130,7 @@ class Keeper:
                     self._change(robot, peer)
 
     def _asked(self, disk: DiskRecord[Region]) -> list[tuple[int, Binding[Line]]]:
-        """Bindings in force for which a disk was asked for a first line that is not known yet, with peers."""
+        """Bindings in force, with the peer, for which a disk owes a first line."""
         return [
             (peer, binding)
             for peer, pair in self._ledger.pairs[disk.name].items()
@@ -161,7 +161,7 @@ class Keeper:
                 self._try(disk, Region(Circle(*at, disk.held.regions[-1][1].shape.around.radius)))
 
     def _is_roomy(self, disk: DiskRecord[Region], at: Vector) -> bool:
-        """Whether the newest region granted is large enough around a place, or still to be obeyed."""
+        """Whether the newest region is large enough around a place, or not yet obeyed."""
         held = disk.held
         region = held.regions[-1][1].shape.around
         if held.acknowledged < held.granted:
@@ -169,15 +169,16 @@ class Keeper:
         return math.dist((region.x, region.y), at) <= _RENEWED * self._slack
 
     def _try(self, disk: DiskRecord[Region], wanted: Region) -> None:
-        """Grant a region once everything that is there is tied to the disk, or apart from it."""
+        """Grant a region once every other disk is tied to this one, or far."""
         if self._is_ready(disk, wanted):
             peers = tuple(self._ledger.pairs[disk.name]) if disk.still else ()
             self._ledger.grant(disk, wanted)
             self._change(disk.name, *peers)
 
     def _is_ready(self, disk: DiskRecord[Region], wanted: Region) -> bool:
-        """Whether everything that is there is tied to a disk, or apart from a region that it is to have and,
-        as long as it stands, from its place. What is neither is bound to it, or asked to keep clear."""
+        """Whether every other disk is tied to this one, or disjoint from its new region and, while static,
+        its place; otherwise bind it, or request a first line.
+        """
         ledger, geometry, ready = self._ledger, self._geometry, True
         for name in geometry.around(disk, wanted):
             other = ledger.disks[name]
@@ -192,12 +193,12 @@ class Keeper:
         return ready
 
     def _bind(self, disk: DiskRecord[Region], other: DiskRecord[Region]) -> bool:
-        """Introduce two disks, or ask for a first line; whether they are tied now."""
+        """Introduce two disks, or request a first line; returns whether they are tied."""
         ledger = self._ledger
         pair = ledger.pairs[disk.name].get(other.name)
         lives = NO not in (disk.life, other.life)
         if pair is not None and (pair.living if lives else pair.static) is not None:
-            return False  # asked already
+            return False  # already requested
         low, high = (disk, other) if disk.name < other.name else (other, disk)
         line = parting(_shapes(low.held), _shapes(high.held))
         if line is not None:
@@ -215,7 +216,7 @@ class Keeper:
         self._change(disk.name)
 
     def _part(self) -> None:
-        """End bindings of those that have gone far from each other."""
+        """End bindings of disks that are far from each other."""
         ledger, moved = self._ledger, self._moved
         self._moved = set()
         for robot in sorted(moved):

@@ -1,6 +1,6 @@
 """Lives: the process of each robot id, its scheduled faults, and its entry in the roster.
 
-A robot id may live several times. A life begins by joining and is numbered by its incarnation; it ends when
+A robot id may have several lives. A life begins by joining and is numbered by its incarnation; it ends when
 it is fenced, killed or followed by the next.
 """
 
@@ -25,12 +25,12 @@ Entry = TypeVar("Entry")
 
 
 class Status(Enum):
-    """What the world takes the process of a robot to be."""
+    """State of a robot's process, by the world's knowledge."""
 
-    UP = auto()  # takes part
-    PAUSED = auto()  # stopped by the scenario: hears nothing
+    UP = auto()  # active
+    PAUSED = auto()  # paused by the scenario: receives nothing
     GONE = auto()  # absent, or ended by the scenario
-    LOST = auto()  # given up on or fenced; may still listen
+    LOST = auto()  # given up or fenced; may still listen
 
 
 Fate = Literal["", "ended", "removed"]  # of a process, by the run; "": none
@@ -42,10 +42,10 @@ class Life(msgspec.Struct, array_like=True):
     incarnation: int
     status: Status = Status.GONE
     joined: bool = False  # its present process has joined this run
-    awaited: bool = True  # the scenario says that it must be up
+    awaited: bool = True  # the scenario has it up
     heard: int = -1  # tick of its newest command; the tick before it joined until there is one
     before: int = -1  # the tick before it joined
-    fenced: bool = False  # it never moves again
+    fenced: bool = False  # its disk is static
     begun: bool = False  # it has begun in the ledger
     added: bool = False  # its disk was added to the running fleet, and no process has joined it yet
     fate: Fate = ""  # of the newest process: ended by the scenario, or its robot was removed
@@ -57,22 +57,21 @@ class Life(msgspec.Struct, array_like=True):
 
     @property
     def paused(self) -> bool:
-        """Whether the scenario holds its process still: it cannot join before it is resumed."""
+        """Whether the scenario has paused its process, which cannot join before it is resumed."""
         return self.status is Status.PAUSED
 
     @property
     def killed(self) -> bool:
-        """Whether the scenario has ended its process, and does not want it back at present."""
+        """Whether the scenario has killed its process without a restart so far."""
         return self.status is Status.GONE and not self.awaited
 
     @property
     def goes_on(self) -> bool:
-        """Whether it has joined and is neither over nor given up on."""
+        """Whether it has joined and is neither over nor lost."""
         return self.status in (Status.UP, Status.PAUSED) and self.joined and not self.fenced
 
     def over(self, tick: int) -> Life:
-        """This life as another coordinator finds it that begins with `tick`: it is over. The process of one
-        that took part is to join again."""
+        """This life for a successor from `tick`: it is over; the process of an active one must rejoin."""
         up = self.status is Status.UP
         status, awaited = Status.LOST if up else self.status, self.awaited or up
         life = Life(self.incarnation, status, awaited=awaited, heard=tick - 1, before=tick - 1, fenced=True)
@@ -80,23 +79,23 @@ class Life(msgspec.Struct, array_like=True):
         return life
 
     def kill(self) -> None:
-        """The scenario ends its process."""
+        """Apply the scenario's kill of its process."""
         self._end(awaited=False)
 
     def restart(self) -> None:
-        """The scenario ends its process, to be replaced by another."""
+        """Apply the restart of its process."""
         self._end(awaited=True)
 
     def _end(self, awaited: bool) -> None:
         self.status, self.awaited, self.joined, self.fate = Status.GONE, awaited, False, self.fate or "ended"
 
     def pause(self) -> None:
-        """The scenario holds its process still."""
+        """Apply the scenario's pause of its process."""
         if self.awaited or self.status in (Status.UP, Status.LOST):
             self.status, self.awaited = Status.PAUSED, False
 
     def resume(self) -> None:
-        """The scenario lets its process go on: this life, or the next if this one was fenced meanwhile."""
+        """Apply the resumption of its process: of this life, or the next if this one was fenced meanwhile."""
         if self.paused:
             self.status, self.awaited = (Status.UP, False) if self.goes_on else (Status.LOST, True)
 
@@ -105,11 +104,11 @@ _EVENTS: Final = {"kill": Life.kill, "pause": Life.pause, "resume": Life.resume,
 
 
 class PastLives(msgspec.Struct, frozen=True):
-    """The lives of a run up to a tick, as an attribute of `Lives` each, with roster and version."""
+    """The lives of a run up to a tick, as attributes of `Lives`, with roster and version."""
 
     of: dict[Id, Life]
-    faults: Count = 0  # of the scenario's, in order, that are over
-    skipped: list[Count] = []  # which of them found no disk
+    faults: Count = 0  # number of past faults of the scenario
+    skipped: list[Count] = []  # those of them without a disk
     fenced: list[tuple[Count, Standing]] = []
     given_up: list[tuple[Count, Id, Count, str]] = []
     roster: messages.Roster = messages.Roster(0, ())
@@ -122,9 +121,9 @@ class Lives:
 
     Args:
         scenario: the run.
-        returning: s for which a robot that was fenced may yet come back.
-        past: of an earlier coordinator of this run: all lives are over, and numbers go on from there.
-        tick: that is opened first.
+        returning: time for which a fenced robot may still return, s.
+        past: of an earlier coordinator of this run: all its lives are over; numbers continue.
+        tick: opened first.
     """
 
     def __init__(
@@ -150,7 +149,6 @@ class Lives:
 
     @property
     def past(self) -> PastLives:
-        """The state for a successor."""
         return PastLives(
             self.of,
             self._over,
@@ -164,30 +162,31 @@ class Lives:
 
     @property
     def applied(self) -> list[tuple[int, ProcessFault]]:
-        """Tick and fault of each that happened to a process so far."""
+        """Tick and fault of each applied process fault."""
         skipped = set(self._skipped)
         return [each for n, each in enumerate(self._faults[: self._over]) if n not in skipped]
 
     @property
     def passed_over(self) -> tuple[tuple[int, int], ...]:
-        """Tick and robot of each that found no disk."""
+        """Tick and robot of each process fault without a disk."""
         return tuple((self._faults[n][0], self._faults[n][1].robot) for n in self._skipped)
 
     @property
     def incarnations(self) -> dict[int, int]:
-        """Newest incarnation of every robot that is or was there: a number is given out once."""
+        """Newest incarnation of every present or past robot; none is used twice."""
         return {robot: life.incarnation for robot, life in self.of.items()}
 
     @property
     def up(self) -> tuple[int, ...]:
-        """Ids that take part."""
+        """Ids of active robots."""
         return tuple(robot for robot, life in self.of.items() if life.status is Status.UP)
 
     def found(
         self, radii: Mapping[int, float], places: Mapping[int, Vector], bounds: Mapping[int, float]
     ) -> None:
-        """The ledger begins, and in it the lives that have joined; disks of these radii are within `bounds`
-        of `places`, m. A robot that is not there by then stands."""
+        """Begin the ledger, with the lives that have joined; disks of these radii are within `bounds` of
+        `places`, m. A robot that has not joined is static.
+        """
         roster, disks = self.roster, {}
         for robot, radius in sorted(radii.items()):
             life, bound = self.of[robot], bounds.get(robot, 0.0)
@@ -208,13 +207,13 @@ class Lives:
     def begin(
         self, resting: Mapping[int, Vector], bounds: Mapping[int, float], unsettled: Set[int] = frozenset()
     ) -> None:
-        """Lives that have joined begin in the ledger, once those before them are over, their disks stand, and
-        it is known where.
+        """Begin joined lives in the ledger, once the earlier ones are over, and their disks are static at
+        known places.
 
         Args:
-            resting: robots that do not move until they hear another command, and where they are, m.
-            bounds: by how much that may be off, m, where it may.
-            unsettled: those that have not reported where they stand since they do.
+            resting: positions of robots that stand until they receive another command, m.
+            bounds: errors of these, m, where there are any.
+            unsettled: those of them that have not reported a position since they stand.
         """
         for robot, life in self.of.items():
             if not life.joined or life.fenced or life.begun or robot not in resting:
@@ -231,14 +230,14 @@ class Lives:
         return Disk(*resting[robot], self.roster.members[robot].radius + bounds.get(robot, 0.0))
 
     def announce(self, shape: Shape) -> int:
-        """An obstacle is to appear, once all live robots keep clear of it; its number."""
+        """Announce an obstacle, which appears once all live robots keep clear of it; returns its number."""
         number = self.obstacles.announce(shape)
         self.keeper.announce(-number, shape)
         self.roster.follow()
         return number
 
     def take_away(self, number: int) -> bool:
-        """An obstacle is gone, or does not appear after all; whether there was one."""
+        """Remove an obstacle or its announcement; returns whether there was one."""
         known = self.obstacles.take_away(number)
         if known:
             self.keeper.remove(-number)
@@ -246,7 +245,7 @@ class Lives:
         return known
 
     def settle(self) -> bool:
-        """Let each announced obstacle appear that all robots keep clear of; whether any did."""
+        """Let each announced obstacle appear that all robots keep clear of; returns whether any did."""
         settled = [number for number in self.obstacles.appearing if self.keeper.appear(-number)]
         for number in settled:
             self.obstacles.put_up(number)
@@ -267,20 +266,18 @@ class Lives:
 
     @property
     def newcomers(self) -> tuple[int, ...]:
-        """Robots that were added, whose disks are there, and whose processes have not joined yet, and may."""
+        """Added robots whose disks are present, and whose processes may join."""
         of = self.of.items()
         return tuple(robot for robot, life in of if life.added and not (life.killed or life.paused))
 
     @property
     def awaited(self) -> frozenset[int]:
-        """Ids that must join before the run goes on."""
+        """Ids that must join before the run continues."""
         return frozenset(robot for robot, life in self.of.items() if life.awaited)
 
     def join(self, robot: int, heard: int) -> int:
-        """Begin a new life; `heard` is the last tick in which it has no part. Returns its incarnation.
-
-        Raises:
-            JoinError: unknown id, or an id that runs or is held down by the scenario.
+        """Begin a new life, active after tick `heard`; returns its incarnation. Raises JoinError for an
+        unknown id, or one that is running, killed or paused.
         """
         life = self.of.get(robot)
         if life is None:
@@ -303,8 +300,7 @@ class Lives:
         return life.incarnation
 
     def put_up(self, tick: int, robot: int, awaited: bool) -> None:
-        """The disk of a robot that was announced appears at the start of `tick`, and stands until its process
-        joins, which is `awaited` before the run goes on, or not."""
+        """Let an announced disk appear as `tick` starts; the run waits for its process if `awaited`."""
         self.roster.alter(robot, status="standing")
         known = self.of.get(robot)
         incarnation = known.incarnation if known else 0
@@ -313,7 +309,7 @@ class Lives:
         self.of = dict(sorted({**self.of, robot: life}.items()))
 
     def remove(self, tick: int, robot: int, position: Vector) -> None:
-        """A robot is over at the end of `tick`, and its disk is taken away."""
+        """Remove a robot and its disk at the end of `tick`."""
         life = self.of[robot]
         if self.roster.status(robot) == "live":
             self._stand(tick, robot, position, 0.0)
@@ -323,12 +319,12 @@ class Lives:
         life.fate = "removed"
 
     def dismiss(self, robot: int) -> None:
-        """The process of a removed robot was notified: send it no more Ticks."""
+        """Send no more Ticks to the notified process of a removed robot."""
         if robot in self.of and self.roster.status(robot) in ("gone", "appearing"):
             self.of[robot].joined = False
 
     def _stand(self, tick: int, robot: int, position: Vector, bound: float) -> None:
-        """The present life of a robot is over: its disk stands within `bound` of `position`, m."""
+        """End the present life of a robot: its disk is static within `bound` of `position`, m."""
         if self.keeper.lives(robot):
             self.keeper.fence(robot, self._place(robot, {robot: position}, {robot: bound}))
         if self.roster.status(robot) == "live":
@@ -336,7 +332,7 @@ class Lives:
         note(self.fenced, (tick + 1, Standing(robot, self.of[robot].incarnation, position)))
 
     def goes_on(self, robot: int, incarnation: int) -> bool:
-        """Whether this life has joined and is neither over nor given up on."""
+        """Whether this life has joined and is neither over nor lost."""
         life = self.of[robot]
         return life.goes_on and life.incarnation == incarnation
 
@@ -351,8 +347,7 @@ class Lives:
         return True
 
     def expect(self, robot: int) -> bool:
-        """A life that was lost will be followed by another: it must be there before the run goes on. False if
-        it was not lost, but ended by the scenario, or removed."""
+        """Await the next life of a lost robot. False if it was ended by the scenario, or removed."""
         life = self.of[robot]
         life.awaited |= (lost := life.status is Status.LOST and not life.fate)
         return lost
@@ -372,8 +367,7 @@ class Lives:
             note(self.given_up, (tick, robot, self.of[robot].incarnation, reason))
 
     def apply_faults(self, tick: int) -> None:
-        """Let everything happen that the scenario has in store up to and including `tick`, but not to
-        processes of robots whose disks are not there."""
+        """Apply the scenario's process faults up to and including `tick`, except to robots without a disk."""
         for n, (at, fault) in enumerate(self._faults[self._over :], self._over):
             if at > tick:
                 break
@@ -384,8 +378,7 @@ class Lives:
                 self._skipped.append(n)
 
     def fence(self, tick: int, robot: int, position: Vector, bound: float) -> None:
-        """Announce a life as down, within `bound` of `position`, m, if it has been silent for long enough at
-        the end of `tick`."""
+        """Fence a life within `bound` of `position`, m, if it has been silent too long after `tick`."""
         life = self.of[robot]
         if not life.fenced and tick - life.heard >= self._silence:
             life.fenced = True
@@ -394,15 +387,15 @@ class Lives:
                 life.status = Status.LOST
 
     def listeners(self) -> list[tuple[int, Life]]:
-        """Incarnations whose process may listen: active ones, and lost ones that have yet to be informed."""
+        """Incarnations whose processes may listen: active ones, and lost ones that are not yet informed."""
         may = (Status.UP, Status.LOST)
         return [(robot, life) for robot, life in self.of.items() if life.status in may and life.joined]
 
     def gone_for_good(self, tick: int) -> bool:
         """Whether no robot that is down can return.
 
-        A fenced life whose process still runs learns of it and joins again: it is given at least as long
-        again as the silence that fenced it.
+        A fenced life whose process still runs is informed, and joins again: it has at least as long for that
+        as the silence that fenced it.
         """
         kinds = ("resume", "restart")
         returning = {fault.robot for _, fault in self._faults[self._over :] if fault.event in kinds}
@@ -415,6 +408,6 @@ class Lives:
 
 
 def note(entries: list[Entry], entry: Entry) -> None:
-    """Keep the first `LISTED` of entries that may grow without limit."""
+    """Keep only the first `LISTED` of unlimited entries."""
     if len(entries) < LISTED:
         entries.append(entry)

@@ -19,8 +19,8 @@ from protocol.scenario.model import RobotSpec, Scenario, gain_for_fleet
 from world.coordinator.lives import Lives
 from world.coordinator.missions import obstruction
 
-_MOST = 1000  # robots at a time: their lines must fit into a State
-_MOST_IDS = 1200  # that ever were in a run: a roster names them all
+_MOST = 1000  # robots at a time, limited by the size of a State
+_MOST_IDS = 1200  # ids in a run, which a roster lists
 
 
 class FleetChange(msgspec.Struct):
@@ -29,17 +29,17 @@ class FleetChange(msgspec.Struct):
     robots: tuple[RobotSpec, ...] | None = None  # that are there; None: those of the scenario
     # Whose disks have not appeared yet, and whether their processes must join as soon as they have.
     announced: dict[Id, tuple[RobotSpec, bool]] = {}
-    leaving: set[Id] = set()  # that are over with the tick that is open
+    leaving: set[Id] = set()  # that leave with the open tick
 
 
 class Membership:
     """Changes of the fleet between two ticks.
 
     Args:
-        fleet: at which an earlier coordinator had arrived.
+        fleet: state of an earlier coordinator.
 
     Attributes:
-        scenario: with the robots that are there.
+        scenario: with the present robots.
     """
 
     def __init__(self, scenario: Scenario, lives: Lives, fleet: FleetChange | None = None) -> None:
@@ -48,7 +48,7 @@ class Membership:
         self._lives = lives
 
     def add(self, spec: RobotSpec, *, awaited: bool) -> None:
-        """Announce a disk that is not `unfit`, whose process is waited for or not."""
+        """Announce a disk that is not `unfit`; `awaited`: whether the run waits for its process."""
         lives = self._lives
         known = lives.roster.members.get(spec.id)
         life = 0 if known is None else known.incarnation
@@ -57,7 +57,7 @@ class Membership:
         self.fleet.announced[spec.id] = spec, awaited
 
     def remove(self, robot: int) -> str:
-        """Remove a robot; returns why that is refused, "" if it is done."""
+        """Remove a robot; returns the reason of a refusal, otherwise ""."""
         ids = self.scenario.ids
         if robot in self.fleet.announced:
             self._lives.roster.alter(robot, status="gone", position=None)
@@ -92,7 +92,6 @@ class Membership:
         return True
 
     def _with(self, robots: tuple[RobotSpec, ...]) -> Scenario:
-        """The scenario with other robots."""
         first = self._first
         k = gain_for_fleet(first.k, len(first.robots), len(robots))
         interest: Literal["near", "all"] = "near" if first.hears_near else "all"  # for good
@@ -100,7 +99,7 @@ class Membership:
         return replace(first, robots=robots, control=control, network=network)
 
     def unfit(self, spec: RobotSpec) -> str:
-        """Why a robot cannot be added; "" if it can."""
+        """The reason why a robot cannot be added; "" if it can."""
         robot = spec.id
         for problem in misfits(spec, self.scenario.body):
             return f"robot {robot}: {problem}"

@@ -39,7 +39,7 @@ class Missions:
             robot: GoalStatus(robot, 0, 0, "under way", scenario.spec(robot).goal) for robot in scenario.ids
         }
         self._since: dict[int, int] = {}
-        self._underway: set[int] = set()  # whose order has not come to an end
+        self._underway: set[int] = set()  # with an unfinished order
         for mission, status in past:
             self._missions[status.robot], self._status[status.robot] = mission, status
             if status.status == "under way":
@@ -48,7 +48,6 @@ class Missions:
 
     @property
     def past(self) -> list[tuple[Mission, GoalStatus]]:
-        """What another coordinator needs to go on from here."""
         ordered = [robot for robot, mission in self._missions.items() if mission.number]
         return [(self._missions[robot], self._status[robot]) for robot in ordered]
 
@@ -69,16 +68,15 @@ class Missions:
         return bool(self._underway)
 
     def goal(self, robot: int) -> Vector | None:
-        """Where a robot is to go, m; None: where the scenario says, or nowhere as it has left."""
+        """Goal of a robot, m; None: the scenario's, or none after it has left."""
         mission = self._missions.get(robot)
         return mission.points[0] if mission is not None and mission.number else None
 
     def since(self, robot: int) -> int:
-        """First tick by which a robot is sure to have been told its goal, if it was there."""
+        """First tick by which a present robot has certainly received its goal."""
         return self._since.get(robot, 0)
 
     def status(self, robot: int) -> GoalStatus:
-        """The status of a robot's goal."""
         return self._status[robot]
 
     def news(self) -> list[GoalStatus]:
@@ -108,7 +106,7 @@ class Missions:
         return next(filter(None, reasons), "")
 
     def accept(self, order: Journey, tick: int, position: Vector) -> Outcome:
-        """Carry out an order that is not refused, from `position` (m), at the start of `tick`."""
+        """Execute an order that is not refused, from `position` (m), at the start of `tick`."""
         robot = order.robot
         before = self._missions[robot]
         number = before.number + 1
@@ -144,7 +142,7 @@ class Missions:
         return False
 
     def _reach(self, robot: int, mission: Mission, tick: int) -> bool:
-        """A point is reached; whether there is another."""
+        """Record a reached point; returns whether there is another."""
         here, *ahead = mission.points
         if mission.patrol:
             ahead.append(here)
@@ -239,7 +237,6 @@ class Schedule:
 
     @property
     def past(self) -> list[str]:
-        """What another coordinator needs to go on from here."""
         return [refused for *_, refused in self.done]
 
     @property

@@ -37,11 +37,11 @@ class Parts:
 
     @property
     def places(self) -> tuple[PartPlace, ...]:
-        """Where every part is, ascending."""
+        """Places of all parts, ascending."""
         return tuple(self._places.values())
 
     def in_place(self, part: int) -> bool:
-        """Whether a part stands at its goal."""
+        """Whether a part is on the floor at its goal."""
         place, known = self._places[part], self._lives.obstacles.standing
         if place.carrier or place.obstacle not in known:
             return False
@@ -54,11 +54,11 @@ class Parts:
         return not all(map(self.in_place, self._places))
 
     def carried_by(self, robot: int) -> int:
-        """Which part a robot carries, 0 if none."""
+        """Part that a robot carries, 0 if none."""
         return next((each.part for each in self.places if each.carrier == robot), 0)
 
     def owns(self, obstacle: int) -> int:
-        """Which part stands, or is to stand, as an obstacle; 0 if none."""
+        """Part that is, or will be, an obstacle; 0 if none."""
         return next((each.part for each in self.places if each.obstacle == obstacle), 0)
 
     def set_fleet(self, scenario: Scenario) -> None:
@@ -94,7 +94,7 @@ class Parts:
         return [each.carrier for each in before] != [each.carrier for each in self.places]
 
     def settle(self) -> bool:
-        """Let go of parts that stand; whether a disk is another now."""
+        """Release parts that have appeared on the floor; returns whether a disk changed."""
         known = self._lives.obstacles.standing
         down = [each for each in self.places if each.carrier and each.obstacle in known]
         for place in down:
@@ -116,7 +116,7 @@ class Parts:
             self._load(robot, place)
 
     def _take_over(self, robot: int, place: PartPlace, at: Mapping[int, Vector]) -> None:
-        """From one that stands, as its life is over."""
+        """Take a part from a static carrier."""
         if self._lives.roster.status(place.carrier) != "standing":
             return
         held = Disk(*at[place.carrier], self._scenario.loaded_radius(place.carrier, place.part))
@@ -130,7 +130,7 @@ class Parts:
         self._places[place.part] = PartPlace(place.part, carrier=robot)
 
     def _put(self, place: PartPlace, handles: Handling | None, heard: bool, at: Mapping[int, Vector]) -> None:
-        """Begin to put a part down, or give that up."""
+        """Begin to put a part down, or cancel that."""
         robot, spec = place.carrier, self._spec(place.part)
         radius = self._scenario.loaded_radius(robot, place.part)
         wanted = None if handles is None or handles.part != place.part else handles.place
@@ -148,12 +148,12 @@ class Parts:
             self._places[place.part] = PartPlace(place.part, carrier=place.carrier)
 
     def _reaches(self, centre: Vector, radius: float, shape: Shape) -> bool:
-        """Whether a part is beside a robot: neither farther than the reach, nor in its disk."""
+        """Whether a part is beside a robot, within the reach and outside its disk."""
         gap = shape.distance(*centre) - radius
         return -_ROUNDING <= gap <= self._scenario.carrying.reach + _ROUNDING
 
     def _is_free(self, down: Disk) -> bool:
-        """Whether nothing else stands, or is to stand, where a part is put down, and that is inside."""
+        """Whether a part can be put down here: inside, and without present or announced overlaps."""
         obstacles = self._lives.obstacles
         others = (*obstacles.standing.values(), *obstacles.appearing.values())
         inside = self._scenario.workspace.shape.distance(down.x, down.y) + down.radius <= 0.0

@@ -1,6 +1,6 @@
-"""The roster: a directory of all robots of the run, past and present, of obstacles placed or taken, of parts.
+"""The roster: a directory of all robots of the run, past and present, of changed obstacles, and of parts.
 
-It serves laws, carriers and monitors; its versions only grow. The constraints that robots obey are in the
+It serves laws, carriers and monitors; its versions only increase. The constraints of robots are in the
 ledger.
 """
 
@@ -17,8 +17,8 @@ from protocol.messages import Member, PartPlace, PlacedObstacle, Standing, Vecto
 from protocol.scenario import model
 from protocol.scenario.model import Scenario
 
-MOST = 256  # obstacles that came, at a time: a roster is one message
-MOST_CORNERS = 4096  # of all of them together
+MOST = 256  # added obstacles at a time, limited by the size of a roster
+MOST_CORNERS = 4096  # of all of these together
 
 
 class Surroundings:
@@ -48,7 +48,7 @@ class Surroundings:
 
     @property
     def changes(self) -> tuple[PlacedObstacle, ...]:
-        """Entries of obstacles for a roster: all but those of the scenario that still stand."""
+        """Entries of obstacles for a roster: all but present ones of the scenario."""
         gone = sorted(self._listed.keys() - self.standing.keys())  # the lower numbers
         return (*(PlacedObstacle(number, "gone") for number in gone), *self._there(self._listed))
 
@@ -84,7 +84,7 @@ class Surroundings:
         return ""
 
     def announce(self, shape: Shape) -> int:
-        """Announce an obstacle that is to appear; returns its number."""
+        """Announce an obstacle; returns its number."""
         self.numbered += 1
         self.appearing[self.numbered] = shape
         return self.numbered
@@ -97,7 +97,7 @@ class Surroundings:
         return known
 
     def put_up(self, number: int) -> None:
-        """An announced obstacle appears."""
+        """Let an announced obstacle appear."""
         self.standing[number] = self.appearing.pop(number)
 
 
@@ -126,7 +126,7 @@ class RosterDirectory:
 
     @property
     def standing(self) -> tuple[Standing, ...]:
-        """Disks that stand, with the lives that ended there."""
+        """Static disks, with the lives that ended there."""
         return tuple(
             Standing(each.robot, each.incarnation, each.position)
             for each in self.members.values()
@@ -134,17 +134,17 @@ class RosterDirectory:
         )
 
     def status(self, robot: int) -> str:
-        """Of the disk of a robot; "" if no robot ever had that id."""
+        """Status of the disk of a robot; "" for an unknown id."""
         member = self.members.get(robot)
         return "" if member is None else member.status
 
     def put(self, member: Member) -> None:
-        """A robot of the directory is another from now on."""
+        """Replace the entry of a robot."""
         self.members[member.robot] = member
         self.version += 1
 
     def alter(self, robot: int, **changes: Any) -> None:
-        """Fields of a robot's entry are others from now on."""
+        """Change fields of a robot's entry."""
         self.put(replace(self.members[robot], **changes))
 
     def follow(self, parts: tuple[PartPlace, ...] | None = None) -> None:
@@ -155,12 +155,12 @@ class RosterDirectory:
             self.version += 1
 
     def acknowledge(self, robot: int, incarnation: int, version: int) -> None:
-        """A life has received a version."""
+        """Record that a life has received a version."""
         if (incarnation, version) > self._heard.get(robot, (0, 0)) and version <= self.version:
             self._heard[robot] = (incarnation, version)
 
     def news(self, robot: int) -> messages.Roster | None:
-        """The roster, if the newest life of `robot` has not received it; else None."""
+        """The roster, if the newest life of `robot` has not received it; otherwise None."""
         member = self.members.get(robot)
         if member is not None and self._heard.get(robot) == (member.incarnation, self.version):
             return None

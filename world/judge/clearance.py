@@ -1,9 +1,9 @@
 """Clearance: gaps between disks, boundary and obstacles, over continuous time.
 
-Positions are complex numbers x + iy, m, shape (..., p), in the order of robot ids: any number of ticks may be
-measured at once. Gaps, shape (..., q + p + c), are those of the q pairs i < j, then of each robot to the
-boundary, then of the c pairs of a robot and one of m obstacles; negative is overlap. During straight motion
-at constant speed the distance from a convex set is a convex function of time.
+Positions are complex numbers x + iy, m, shape (..., p), in the order of robot ids, for any number of ticks at
+once. Gaps, shape (..., q + p + c), are those of the q pairs i < j, then of each robot to the boundary, then
+of the c pairs of a robot and one of m obstacles; negative is overlap. During straight motion at constant
+speed the distance from a convex set is a convex function of time.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ Indices = NDArray[np.intp]
 Interval = tuple[float, float]
 
 REACH: Final = 12.0  # mean radii
-FEW: Final = 1 << 14  # pairs up to which all are measured
-_SOME: Final = 500  # polygons at once: what is computed of more would not stay in the cache
+FEW: Final = 1 << 14  # number of pairs up to which all are measured
+_SOME: Final = 500  # polygons at once, limited by the cache
 _ROUNDING: Final = 1e-6  # of the reach
 _TINY: Final = np.finfo(np.float64).tiny
-_THIRDS: Final = 80  # of an interval: what is left is below a double's resolution of it
+_THIRDS: Final = 80  # bisections of an interval, down to the resolution of a double
 
 
 class Disks:
@@ -64,21 +64,21 @@ class Disks:
         self.sizes: Reals = np.array([each.radius for each in around])
         self._is_round = np.array([isinstance(shape, Disk) for shape in self.shapes], dtype=np.bool_)
         polygons = [shape for shape in self.shapes if isinstance(shape, ConvexPolygon)]
-        self._polygon = np.cumsum(~self._is_round) - 1  # the number among polygons of one that is one
+        self._polygon = np.cumsum(~self._is_round) - 1  # index among polygons
         self._corners, self._sides = _padded(polygons), _sides(polygons)
 
     @classmethod
     def of(cls, scenario: Scenario, obstacles: Mapping[int, Shape] | None = None) -> Disks:
-        """Those of a scenario, among its obstacles unless there are others."""
+        """The disks of a scenario, among its obstacles or others."""
         radii = {spec.id: spec.radius for spec in scenario.robots}
         return cls(radii, scenario.workspace.shape, scenario.shapes if obstacles is None else obstacles)
 
     def among(self, obstacles: Mapping[int, Shape]) -> Disks:
-        """The same disks, among other obstacles."""
+        """The same disks among other obstacles."""
         return Disks(dict(zip(self.ids, self.radii.tolist(), strict=True)), self.room, obstacles)
 
     def near(self, places: Plane, reach: float) -> Disks:
-        """The same disks, and of all pairs those whose gap may be at most `reach` (m) at places, (p,)."""
+        """The same disks, with only those pairs whose gap may be at most `reach` (m) at places, (p,)."""
         few = copy(self)
         few.first, few.second = close_pairs(places, self.radii, reach)
         few.contact = self.radii[few.first] + self.radii[few.second]
@@ -96,7 +96,7 @@ class Disks:
         return relative
 
     def names(self, index: int) -> tuple[int, int]:
-        """Ids of the two that a gap is between; 0 is the boundary, -n is obstacle n."""
+        """Ids of both ends of a gap; 0 is the boundary, -n is obstacle n."""
         pairs = len(self.contact)
         if index < pairs:
             return (self.ids[self.first[index]], self.ids[self.second[index]])
@@ -107,8 +107,9 @@ class Disks:
         return (-self.numbers[self.obstacle[index]], self.ids[self.robot[index]])
 
     def beta(self, positions: Plane) -> Reals:
-        """beta of every robot with the boundary and with each obstacle, (n, ...) m^2; straight walls
-        count each. A disk's is |b - c|^2 - (rho + r)^2, that of another shape d^2 - rho^2 at a distance d."""
+        """beta of every robot with the boundary (each straight wall) and each obstacle, (n, ...) m^2.
+        For a disk |b - c|^2 - (rho + r)^2, for another shape d^2 - rho^2 at a distance d.
+        """
         if isinstance(self.room, Disk):
             walls = self.wall**2 - positions.real**2 - positions.imag**2
         else:
@@ -122,7 +123,7 @@ class Disks:
         return np.concatenate((walls, *among), axis=-1)
 
     def overlaps(self, index: int, before: Plane, after: Plane, touch: float) -> list[Interval]:
-        """When, during one straight motion, a gap is below -touch; within [0, 1]."""
+        """Interval within [0, 1] of a straight motion in which a gap is below -touch."""
         pairs = len(self.contact)
         if index < pairs:
             i, j = self.first[index], self.second[index]
@@ -173,7 +174,7 @@ class Disks:
 def gaps(disks: Disks, before: Plane, after: Plane) -> Reals:
     """Smallest gaps during straight motion from `before` to `after`, shape (..., len(disks)), m.
 
-    The distance of a pair is smallest where its relative motion, a straight line, is nearest to the origin.
+    The distance of a pair is smallest where its straight relative motion is nearest to the origin.
     """
     start = disks.relative(before)
     to_others = closest(start, disks.relative(after) - start) - disks.contact
@@ -181,21 +182,20 @@ def gaps(disks: Disks, before: Plane, after: Plane) -> Reals:
 
 
 class NearestGaps:
-    """Measures gaps as `gaps` does, but of very many only those of pairs that can be nearest, or touch.
+    """Measures gaps as `gaps` does, but in large fleets only those of pairs that may be nearest, or touch.
 
-    A pair with a gap of more than the reach has one of more than the reach less twice what any robot has
-    moved since. If the smallest gap that was measured is below that, it is the smallest of all, and no other
-    pair touches.
+    Any other pair had a gap of more than the reach, so now of more than the reach less twice the longest
+    motion since. If the smallest measured gap is below that, it is the smallest of all, and no other pair
+    touches.
     """
 
     def __init__(self, disks: Disks) -> None:
         self._all = self._near = disks
         self._reach = REACH * float(disks.radii.mean())
-        self._places: Plane | None = None  # where the disks were when the near pairs were found
+        self._places: Plane | None = None  # positions at which the near pairs were found
 
     def __call__(self, before: Plane, after: Plane) -> tuple[Disks, Reals]:
-        """Gaps of n motions, shape (n, p) each, among them the smallest of each and all that are negative;
-        and the disks with these pairs."""
+        """Gaps of n motions, (n, p) each, with the smallest and all negative ones; and the disks of these."""
         if len(self._all) <= FEW:
             return self._all, gaps(self._all, before, after)
         beyond = self._beyond(before, after)
@@ -209,7 +209,7 @@ class NearestGaps:
         return self._all, gaps(self._all, before, after)
 
     def _beyond(self, before: Plane, after: Plane) -> float:
-        """What the gap of every other pair surely exceeds, m."""
+        """Lower bound of the gaps of all other pairs, m."""
         if self._places is None:
             return -np.inf
         moved = max(float(np.abs(plane - self._places).max()) for plane in (before, after))
@@ -217,7 +217,7 @@ class NearestGaps:
 
 
 def closest(start: Plane, motion: Plane) -> Reals:
-    """Smallest distance from the origin on the way from `start` to `start + motion`."""
+    """Smallest distance from the origin on the segment from `start` to `start + motion`."""
     squared = motion.real**2 + motion.imag**2
     along = start.real * motion.real + start.imag * motion.imag
     nearest = np.clip(-along / np.maximum(squared, _TINY), 0.0, 1.0)
@@ -225,7 +225,7 @@ def closest(start: Plane, motion: Plane) -> Reals:
 
 
 def lowest(convex: Callable[[float], float]) -> float:
-    """Where in [0, 1] a convex function is smallest."""
+    """Minimiser of a convex function in [0, 1]."""
     low, high = 0.0, 1.0
     for _ in range(_THIRDS):
         third = (high - low) / 3.0
@@ -245,7 +245,7 @@ def sublevel(convex: Callable[[float], float], level: float) -> Interval | None:
 
 
 def _edge(convex: Callable[[float], float], level: float, inside: float, outside: float) -> float:
-    """Where, between a time inside and an end of the interval, the level is crossed; the end if nowhere."""
+    """Time between one inside and an end of the interval at which the level is crossed; otherwise the end."""
     if convex(outside) <= level:
         return outside
     for _ in range(_THIRDS):
@@ -268,15 +268,16 @@ def _squared_gap(distances: Reals, contact: Reals) -> Reals:
 
 
 def _padded(polygons: list[ConvexPolygon]) -> Plane:
-    """Corners of all, (m, K); those with fewer repeat their last one."""
+    """Corners of all, (m, K); shorter lists repeat their last one."""
     most = max((len(polygon.points) for polygon in polygons), default=0)
     rows = [[complex(*point) for point in polygon.points] for polygon in polygons]
     return np.array([row + row[-1:] * (most - len(row)) for row in rows], dtype=np.complex128)
 
 
 def _sides(polygons: list[ConvexPolygon]) -> tuple[Reals, Reals]:
-    """What times (x, y, 1) gives how far a point is beyond each side and, along it, from its middle: (2, K,
-    m, 3); and half the lengths, (K, m, 1) m. A polygon with fewer sides repeats its last one."""
+    """Matrix from (x, y, 1) to a point's distance beyond each side and its position along it from the middle,
+    (2, K, m, 3); and half the lengths, (K, m, 1) m. A polygon with fewer sides repeats its last one.
+    """
     most = max((len(polygon.sides) for polygon in polygons), default=0)
     rows, halves = np.empty((2, most, len(polygons), 3)), np.empty((most, len(polygons), 1))
     for index, polygon in enumerate(polygons):
@@ -305,8 +306,7 @@ def _squared_distances(sides: tuple[Reals, Reals], positions: Plane) -> Reals:
 
 
 def _from_polygons(corners: Plane, before: Plane, after: Plane) -> Reals:
-    """Smallest distance of moving points, (n, c), from a convex polygon each, (n, c) m; inside, minus the
-    depth."""
+    """Smallest distance of moving points, (n, c), from a convex polygon each, m; minus the depth inside."""
     distance: Reals
     edge = np.roll(corners, -1, axis=1) - corners  # (c, K)
     begin, end = before[..., None], after[..., None]  # (n, c, 1)
@@ -334,7 +334,7 @@ def _enters(first: Reals, slope: Reals) -> NDArray[np.bool_]:
 
 
 def _deepest(first: Reals, slope: Reals) -> float:
-    """The smallest value of the largest of first + t slope, t in [0, 1]."""
+    """Minimum over t in [0, 1] of the largest of first + t slope."""
 
     def depth(time: float) -> float:
         return float((first + time * slope).max())

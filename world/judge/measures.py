@@ -20,18 +20,18 @@ from protocol.scenario.model import Scenario
 from world.judge.clearance import FEW, Disks, Plane, Reals
 
 _CENTIMETRES = 100.0
-_MOST = 300.0  # decades, stands for an infinite logarithm
-_TINY = np.finfo(np.float64).tiny  # stands for what is not positive, and is not looked at
-_ROWS = 8  # of the triangle of many pairs, or gaps in a row, whose factors are multiplied before a logarithm
+_MOST = 300.0  # decades, in place of an infinite logarithm
+_TINY = np.finfo(np.float64).tiny  # in place of unused values that are not positive
+_ROWS = 8  # factors, of pairs or gaps, that are multiplied before a logarithm
 _TWICE = np.tri(_ROWS, dtype=np.bool_)
 
 
 class Goals(msgspec.Struct, frozen=True, dict=True):
-    """Straight ways of robots to their goals. Immutable.
+    """Straight paths of robots to their goals. Immutable.
 
     Attributes:
-        ways: where the straight way to the present goal begins, and the goal, m, by id, ascending.
-        behind: length of straight ways that another goal has ended, m.
+        ways: start of the straight path to the present goal, and the goal, m, by id, ascending.
+        behind: length of straight paths to earlier goals, m.
     """
 
     ways: dict[Id, tuple[Vector, Vector]]
@@ -39,13 +39,13 @@ class Goals(msgspec.Struct, frozen=True, dict=True):
 
     @classmethod
     def of(cls, scenario: Scenario) -> Goals:
-        """Those of a scenario."""
+        """The straight paths of a scenario."""
         specs = map(scenario.spec, scenario.ids)
         return cls({spec.id: (spec.start, spec.goal) for spec in specs})
 
     @cached_property
     def begins(self) -> Plane:
-        """Where the straight ways begin, as complex numbers x + iy, shape (p,)."""
+        """Starts of the straight paths, as complex numbers x + iy, shape (p,)."""
         return np.array([complex(*begin) for begin, _ in self.ways.values()])
 
     @cached_property
@@ -54,35 +54,29 @@ class Goals(msgspec.Struct, frozen=True, dict=True):
         return np.array([complex(*goal) for _, goal in self.ways.values()])
 
     def to(self, robot: int, goal: Vector, position: Vector) -> Goals:
-        """From `position` on a robot is to go to `goal`: its straight way so far ends there.
-
-        Raises:
-            KeyError: unknown id.
-        """
+        """The same with another goal of a robot: its present straight path ends at `position`."""
         begin, _ = self.ways[robot]
         return Goals({**self.ways, robot: (position, goal)}, self.behind + math.dist(position, begin))
 
     def of_fleet(self, scenario: Scenario) -> Goals:
-        """Robots came and went: a new one's straight way begins at its start, that of one that left is behind
-        up to where its goal was."""
+        """The same for a changed fleet: new paths begin at starts, those of removed robots end at goals."""
         new = Goals.of(scenario).ways
         gone = [math.dist(*way) for robot, way in self.ways.items() if robot not in new]
         return Goals({robot: self.ways.get(robot, way) for robot, way in new.items()}, sum(gone, self.behind))
 
     @property
     def straight(self) -> float:
-        """Length of all straight ways so far, the present ones to their goals."""
+        """Total length of all straight paths so far, including the present ones."""
         return self.behind + float(np.abs(self.points - self.begins).sum())
 
     def deviations(self, positions: Plane) -> Reals:
-        """Distance of each centre from the segment that is its straight way; of a robot that starts at its
-        goal, from there. Shapes (n, p).
+        """Distance of each centre from the segment of its straight path, shapes (n, p).
 
-        A convex function of the place: during straight motion it is nowhere larger than at both ends.
+        A convex function of the position: during straight motion it is largest at an end.
         """
         ways = self.points - self.begins
         lengths = np.abs(ways)
-        # Factors that make every way run along the real axis.
+        # Factors that rotate every path onto the real axis.
         turns = np.divide(np.conj(ways), lengths, out=np.ones_like(ways), where=lengths > 0.0)
         turned = (positions - self.begins - 0.5 * ways) * turns
         along = np.maximum(np.abs(turned.real) - 0.5 * lengths, 0.0)
@@ -92,8 +86,8 @@ class Goals(msgspec.Struct, frozen=True, dict=True):
 def tight(disks: Disks, goals: Goals) -> float | None:
     """Tightness of the goals: 100 / log10 of the product over pairs of |g_ij|^2 - rho_ij^2, in cm.
 
-    None where the measure has no meaning: fewer than two robots, goals that touch or overlap, or
-    goals so close that the logarithm is not positive.
+    None where the measure is undefined: fewer than two robots, goals that touch or overlap, or goals so close
+    that the logarithm is not positive.
     """
     apart = disks.relative(goals.points)
     factors = _CENTIMETRES**2 * (apart.real**2 + apart.imag**2 - disks.contact**2)
@@ -113,10 +107,10 @@ def normalised_length(goals: Goals, lengths: dict[int, float]) -> float | None:
 
 
 class Level(NamedTuple):
-    """How far a configuration is from the goal.
+    """Distance of a configuration from the goal, by phi.
 
-    phi: the navigation function; 1.0 to all digits in a large fleet, until the end.
-    log_potential: log10(gamma^k / beta) / k, with which phi grows; -300 at the goal and 300 in contact, where
+    phi: the navigation function; 1.0 to all digits in a large fleet, until the end. log_potential:
+    log10(gamma^k / beta) / k, which increases with phi; -300 at the goal, and 300 in contact, where
         it is infinite.
     """
 
@@ -125,7 +119,7 @@ class Level(NamedTuple):
 
 
 def levels_of(disks: Disks, goals: Goals, k: float, positions: Plane) -> list[Level]:
-    """Of each of n configurations, shape (n, p); finite for any k and number of robots."""
+    """Levels of n configurations, shape (n, p); finite for any k and number of robots."""
     offset = positions - goals.points
     gamma = (offset.real**2 + offset.imag**2).sum(axis=-1).tolist()
     found = []
@@ -148,7 +142,7 @@ def phi(log_gamma: float, log_beta: float, k: float) -> float:
 
 
 def _log_beta(disks: Disks, positions: Plane) -> list[float]:
-    """Of each configuration; -inf outside free space."""
+    """log beta of each configuration; -inf outside free space."""
     walls = disks.beta(positions)
     if len(disks) > FEW:
         return [

@@ -1,8 +1,8 @@
-"""The record of a run: everything that is measured of the truth, tick by tick.
+"""The record of a run: all measures of the truth, tick by tick.
 
-A run consists of segments, in which fleet, goals and obstacles stay the same; what is measured of each is
-folded into totals. Ticks are put aside and measured some at a time: one pass of numpy over thirty ticks costs
-little more than over one, and no robot waits for it.
+A run consists of segments with constant fleet, goals and obstacles; the measures of each are accumulated in
+totals. Ticks are buffered and measured together: one pass of numpy over thirty ticks costs little more than
+over one, and no robot waits for it.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from world.judge.measures import Goals, Level, levels_of
 Pair = tuple[int, int]
 Configurations = Sequence[Sequence[Vector]] | NDArray[np.float64]  # shape (n, p, 2)
 
-TOUCH: Final = 1e-9  # m; a gap below minus this is a contact: rounding at an exact touch is none
-_SAME = 1e-6  # ticks; an interval that ends at a tick and one that begins there are one
-_RISE = 1e-12  # an increase of phi below this is rounding
-_BATCH = 32  # ticks put aside at most
-_LARGEST = 1 << 14  # gaps measured at once at most: more would not stay in the processor's cache
+TOUCH: Final = 1e-9  # m; a gap below minus this is a contact, an exact touch with rounding is not
+_SAME = 1e-6  # ticks; intervals with a smaller gap are joined
+_RISE = 1e-12  # rounding of phi
+_BATCH = 32  # most buffered ticks
+_LARGEST = 1 << 14  # most gaps measured at once, limited by the processor's cache
 
 
 class Segment(NamedTuple):
-    """What stays the same between two changes."""
+    """Fleet, goals and obstacles between two changes."""
 
     disks: Disks  # of the fleet, among the obstacles
     goals: Goals
@@ -40,14 +40,14 @@ class Segment(NamedTuple):
     gaps: NearestGaps  # of the disks
 
     def truth(self, tick: int, positions: Sequence[Vector]) -> Truth:
-        """What is measured of one configuration by itself."""
+        """The Truth of one configuration."""
         plane = as_plane([positions])
         clearance, level = float(gaps(self.disks, plane, plane).min()), levels_of(*self[:3], plane)[0]
         return Truth(tick, self.disks.ids, tuple(positions), clearance, *level)
 
 
 def segment_of(scenario: Scenario, goals: Goals, obstacles: Mapping[int, Shape] | None = None) -> Segment:
-    """The segment of a fleet, among the scenario's obstacles unless there are others."""
+    """The segment of a fleet, among the scenario's obstacles or others."""
     disks = Disks.of(scenario, obstacles)
     return Segment(disks, goals, scenario.k, NearestGaps(disks))
 
@@ -62,18 +62,17 @@ class Contact(msgspec.Struct, array_like=True):
 
 
 class Totals(msgspec.Struct):
-    """What all segments so far amount to.
+    """Measures of all segments so far.
 
     Attributes:
         truth: the newest configuration.
         clearance: smallest gap, over continuous time, m.
         first: phi and its logarithm in the first configuration.
-        deviation: largest distance from its straight way of each robot that is there, m.
-        increases: number of ticks in which phi rose.
-        collisions, contacts: number of overlaps, and the first `LISTED` of them, in the order in which they
-            began.
-        touched, touches: number of contacts that the plant has reported, each once, and the first `LISTED` of
-            them, as tick and pair of ids.
+        deviation: largest distance of each present robot from its straight path, m.
+        increases: number of ticks in which phi increased.
+        collisions, contacts: number of overlaps, and the first `LISTED` of them, by their beginning.
+        touched, touches: number of contacts reported by the plant, each once, and the first `LISTED` of them,
+            as tick and pair of ids.
     """
 
     truth: Truth
@@ -104,7 +103,7 @@ class TrajectoryDigest:
         self.set_fleet(ids)
 
     def set_fleet(self, ids: Sequence[int]) -> None:
-        """Other robots from now on."""
+        """Continue with other robots."""
         self._ids = np.array(ids, dtype="<f8")
 
     def add(self, ticks: Sequence[int], configurations: Configurations) -> None:
@@ -116,19 +115,19 @@ class TrajectoryDigest:
         self._sha.update(rows.tobytes())
 
     def hexdigest(self) -> str:
-        """Digest of all that was added."""
+        """Digest so far."""
         return self._sha.hexdigest()
 
 
 class Record:
-    """Folds segments into totals.
+    """Accumulates segments in totals.
 
     Args:
-        scenario: with the robots that are there.
+        scenario: with the present robots.
         positions: of all disks in the order of robot ids, m.
-        parts: straight motions that a tick consists of.
-        past: to go on from; the digest is of the configurations from the newest of these on.
-        obstacles: shapes by number; those of the scenario unless given.
+        parts: straight motions per tick.
+        past: of an earlier record; the digest begins with its newest configuration.
+        obstacles: shapes by number; by default those of the scenario.
 
     Attributes:
         segment: the present one.
@@ -166,7 +165,7 @@ class Record:
 
     @property
     def past(self) -> PastRecord:
-        """What another record needs to go on from here."""
+        """The state for a successor."""
         return PastRecord(self._totals, self.segment.goals, self._aside)
 
     def add(
@@ -196,7 +195,7 @@ class Record:
         among obstacles by number."""
         totals = self.totals
         self.segment = segment_of(scenario, self.segment.goals.of_fleet(scenario), obstacles)
-        self._latest = {}  # an overlap that goes on is another contact
+        self._latest = {}  # a continuing overlap becomes another contact
         totals.deviation = {robot: totals.deviation.get(robot, 0.0) for robot in scenario.ids}
         totals.truth = self.segment.truth(totals.truth.tick, positions)
         totals.clearance = min(totals.clearance, totals.truth.clearance)
@@ -204,20 +203,20 @@ class Record:
         self._plane = as_plane([positions])
 
     def set_goal(self, robot: int, goal: Vector) -> None:
-        """From the newest configuration on a robot is to go to `goal`, m."""
+        """Continue with another `goal` of a robot, m."""
         truth = self.totals.truth
         goals = self.segment.goals.to(robot, goal, truth.positions[truth.robots.index(robot)])
         self.segment = self.segment._replace(goals=goals)
 
     def set_obstacles(self, obstacles: Mapping[int, Shape]) -> None:
-        """From the newest configuration on there are these obstacles, by number."""
+        """Continue with these obstacles, by number."""
         self._measure()
         disks = self.segment.disks.among(obstacles)
         self.segment = self.segment._replace(disks=disks, gaps=NearestGaps(disks))
 
     @property
     def totals(self) -> Totals:
-        """Up to the newest configuration."""
+        """Totals up to the newest configuration."""
         self._measure()
         return self._totals
 
@@ -227,13 +226,12 @@ class Record:
         return self._digest.hexdigest()
 
     def news(self) -> list[Truth]:
-        """Every configuration, in order, that was not handed out yet; for once."""
+        """The configurations since the last call, in order."""
         self._measure()
         news, self._news = self._news, []
         return news
 
     def _measure(self) -> None:
-        """Measure what was put aside."""
         aside, self._aside = self._aside, []
         if not aside:
             return
@@ -263,7 +261,7 @@ class Record:
             totals.contacts.append(contact)
 
     def _tell(self, configurations: list[tuple[Vector, ...]], smallest: list[float]) -> None:
-        """Take in the configurations at the ends of ticks, with the smallest gap in each of these."""
+        """Add the configurations at the ends of ticks, with the smallest gap in each of these."""
         totals, begin = self._totals, self._totals.truth.tick + 1
         levels = levels_of(*self.segment[:3], as_plane(configurations))
         for row, (positions, clearance, level) in enumerate(

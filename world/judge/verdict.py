@@ -1,4 +1,4 @@
-"""The verdict: how a run ended, and why. A collision outranks everything else, at the end."""
+"""The verdict of a run, and its reason. A collision has priority over every other verdict, at the end."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class PastReferee(msgspec.Struct, frozen=True):
     """A referee's record of a run; a successor restarts the time without motion.
 
     Attributes:
-        worlds: ticks with which those worlds began that went on from others.
+        worlds: first ticks of the worlds that continued from others.
     """
 
     record: PastRecord
@@ -78,7 +78,6 @@ class Referee:
 
     @property
     def past(self) -> PastReferee:
-        """The record for a successor."""
         return PastReferee(self.record.past, self.worlds, self.verdict, self.reason)
 
     def arrived(self, positions: Sequence[Vector]) -> list[int]:
@@ -91,23 +90,23 @@ class Referee:
         ]
 
     def reset_deadlock_timer(self, tick: int) -> None:
-        """Restart the time without motion at `tick`: a change lets robots move that stood still."""
+        """Restart the time without motion at `tick`, after a change that may let robots move."""
         self._moved = max(self._moved, tick)
 
     def set_goal(self, robot: int, goal: Vector, tick: int) -> None:
-        """From `tick` on a robot is to go to `goal`, m."""
+        """Set the goal of a robot from `tick` on, m."""
         self.record.set_goal(robot, goal)
         self.reset_deadlock_timer(tick)
 
     def set_obstacles(self, shapes: Mapping[int, Shape], tick: int) -> None:
-        """From `tick` on there are these obstacles, by number."""
+        """Set the obstacles from `tick` on, by number."""
         self.record.set_obstacles(shapes)
         self.reset_deadlock_timer(tick)
 
     def set_fleet(
         self, scenario: Scenario, positions: Sequence[Vector], shapes: Mapping[int, Shape], tick: int
     ) -> None:
-        """Robots came and went at `tick`, among obstacles of these shapes."""
+        """Set the robots from `tick` on, among obstacles of these shapes."""
         self.record.set_fleet(scenario, positions, shapes)
         self._anchors = {spec.id: self._anchors.get(spec.id, spec.start) for spec in scenario.robots}
         self.reset_deadlock_timer(tick)
@@ -120,7 +119,7 @@ class Referee:
         """
         ids, arrived = tuple(self.record.segment.goals.ways), self.arrived(positions)
         missing = [robot for robot in ids if robot not in arrived]
-        waiting = self._carries and bool(pending)  # robots that are left may do what another cannot any more
+        waiting = self._carries and bool(pending)  # the others may take over the parts of a lost robot
         self._follow(tick, ids, positions)
         if self._carries and not pending:
             self.finish("arrived", "all parts are at their goals")
@@ -135,7 +134,7 @@ class Referee:
             self.finish("timeout", f"{self._texts[1]} are over; {_unfinished(missing, pending)}")
 
     def finish(self, verdict: str, reason: str) -> None:
-        """End the run; a collision outranks, and a second verdict is ignored."""
+        """End the run; a collision has priority, and a second verdict is ignored."""
         if self.verdict:
             return
         totals = self.record.totals
@@ -145,7 +144,7 @@ class Referee:
         self.verdict, self.reason = verdict, reason
 
     def _follow(self, tick: int, ids: Sequence[int], positions: Sequence[Vector]) -> None:
-        """Take note of robots that got away from where they were last noted."""
+        """Note the positions of robots that have moved away from their last noted ones."""
         for robot, place in zip(ids, positions, strict=True):
             if math.dist(place, self._anchors[robot]) > self._tolerance:
                 self._anchors[robot] = place

@@ -1,5 +1,5 @@
 """Formulas: points are single integrators with a speed limit and imperfect actuation, b' = v + |v| w, held
-for one tick; other bodies go their nominal way, but for an error within their tolerance (`protocol.bodies`).
+for one tick; other bodies follow their nominal path within their tolerance (`protocol.bodies`).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ STANDING: Vector = (0.0, 0.0)
 def limited(velocity: Vector, speed: float) -> Vector:
     """The nearest velocity within the speed limit: `math.hypot` of it is at most `speed`, exactly.
 
-    A velocity too large for its length to be a number is none: the robot stands still.
+    A velocity of infinite length becomes zero.
     """
     x, y = velocity
     length = math.hypot(x, y)
@@ -37,7 +37,7 @@ def limited(velocity: Vector, speed: float) -> Vector:
 
 
 class Actuators:
-    """Turns the velocity that a robot asks for into what its disk really does during a tick."""
+    """Computes the executed displacement for a commanded velocity."""
 
     def __init__(self, scenario: Scenario) -> None:
         self._step = scenario.time.step
@@ -47,7 +47,6 @@ class Actuators:
         self._draws = {robot: Uniforms(scenario.seed, Purpose.ACTUATION, robot, 2) for robot in scenario.ids}
 
     def set_fleet(self, scenario: Scenario) -> None:
-        """Robots came and went."""
         for robot in scenario.ids:
             self._draws.setdefault(robot, Uniforms(scenario.seed, Purpose.ACTUATION, robot, 2))
 
@@ -71,7 +70,7 @@ class Errors(Protocol):
     """The direction and size of a base's error, as a vector in the unit disk."""
 
     def at(self, tick: int) -> Vector:
-        """The error that a command of `tick` brings."""
+        """The error of a command of `tick`."""
         ...
 
 
@@ -87,18 +86,18 @@ class SimulatedBase:
     def __init__(self, kinematics: Kinematics, tolerance: Tolerance, motion: Motion, errors: Errors) -> None:
         self.motion, self.way = motion, 0.0
         self._kinematics, self._tolerance, self._errors = kinematics, tolerance, errors
-        self._error = self._off = STANDING  # vector of the unit disk, and what it amounts to, m
+        self._error = self._off = STANDING  # vector of the unit disk, and the resulting error, m
         self._way = self._slip = 0.0  # m, since the last command
 
     @property
     def stop(self) -> Vector:
-        """From where the control point is to where it stands if the base hears nothing more, m."""
+        """Displacement to the stop without further commands, m."""
         arc = self._kinematics.halt(self.motion)
         dx, dy = chord(arc, self._kinematics.turn(arc))
         return turned(dx, dy, self.motion.heading)
 
     def move(self, velocity: Vector | None, tick: int) -> list[Vector]:
-        """Go through a tick, with a commanded velocity (m/s) or none; displacement in each part of it, m."""
+        """Advance a tick with a commanded velocity (m/s) or none; displacement of each part, m."""
         heading = self.motion.heading
         steps = []
         for arc in self._arcs(velocity, tick):
@@ -115,7 +114,7 @@ class SimulatedBase:
         return steps
 
     def _arcs(self, velocity: Vector | None, tick: int) -> list[Arc]:
-        """The parts of the nominal way in a tick; what the base does goes on to its end."""
+        """The parts of the nominal path in a tick."""
         kinematics, motion = self._kinematics, self.motion
         part = kinematics.period / kinematics.steps
         if velocity is None or (velocity[0] == 0.0 and velocity[1] == 0.0):
@@ -187,7 +186,6 @@ class Integrator:
         return base is None or base.motion.stands
 
     def touched(self) -> list[tuple[int, int]]:
-        """None: formulas know of no contact."""
         return []
 
     def refusal(self, spec: RobotSpec) -> str:
@@ -197,7 +195,7 @@ class Integrator:
         return ""
 
     def set_fleet(self, scenario: Scenario) -> None:
-        """Robots came and went: a new one is at its start; of one that left nothing is kept."""
+        """Set the robots; a new one is at its start, removed ones are forgotten."""
         each = zip(self.positions, self.displacements, self.lengths, strict=True)
         known = dict(zip(self.ids, each, strict=True))
         self.ids = scenario.ids
@@ -209,7 +207,7 @@ class Integrator:
         self._set_bases(scenario)
 
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:
-        """All move at once for one tick: x += executed velocity times step; a point without one stands."""
+        """Move all disks for one tick: x += executed velocity times step; without a command, points stand."""
         before = tuple(self.positions)
         parts: dict[int, list[Vector]] = {}
         for index, robot in enumerate(self.ids):
@@ -231,7 +229,7 @@ class Integrator:
         self.lengths[index] += math.hypot(dx, dy)
 
     def _move_base(self, index: int, steps: list[Vector]) -> list[Vector]:
-        """Go through a tick in parts; where each of them ends."""
+        """Advance a base by a tick; returns the ends of the parts."""
         x, y = before = self.positions[index]
         places = []
         for dx, dy in steps:
@@ -245,7 +243,7 @@ class Integrator:
     def _between(
         self, before: tuple[Vector, ...], parts: Mapping[int, list[Vector]]
     ) -> list[tuple[Vector, ...]]:
-        """All disks at the ends of the parts of a tick but the last; points move evenly."""
+        """All disks at the ends of all parts of a tick but the last; points move evenly."""
         between = []
         for part in range(self.parts - 1):
             share = (part + 1) / self.parts

@@ -1,9 +1,9 @@
-"""A fleet on two wheels each in MuJoCo: servos that lag, wheels that slip, hulls that push.
+"""A fleet of two-wheeled robots in MuJoCo: servos with lag, wheels with slip, hulls with contact forces.
 
 Each robot is a hull, two driven wheels and two casters; for the elements of the model see
-https://mujoco.readthedocs.io/en/stable/XMLreference.html. Around its control point lies its disk, a cylinder
-that exerts no force, but whose contacts with the others' the engine reports: with `margin` -1 and `gap` 1 a
-contact is found as soon as two overlap, and is never given to the solver.
+https://mujoco.readthedocs.io/en/stable/XMLreference.html. Around its control point is its disk, a cylinder
+that exerts no force, but whose contacts the engine reports: with `margin` -1 and `gap` 1 a contact is
+detected as soon as two overlap, and is never passed to the solver.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _WHEEL = 0.2  # of the track: radius of a wheel
 _DENSITY = 32.0  # kg/m^2 of a hull: a disk of radius 0.1 m weighs a kilogram
 _LAG = 0.015  # s, time constant of a wheel's servo; its gain must stay small for the wheel's inertia
 _INTEGRAL = 0.5  # of the gain in a lag: integral part of a servo, damped by 0.7; friction leaves no error
-_PUSH = 3.0  # m/s^2: what both servos together can do
+_PUSH = 3.0  # m/s^2, largest acceleration by both servos
 _COLOURS = (
     "0.12 0.47 0.71",
     "1.00 0.50 0.05",
@@ -36,8 +36,8 @@ _COLOURS = (
     "0.58 0.40 0.74",
     "0.55 0.34 0.29",
 )
-_REST = 1e-4  # m/s of a wheel's rim, below which a base that is to stand does
-_SETTLING = 0.2  # s, in which wheels and casters come to rest on the floor
+_REST = 1e-4  # m/s of a wheel's rim below which a braking base stands
+_SETTLING = 0.2  # s, initial time for wheels and casters to come to rest on the floor
 
 
 class Physics:
@@ -101,10 +101,9 @@ class Physics:
 
     def _step(self, count: int) -> None:
         self._engine.mj_step(self._model, self._data, count)
-        self._engine.mj_kinematics(self._model, self._data)  # `mj_step` does not say where it led to
+        self._engine.mj_kinematics(self._model, self._data)  # `mj_step` does not update derived positions
 
     def _touch(self) -> None:
-        """Take note of disks in contact."""
         contact = self._data.contact
         if self._data.ncon == 0:
             return
@@ -114,7 +113,6 @@ class Physics:
                 self._touched.add((first, second))
 
     def _arrive(self, last: bool) -> None:
-        """Take note of where the disks are."""
         places = [driven.place() for driven in self._robots]
         before = self.between[-1] if self.between else self.positions
         for index, (x, y) in enumerate(places):
@@ -129,8 +127,8 @@ class _Wheeled:
     """One robot: actuators and sensors of its base.
 
     Attributes:
-        motion: what the base does as the tick begins: its nominal motion in the true direction, or what its
-            wheels still do after that has ended.
+        motion: at the beginning of the tick: the nominal motion in the true direction, or after its end the
+            remaining motion of the wheels.
     """
 
     def __init__(self, model: Any, data: Any, robot: int, body: Body, period: float) -> None:
@@ -149,7 +147,7 @@ class _Wheeled:
         self._moved = self._odometry, self._way  # in the tick before
 
     def place(self) -> Vector:
-        """Where the control point is, m."""
+        """Position of the control point, m."""
         x, y, _ = self._site.xpos.tolist()
         return x, y
 
@@ -159,7 +157,7 @@ class _Wheeled:
         return math.atan2(rotation[3], rotation[0])
 
     def begin(self) -> None:
-        """A tick begins: encoders count from here, in the true direction."""
+        """Begin a tick: encoders count from here, in the true direction."""
         motion, heading = self._next, self.heading()
         self.motion = Motion(heading, motion.ahead, motion.aside, motion.hold)
         if motion.stands:
@@ -172,7 +170,7 @@ class _Wheeled:
         self._angles = [float(wheel.qpos[0]) for wheel in self._wheels]
 
     def plan(self, velocity: Vector | None) -> None:
-        """What to do in this tick, with a commanded velocity (m/s) or none."""
+        """Plan this tick, with a commanded velocity (m/s) or none."""
         kinematics = self._kinematics
         if velocity is not None and (velocity[0] != 0.0 or velocity[1] != 0.0):
             motion = self.motion
@@ -184,7 +182,7 @@ class _Wheeled:
         self._arcs = []
         for _ in range(kinematics.steps):
             arc = kinematics.coast(coasting, part)
-            share = arc.duration / part  # of its velocity, on average
+            share = arc.duration / part  # average share of its velocity
             self._arcs.append(Arc(share * arc.ahead, share * arc.aside, part))
             coasting = kinematics.coasted(coasting, part)
         self._next = coasting
@@ -198,7 +196,7 @@ class _Wheeled:
                 self._control[servo] = speed / self._radius
 
     def read_encoders(self) -> None:
-        """Odometry: as far as the wheels have turned, they have rolled."""
+        """Odometry by the rotation of the wheels."""
         left, right = (float(wheel.qpos[0]) for wheel in self._wheels)
         rolled_left = self._radius * (left - self._angles[0])
         rolled_right = self._radius * (right - self._angles[1])
@@ -212,7 +210,6 @@ class _Wheeled:
         self._way += math.hypot(dx, dy)
 
     def report(self) -> BaseReport:
-        """Odometry and motion of the base."""
         arc = self._kinematics.halt(self.motion)
         cx, cy = chord(arc, self._kinematics.turn(arc))
         stop = turned(cx, cy, self.motion.heading)
@@ -221,7 +218,7 @@ class _Wheeled:
 
 
 def _model(scenario: Scenario, timestep: float) -> str:
-    """The XML of a scenario, all of whose robots have two wheels."""
+    """The XML of a scenario of robots with two wheels."""
     root = Element("mujoco", model=scenario.name)
     SubElement(
         root, "option", timestep=f"{timestep}", integrator="implicitfast", cone="elliptic", impratio="10"

@@ -27,15 +27,15 @@ class BaseReport(NamedTuple):
 
 
 class PastDisks(msgspec.Struct, frozen=True):
-    """Where a world leaves the disks, at the end of a tick, by robot id.
+    """The disks at the end of a world, at the end of a tick, by robot id.
 
     Attributes:
-        places: of the centres of the robots that are there, m.
-        headings: rad; empty where no body has one.
-        ways: path length of every robot that is or was there, m; of all that had the same id together.
-        bounds: by how much places may be off until all bases stand, m, where they may.
-        moving: external robots that may not stand yet.
-        largest_bound: of all reports so far, m; None where the truth is known.
+        places: of the centres of present robots, m.
+        headings: rad; empty for bodies without heading.
+        ways: path length of every present or past robot, m; of all robots with the same id together.
+        bounds: errors of places until all bases stand, m, where there are any.
+        moving: external robots that may still move.
+        largest_bound: of all reports so far, m; None if the truth is known.
     """
 
     places: dict[Id, Vector] = {}
@@ -55,16 +55,16 @@ class PastDisks(msgspec.Struct, frozen=True):
 
 
 class Plant(Protocol):
-    """Every robot's disk and what carries it.
+    """Every robot's disk and its base.
 
     Attributes:
-        ids: robot ids in increasing order; all lists below are in this order.
-        positions: where the disks' centres really are, m.
+        ids: robot ids in increasing order, that of all lists below.
+        positions: true positions of the disks' centres, m.
         lengths: path length of each so far, m.
-        parts: straight motions that a tick consists of, up to some micrometres that an arc is off its chord.
-        between: where the disks were at the ends of all parts of the last tick but the last one.
-        fixed: why robots can neither come nor go; "" if they can.
-        slips: whether odometry is inexact by itself; else errors up to the stated ones are to be added to it.
+        parts: straight motions per tick, up to some micrometres of an arc off its chord.
+        between: positions at the ends of all parts of the last tick but the last.
+        fixed: the reason why robots cannot be added or removed; "" if they can.
+        slips: whether odometry is inexact by itself; otherwise the stated errors are added to it.
     """
 
     ids: tuple[int, ...]
@@ -76,15 +76,14 @@ class Plant(Protocol):
     fixed: str
 
     def refusal(self, spec: RobotSpec) -> str:
-        """Why this robot cannot be added; "" if it can."""
+        """The reason why this robot cannot be added; "" if it can."""
         ...
 
     def set_fleet(self, scenario: Scenario) -> None:
-        """Robots came and went, where the plant is not `fixed`: a new one is at its start; of one that left
-        nothing is kept."""
+        """Set the robots, unless the plant is `fixed`: new ones start, removed ones are forgotten."""
 
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:
-        """Go through a tick with commanded velocities (m/s) by robot id; others hear nothing."""
+        """Advance a tick with commanded velocities (m/s) by robot id; others receive none."""
 
     def report(self, index: int) -> BaseReport:
         """The report of the base at that index of `ids`."""

@@ -1,9 +1,9 @@
 """Admission: assigns one process to each robot.
 
 Requests to join are idempotent: a process that repeats one is admitted as the same life, until it reports
-that this life is over. An admitted process that does not show its liveliness token in time gives way to
-another, and its life is over. Of two processes with one id the second is refused, and so is one that was
-given up repeatedly. A process of a robot that is still to be added waits.
+that this life is over. If an admitted process does not show its liveliness token in time, its life ends, and
+another process may join. Of two processes with one id the second is refused, and so is one that was given up
+repeatedly. The process of a robot that is still to be added waits.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ from world.coordinator.lives import Fate
 from world.shell.checkpoint import Checkpoint, Processes
 from world.world import WorldCore
 
-AWAY = 60.0  # s that robots wait for a world that keeps a checkpoint to be started again
+AWAY = 60.0  # s for which robots wait for the restart of a world with a checkpoint
 RESERVATION = 2.0  # s between admission and liveliness token
-CHANCES = 2  # how often a process that lives may be given up: after that its robot stays down
-_RETRY = 0.2  # s, while another process is joining under the same id, or a disk is not there yet
-_SOON = 5 * _RETRY  # s until a process that waits for its disk has asked again, if it lives
+CHANCES = 2  # times that a live process may be given up before its robot stays down
+_RETRY = 0.2  # s between requests, while another process joins under the same id, or the disk is not present
+_SOON = 5 * _RETRY  # s within which a process that waits for its disk asks again, if it is alive
 
 
 @dataclass
 class Slot:
-    """One robot id, and the process that was admitted."""
+    """One robot id, and its admitted process."""
 
     session: str = ""
-    granted: int = 0  # incarnation that it was given
-    since: float = 0.0  # s, by the clock: when it was admitted
-    missing: float = inf  # s, by the clock: since when its token is not there, though it may be alive
-    health: Health | None = None  # what its process reported at the end of the run
-    notified: bool = False  # it was told that the run is over
-    blamed: Counter[str] = field(default_factory=Counter)  # how often each process was given up
+    granted: int = 0  # its incarnation
+    since: float = 0.0  # s, time of its admission
+    missing: float = inf  # s, time since which its token is missing, though it may be alive
+    health: Health | None = None  # report of its process at the end of the run
+    notified: bool = False  # informed of the end of the run
+    blamed: Counter[str] = field(default_factory=Counter)  # times that each process was given up
 
 
 class Admissions:
@@ -72,26 +72,26 @@ class Admissions:
         self.processes = Processes() if processes is None else processes
         newest, lives = self.processes.newest, world.lives.of
         self.slots = {robot: Slot(newest.get(robot, ""), life.incarnation) for robot, life in lives.items()}
-        self._tokens: set[tuple[int, str]] = set()  # robots and sessions of the processes that are there
-        # By robot that was told to wait for its disk: its newest request, s, by the clock; -inf afterwards.
+        self._tokens: set[tuple[int, str]] = set()  # robots and sessions of present processes
+        # Newest request of each robot that waits for its disk, s, by the clock; -inf afterwards.
         self._early: dict[int, float] = {}
         self._name, self._lockstep, self._clock, self._epoch = run, lockstep, clock, epoch
         self._checkpoint = checkpoint
 
     def expect(self, robot: int) -> None:
-        """The disk of a robot that was added is there; a process may join."""
+        """Add a slot for an added robot whose disk is present."""
         self.slots.setdefault(robot, Slot())
 
     # -- requests
 
     def refusal(self, join: joining.Join) -> joining.Reply | None:
-        """Why this process cannot take part, or not yet; None if it can."""
+        """The reply to a process that cannot take part, or not yet; None if it can."""
         robot = join.robot
         self.dismiss(robot)
         lives = self._world.lives
         status = lives.roster.status(robot)
         if status in ("standing", "live"):
-            self.expect(robot)  # also if its disk has appeared as the run ended, and no tick opens any more
+            self.expect(robot)  # also if its disk has appeared at the end of the run, after the last tick
         slot = self.slots.get(robot)
         if self._fate(join) == "removed":
             return joining.Finished("removed")
@@ -118,7 +118,7 @@ class Admissions:
         return self.processes.fate(join.robot, join.session, self._world.lives.of)
 
     def _unlisted(self, join: joining.Join) -> joining.Reply:
-        """The reply to the process of a robot that is not in the run, not yet or no more."""
+        """The reply to the process of a robot that is not, or no longer, in the run."""
         robot = join.robot
         if self._world.schedule.adds(robot) and not self._fate(join):
             return self._wait(robot, f"robot {robot} has not been added yet")
@@ -133,8 +133,9 @@ class Admissions:
         return joining.Wait(_RETRY, reason)
 
     def enlist(self, join: joining.Join) -> joining.Reply:
-        """Admit a process that is not refused to the present run as a new life of its robot, or again as
-        the life that it was given if it has not lived it yet: the reply was lost."""
+        """Admit a process that is not refused as a new life of its robot; again as the same life if it has
+        not begun that, since the reply was lost.
+        """
         robot, world, slot = join.robot, self._world, self.slots[join.robot]
         if slot.blamed[join.session] >= CHANCES:
             return joining.Refusal(f"robot {robot}: this process was given up {CHANCES} times; start another")
@@ -144,9 +145,9 @@ class Admissions:
         before, goes_on = lives.of[robot].fate, lives.goes_on(robot, slot.granted)
         if goes_on and join.session == newest:
             if join.health is None or join.health.incarnation < slot.granted:
-                slot.session = join.session  # it lost its seat while the scenario held it still
+                slot.session = join.session  # it lost its slot while the scenario paused it
                 return self._admission(slot)
-            world.lost(robot)  # as the process itself says
+            world.lost(robot)  # as the process reports
         elif goes_on or slot.session not in ("", join.session):
             world.lost(robot, "showed no sign of life after it was admitted; another process came")
         try:
@@ -158,7 +159,7 @@ class Admissions:
         return self._admission(slot)
 
     def _obstacle(self, join: joining.Join) -> str:
-        """Why a process has to wait; "" if it need not."""
+        """The reason why a process must wait; "" if it need not."""
         robot, slot = join.robot, self.slots[join.robot]
         life = self._world.lives.of[robot]
         if self._fate(join):
@@ -182,14 +183,14 @@ class Admissions:
     # -- presence
 
     def is_present(self, robot: int) -> bool:
-        """Whether the token of the robot's admitted process is there."""
+        """Whether the token of the robot's admitted process is present."""
         return (robot, self.slots[robot].session) in self._tokens
 
     def _may_be_there(self, robot: int) -> bool:
         return self.is_present(robot) or self.slots[robot].missing < inf
 
     def arrive(self, robot: int, session: str) -> bool:
-        """A token is there; whether it is the admitted process's."""
+        """A token appeared; returns whether it is the admitted process's."""
         self._tokens.add((robot, session))
         slot = self.slots.get(robot)
         if slot is None or slot.session != session:
@@ -198,45 +199,45 @@ class Admissions:
         return True
 
     def go(self, robot: int, session: str) -> bool:
-        """A token is gone: the process ended, hangs, or is cut off; whether it is the admitted one."""
+        """A token disappeared: its process ended, hangs, or is disconnected. True for the admitted one."""
         self._tokens.discard((robot, session))
         slot = self.slots.get(robot)
         return slot is not None and slot.session == session
 
     def miss(self, robot: int) -> None:
-        """The token of the robot's process, which may be alive, is not there."""
+        """Note that the token of the robot's process, which may be alive, is missing."""
         slot = self.slots[robot]
         slot.missing = min(slot.missing, self._clock())
 
     def leave(self, robot: int) -> None:
-        """The robot's process is taken to be gone."""
+        """Note that the robot's process is gone."""
         slot = self.slots[robot]
         slot.session, slot.missing = "", inf
 
     def missing(self, at_least: float = 0.0) -> list[int]:
-        """Robots whose token is gone for so long, s, and whose process may yet be alive."""
+        """Robots whose token has been missing for this time, s, and whose process may be alive."""
         since = self._clock() - at_least
         return [robot for robot, slot in self.slots.items() if slot.missing <= since]
 
     def absent(self) -> frozenset[int]:
-        """Robots without an admitted process whose token is there."""
+        """Robots without an admitted process with a present token."""
         return frozenset(robot for robot in self.slots if not self.is_present(robot))
 
     # -- the end
 
     def owing_health(self) -> list[int]:
-        """Robots that have not reported at the end of the run, and can."""
+        """Robots that can, but did not, report at the end of the run."""
         return [n for n, slot in self.slots.items() if slot.health is None and self._may_be_there(n)]
 
     def unnotified(self) -> list[int]:
-        """Robots that do not know yet that it is over, and can be told."""
+        """Robots that can be, but are not, informed of the end of the run."""
         return [n for n, slot in self.slots.items() if not slot.notified and self._may_be_there(n)]
 
     def is_asked_soon(self) -> bool:
-        """Whether a process that waits for its disk will ask again, and can be told then that it is over."""
+        """Whether a process that waits for its disk will soon ask again, and learn that the run is over."""
         return any(asked > self._clock() - _SOON for asked in self._early.values())
 
     def dismiss(self, robot: int) -> None:
-        """A process waits for its disk no more."""
+        """A process no longer waits for its disk."""
         if robot in self._early:
             self._early[robot] = -inf

@@ -36,9 +36,9 @@ from world.coordinator.lives import Fate, Life
 from world.world import Past
 
 _MAGIC: Final = b"disknav checkpoint 1\n"
-_STATE: Final = 1 << 20  # bytes of each of the two places for a state; what is not written takes no room
+_STATE: Final = 1 << 20  # bytes of each of the two places for a state; unwritten ones use no disk space
 _FRAME: Final = struct.Struct("<QII")  # number and size of a state; CRC-32 of these, 0, and the state
-_KEPT: Final = 16  # earlier processes of a robot that are remembered
+_KEPT: Final = 16  # remembered earlier processes of a robot
 _BOOT: Final = Path("/proc/sys/kernel/random/boot_id")
 
 
@@ -50,11 +50,11 @@ class Processes(msgspec.Struct):
     its newest life.
     """
 
-    newest: dict[Id, str] = {}  # of each robot that had one
-    over: dict[Id, dict[str, Fate]] = {}  # earlier ones, in the order in which they were
+    newest: dict[Id, str] = {}  # newest process of each robot
+    over: dict[Id, dict[str, Fate]] = {}  # earlier ones, in order
 
     def admit(self, robot: int, session: str, before: Fate) -> None:
-        """A process is the newest of a robot; `before` is the fate of the one before it."""
+        """Note the newest process of a robot; `before` is the fate of the one before it."""
         earlier = self.newest.get(robot, "")
         if before and earlier not in ("", session):
             fates = self.over.setdefault(robot, {})
@@ -72,21 +72,21 @@ class Processes(msgspec.Struct):
 
 
 class SavedRun(msgspec.Struct, frozen=True):
-    """How far the worlds of a run have come."""
+    """State of a run for a successor of its world."""
 
     epochs: tuple[Epoch, ...] = ()  # of the coordinators so far
-    began: float = 0.0  # s, wall clock: when the first tick began
+    began: float = 0.0  # s, wall clock at the beginning of the first tick
     processes: Processes = msgspec.field(default_factory=Processes)
-    expected: dict[Id, Count] = {}  # for how many next lives of each robot the worlds have waited so far
+    expected: dict[Id, Count] = {}  # number of next lives of each robot that the worlds have awaited
     past: Past = Past()
 
 
 class _State(msgspec.Struct, frozen=True):
-    """What is in the file."""
+    """Content of the file."""
 
     run: str
     scenario: str  # digest of it
-    boot: str  # names the time since the machine was started; empty where the system has no such name
+    boot: str  # identifies the machine's last start; empty if the system does not
     progress: SavedRun
 
 
@@ -95,20 +95,19 @@ _decoder = msgspec.msgpack.Decoder(_State)
 
 
 class Checkpoint:
-    """The checkpoint of one world, held by this process alone until it is closed.
+    """The checkpoint of one world, locked by this process until it is closed.
 
     Args:
         path: the file; `create` makes it.
-        run, scenario: what it must be a checkpoint of.
-        say: is told if it cannot be kept any longer.
+        run, scenario: those that it must belong to.
+        say: receives a warning if it cannot be written any longer.
 
     Attributes:
         progress: of earlier worlds.
-        kept: whether it can be written; once it cannot, the file is removed, and no world goes on from it.
+        kept: whether it can be written; otherwise the file is removed, and no world continues from it.
 
     Raises:
-        CheckpointError: the file is not there, is damaged, is in use, or is of something else. It is left as
-            it was then.
+        CheckpointError: the file is missing, damaged, in use, or of another run; it is left unchanged.
     """
 
     def __init__(
@@ -134,11 +133,7 @@ class Checkpoint:
 
     @staticmethod
     def create(path: Path) -> None:
-        """Make the file for a run that has not begun.
-
-        Raises:
-            CheckpointError: it cannot be written, or is there already.
-        """
+        """Create the file for a run that has not begun; raises CheckpointError if it cannot, or exists."""
         try:
             with path.open("xb") as file:
                 file.write(_MAGIC)
@@ -155,7 +150,7 @@ class Checkpoint:
         if not self.kept:
             return
         self._number += 1
-        content = self._buffer  # is large, and written in each tick
+        content = self._buffer  # large, and written in each tick
         _encoder.encode_into(_State(*self._of, progress), content, _FRAME.size)
         _frame(self._number, content)
         try:
@@ -167,13 +162,13 @@ class Checkpoint:
             self._abandon(error)
 
     def remove(self) -> None:
-        """The run is over, or no world can go on with it: nothing is left of it."""
+        """Remove the file: the run is over, or cannot be continued."""
         if self.kept:
             self.path.unlink(missing_ok=True)
             self.close()
 
     def close(self) -> None:
-        """Leave the file to the next process."""
+        """Release the file for the next process."""
         if self.kept:
             self.kept = False
             os.close(self._file)
@@ -201,12 +196,12 @@ class Checkpoint:
 
 @cache
 def boot() -> str:
-    """What the system calls the time since the machine was started; empty where it has no such name."""
+    """The system's identifier of its last start; empty if it has none."""
     return _BOOT.read_text().strip() if _BOOT.exists() else ""
 
 
 def _digest(scenario: Scenario) -> str:
-    """Of everything that the scenario says."""
+    """Digest of the scenario."""
     return hashlib.sha256(_encoder.encode(scenario)).hexdigest()
 
 
@@ -219,14 +214,14 @@ def _place(index: int) -> int:
 
 
 def _frame(number: int, content: bytearray) -> None:
-    """Fill in what comes before a payload."""
+    """Fill in the header of a payload."""
     size = len(content) - _FRAME.size
     _FRAME.pack_into(content, 0, number, size, 0)
     _FRAME.pack_into(content, 0, number, size, zlib.crc32(content))
 
 
 def _whole(content: bytes) -> tuple[int, bytes] | None:
-    """Number and payload at a place; None if that is not what was written."""
+    """Number and payload at a place; None if they are damaged."""
     number, size, _ = _FRAME.unpack_from(content)
     framed = bytearray(content[: _FRAME.size + size])
     if not number or len(framed) < _FRAME.size + size:
@@ -245,7 +240,7 @@ def _newest(path: Path) -> tuple[int, _State | None]:
     places = [content[_place(index) :][:_STATE] for index in (0, 1)]
     states = [each for place in places if (each := _whole(place))]
     if not states:
-        if all(map(any, places)):  # else the first world died as it wrote its first state
+        if all(map(any, places)):  # otherwise the first world died while it wrote its first state
             _refuse(path, "is damaged: neither of its two states is whole")
         return 0, None
     number, payload = max(states)

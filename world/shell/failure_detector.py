@@ -1,9 +1,9 @@
 """Failure detection: gives up robots with failed processes, and decides which robots to wait for.
 
-A process fails when its liveliness token is gone, when it does not join in time, or when it does not answer
-an open tick of lock-step in time, which was told again meanwhile. A token that is gone may come back within
-a grace period, since all tokens disappear with a router; timeouts are suspended meanwhile. A failed robot is
-given up: it stands still, takes no part, and the others are told.
+A process fails when its liveliness token disappears, when it does not join in time, or when it does not
+answer an open and repeated lock-step tick in time. A missing token may return within a grace period, since
+all tokens disappear with a router; timeouts are suspended meanwhile. A failed robot is static from then on,
+takes no part, and the others are informed.
 """
 
 from __future__ import annotations
@@ -17,14 +17,15 @@ from world.shell.admission import Admissions
 from world.shell.pacing import Pacing
 from world.shell.run import JudgedRun, Phase
 
-GATHERING = 20.0  # s that robots have to join
-PATIENCE = 5.0  # s that a lock-step tick waits for a command
-GRACE = 5.0  # s that a robot's token may be missing in a run whose processes are started again
+GATHERING = 20.0  # s, time for robots to join
+PATIENCE = 5.0  # s, time for a command in lock-step
+GRACE = 5.0  # s, time for which a token may be missing in a run with restarts
 
 
 def returning(gathering: float, restarts: int, *, lockstep: bool) -> float:
     """Time for which a fenced robot may still return, s. Lock-step waits for a restarted robot; real time
-    goes on, and must not end meanwhile."""
+    continues, and must not end meanwhile.
+    """
     return gathering if restarts > 0 and not lockstep else 0.0
 
 
@@ -66,7 +67,7 @@ class FailureDetector:
     # -- tokens
 
     def arrive(self, robot: int, session: str) -> None:
-        """A token appeared. If it was the last missing one, messages sent meanwhile are lost."""
+        """A token appeared. If it was the last missing one, repeat the messages lost meanwhile."""
         if not self._admissions.arrive(robot, session):
             return
         if self._run.opened and self._pacing.lockstep and not self._admissions.missing():
@@ -74,7 +75,7 @@ class FailureDetector:
             self._tell(self._run.world.open_tick())
 
     def miss(self, robot: int, session: str) -> None:
-        """A token is gone; with it the process, unless its life goes on and there is a grace."""
+        """A token disappeared: give its process up, unless its life may return within a grace period."""
         if not self._admissions.go(robot, session):
             return
         granted = self._admissions.slots[robot].granted
@@ -91,8 +92,9 @@ class FailureDetector:
             self._gone(robot)
 
     def look(self, now: float) -> None:
-        """Give up each robot that is missing for longer than the grace. If others are missing that may come
-        back, no timeout runs, except by the clock of real time: no other robot can go on, either."""
+        """Give up each robot that is missing for longer than the grace. While others are missing, no timeout
+        runs, except in real time, since the present robots cannot continue, either.
+        """
         for robot in self._admissions.missing(self._grace):
             self._gone(robot)
         by_the_clock = self._run.opened and not self._pacing.lockstep
@@ -107,8 +109,9 @@ class FailureDetector:
     # -- gathering and answers
 
     def gather(self) -> dict[int, Tick] | None:
-        """Open the next tick; returns its Ticks, None while it waits for a robot. Real time waits for none
-        once it has begun; a later robot joins then."""
+        """Open the next tick; returns its Ticks, None while a robot is awaited. Real time waits only before
+        its first tick; later robots join then.
+        """
         world = self._run.world
         if not world.lives.founded and self._admissions.absent():
             return None
@@ -116,7 +119,7 @@ class FailureDetector:
         if not self._absent():
             return ticks
         if self._pacing.lockstep or world.tick == 0:
-            # a fenced life that the scenario wants back must learn that it has to join again
+            # a fenced life that the scenario resumes must learn that it has to join again
             awaited = world.lives.awaited
             self._tell({robot: tick for robot, tick in ticks.items() if robot in awaited})
             return None
@@ -125,19 +128,19 @@ class FailureDetector:
         return world.open_tick()
 
     def wait(self, now: float) -> None:
-        """A tick has not ended, or not opened: tell it again, and in time give up the robots it waits for."""
+        """Repeat a tick that has not opened or ended; in time give up the robots that it waits for."""
         if self._run.opened:
             if now > self._pacing.since + self._patience and self._pacing.has_repeated:
                 self._lose_patience()
             elif self._pacing.repeats():
                 self._tell(self._run.world.open_tick())
         elif not self._absent():
-            self._pacing.since = now  # held back by a viewer, not by a robot
+            self._pacing.since = now  # paused by a viewer, not by a robot
         elif now > self._pacing.since + self._gathering:
             self._give_up_gathering()
 
     def _absent(self) -> frozenset[int]:
-        """Robots that have to be there and are not: not joined, or joined without a token."""
+        """Required robots that have not joined, or joined without a token."""
         world, absent = self._run.world, self._admissions.absent()
         return world.lives.awaited | (
             absent & frozenset(world.exchange.active) if world.lives.founded else absent
@@ -153,7 +156,7 @@ class FailureDetector:
         self._give_up(blamed)
 
     def _give_up_gathering(self) -> None:
-        """Give up the absent robots after the timeout; abort a run whose first tick has not begun."""
+        """Give up the absent robots after the timeout; before the first tick, abort the run."""
         world, absent = self._run.world, sorted(self._absent())
         if world.tick == 0:
             names = ", ".join(map(str, absent))
@@ -164,7 +167,7 @@ class FailureDetector:
                 self._tell_person(robot, reason)
 
     def _give_up(self, robots: Mapping[int, str]) -> None:
-        """Exclude these robots, with reasons; send the open tick again to robots awaiting their States."""
+        """Exclude these robots, with reasons; repeat the open tick to robots that await their States."""
         world, running = self._run.world, self._run.phase is Phase.RUNNING
         for robot, reason in robots.items():
             if world.lost(robot, reason if running else "") and running:
@@ -174,7 +177,7 @@ class FailureDetector:
             self._tell({r: m for r, m in world.open_tick().items() if r in waiting})
 
     def _expect(self, robot: int) -> None:
-        """Wait for the next life of a robot that is started again."""
+        """Wait for the next life of a restarted robot."""
         running = self._run.phase is Phase.RUNNING
         if running and self.expected[robot] < self._restarts and self._run.world.lives.expect(robot):
             self.expected[robot] += 1

@@ -92,7 +92,7 @@ class WorldNode:
         self._run = JudgedRun(scenario, before.past, returning=waits)
         lives, epoch = self._run.world.lives, drawn_epoch()
         self._epoch, self._epochs, self._session = epoch, (*before.epochs, epoch), session_of(epoch)
-        self._own = {session_of(each) for each in self._epochs}  # tokens of dead worlds may still go
+        self._own = {session_of(each) for each in self._epochs}  # tokens of dead worlds may still disappear
         self._admissions = Admissions(
             run, self._run.world, lockstep, clock, epoch, checkpoint, before.processes
         )
@@ -126,10 +126,9 @@ class WorldNode:
         if self._run.world.verdict:
             self._end()
         elif before.epochs:
-            self._advance()  # what the scenario does as a tick opens comes before any robot is admitted
+            self._advance()  # events of the scenario precede admissions in a tick
 
     def _save(self) -> None:
-        """Write the checkpoint, before the state is published."""
         checkpoint, run = self._checkpoint, self._run
         if checkpoint is not None and checkpoint.kept:
             began = time.time() - (time.monotonic() - run.began)
@@ -138,12 +137,11 @@ class WorldNode:
 
     @property
     def world(self) -> WorldCore:
-        """The world of the run."""
         return self._run.world
 
     @property
     def deadline(self) -> float:
-        """When `wake` wants to be called next, s, monotonic."""
+        """Time of the next `wake`, s, monotonic."""
         return self._pacing.deadline
 
     # -- events
@@ -245,7 +243,6 @@ class WorldNode:
         self._advance()
 
     def _advance(self) -> None:
-        """Do all that can be done now."""
         while self._run.phase is Phase.RUNNING:
             if not self._run.opened and (not self._open() or self._is_idle):
                 return
@@ -263,7 +260,7 @@ class WorldNode:
         return self._run.scenario.time.endless and not self._run.world.exchange.active
 
     def _open(self) -> bool:
-        """Open the next tick, unless a required robot is missing or the clock is held; whether it opened."""
+        """Open the next tick, unless a required robot is missing or the clock is paused; True if done."""
         run = self._run
         for robot in run.world.lives.newcomers:
             self._admissions.expect(robot)
@@ -287,14 +284,14 @@ class WorldNode:
         return True
 
     def _tell_again(self, ticks: Mapping[int, Tick]) -> None:
-        """Publish Ticks again, and the summary: they may have been lost."""
+        """Repeat the Ticks and the summary, which may have been lost."""
         summary = self._run.world.exchange.summary
         if summary is not None:
             self._publishers.summary(summary)
         self._publishers.ticks(ticks)
 
     def _inform(self, *, due: bool) -> None:
-        """Publish Clock and Truth to monitors if `due`, or if the last ones are old enough to be repeated."""
+        """Publish Clock and Truth to monitors if `due`, or if the last ones are old."""
         if due or self._publishers.is_due:
             self._publishers.watched(self._run.clock(), self._run.world.referee.record.news())
 
@@ -309,7 +306,7 @@ class WorldNode:
     # -- the end
 
     def interrupt(self, verdict: str, reason: str) -> None:
-        """End everything from outside, for example on Ctrl-C; the report stays readable."""
+        """End the run from outside, for example on Ctrl-C; the report stays available."""
         if self._run.phase is Phase.RUNNING:
             self._run.world.finish(verdict, reason)
             self._end()
@@ -322,7 +319,7 @@ class WorldNode:
         self._announce_end()
 
     def _announce_end(self) -> None:
-        """Publish the end of the run (again): a Clock to monitors, a final Tick to robots that lack it."""
+        """Publish or repeat the end of the run: a Clock to monitors, a final Tick to uninformed robots."""
         self._inform(due=True)
         self._publishers.ticks(self._shutdown.final_ticks())
 
@@ -331,7 +328,7 @@ class WorldNode:
             self._conclude()
 
     def _conclude(self) -> None:
-        """Publish the result, and have the robots leave."""
+        """Publish the result, and let the robots leave."""
         if self._run.phase is not Phase.SHUTDOWN:
             return
         report = self._shutdown.report(self._publishers.published)

@@ -92,13 +92,13 @@ class Operations:
         return outcome
 
     def _welcome(self, robot: int) -> None:
-        """Have what is needed to hear and tell another robot."""
+        """Declare subscriptions and publishers for another robot."""
         if robot not in self._publishers:
             self._bus.subscribe(robot_key(self._name, robot, "command"))
         self._publishers.add(robot)
 
     def on_world(self, session: str, alive: bool) -> None:
-        """Another world of this run is on the network, or has left it."""
+        """Another world of this run appeared or disappeared."""
         before = bool(self._rivals)
         (self._rivals.add if alive else self._rivals.discard)(session)
         if bool(self._rivals) != before:

@@ -1,4 +1,4 @@
-"""When ticks begin and end by the wall clock: as soon as can be, in real time, or as a viewer steers."""
+"""Begin and end of ticks by the wall clock: at once, in real time, or as a viewer steers."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ from protocol.operations import Steering
 
 _AGAIN = 0.01  # s between looks at missing robots in the first tick
 BEAT = 0.1  # s between looks while nothing happens
-FIRST = 3.0  # s that the first tick of real time lasts at most, in which every robot sets itself up
-REPEAT = 0.5  # s until a tick that lacks a command is told again; then three times that
+FIRST = 3.0  # s, longest first tick of real time, in which robots initialise
+REPEAT = 0.5  # s until a tick without all commands is repeated; then three times that
 
 
 class Pacing:
     """The wall clock of one world.
 
     Args:
-        lockstep: whether ticks wait for the robots, or end when their time is over.
-        speed: simulated seconds per second that lock-step is held to, 0 for no limit.
-        clock: tells the time, s.
+        lockstep: whether ticks wait for the robots, or end after their time.
+        speed: simulated seconds per second in lock-step, 0 for no limit.
+        clock: time, s.
 
     Attributes:
-        steering: what viewers ask of a lock-step clock.
-        since: s, by the clock: when the present tick, or the present wait, began.
-        deadline: s, by the clock: when to look at the latest.
+        steering: viewers' settings of a lock-step clock.
+        since: beginning of the present tick or wait, s, by the clock.
+        deadline: latest time of the next look, s, by the clock.
     """
 
     def __init__(self, lockstep: bool, speed: float, clock: Callable[[], float] = time.monotonic) -> None:
@@ -36,29 +36,28 @@ class Pacing:
         self._began = self.since
 
     def now(self) -> float:
-        """The time, s."""
         return self._clock()
 
     def wait(self) -> None:
-        """A wait begins now."""
+        """Begin a wait."""
         self.since = self._clock()
         self.look_again(self.since)
 
     def look_again(self, now: float) -> None:
-        """Look again in a while."""
+        """Schedule another look."""
         self.deadline = now + BEAT
 
     def waited(self) -> float:
-        """For how long, s."""
+        """Duration of the wait, s."""
         return self._clock() - self.since
 
     @property
     def has_repeated(self) -> bool:
-        """Whether the present tick was told again."""
+        """Whether the present tick was repeated."""
         return self._repeat > REPEAT
 
     def repeats(self) -> bool:
-        """Whether it is time to publish the present Ticks again: messages may have been lost."""
+        """Whether it is time to repeat the present Ticks, since messages may have been lost."""
         if self.waited() < self._repeat:
             return False
         self._repeat *= 3.0
@@ -85,16 +84,16 @@ class Pacing:
         return True
 
     def begin(self, tick: int, step: float) -> None:
-        """Begin `tick`: in real time it ends after `step` s, in lock-step it is looked at in time."""
+        """Begin `tick`: in real time it ends after `step` s."""
         now = self._began = self._clock()
         if self.lockstep:
             self.begin_again()
         else:
             due = self.since + step if tick > 0 else now
-            self.since = due if now < due + step else now  # a tick too late: do not hurry to catch up
+            self.since = due if now < due + step else now  # a tick late: do not catch up
             self.deadline = self.since + step
 
     def begin_again(self) -> None:
-        """The present tick of lock-step begins, or is told anew."""
+        """Begin or repeat the present tick of lock-step."""
         self.since, self._repeat = self._clock(), REPEAT
         self.look_again(self.since)

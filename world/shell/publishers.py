@@ -1,4 +1,4 @@
-"""The world's publications: declared once and counted; those for monitors are collected for a moment."""
+"""The world's publications: declared once and counted; those for monitors are grouped."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from protocol.codec import encode
 from protocol.keys import STREAMS, robot_key, world_key
 from protocol.messages import Clock, GoalStatus, Result, Summary, Tick, Truth
 
-CLOCK_PERIOD = 0.05  # s between what watchers are told, unless it is due for its own sake
+CLOCK_PERIOD = 0.05  # s between publications for monitors, unless one is due earlier
 
 
 class Publishers:
@@ -49,32 +49,28 @@ class Publishers:
         return robot in self._tick
 
     def goals(self, news: Iterable[GoalStatus]) -> None:
-        """Publish the status of orders."""
         for status in news:
             self._goal[status.robot](encode(status))
 
     def summary(self, summary: Summary) -> None:
-        """Publish the positions of all robots."""
         self._summary(encode(msgspec.structs.replace(summary, epoch=self._epoch)))
 
     def ticks(self, told: Mapping[int, Tick]) -> None:
-        """Publish a Tick to each robot."""
         for robot, tick in told.items():
             self._tick[robot](encode(msgspec.structs.replace(tick, epoch=self._epoch)))
         self.published += len(told)
 
     @property
     def is_due(self) -> bool:
-        """Whether monitors were last told the time long enough ago to be told again."""
+        """Whether enough time has passed since the last publication for monitors."""
         return time.monotonic() >= self._told + CLOCK_PERIOD
 
     def watched(self, clock: Clock, truths: Iterable[Truth]) -> None:
-        """Publish the time, and all positions since the last one."""
+        """Publish the time, and all positions since the last call."""
         self._told = time.monotonic()
         for truth in truths:
             self._truth(encode(truth))
         self._clock(encode(clock))
 
     def result(self, report: Mapping[str, Any]) -> None:
-        """Publish the result of the run."""
         self._result(encode(Result(msgspec.json.encode(report).decode())))

@@ -1,8 +1,7 @@
-"""The run of one world, and its end: robots report, and are then told the verdict.
+"""The run of one world, and its end: robots report, and then receive the verdict.
 
-A robot learns from a Tick that the run is over, and asks to join again with its report in hand. It is told
-to ask again until all have reported, then the verdict. Both waits are bounded, for a robot that does not come
-is no reason to keep the others.
+A robot learns from a Tick that the run is over, and asks to join again with its report. It is told to ask
+again until all have reported, and then receives the verdict. Both waits are bounded.
 """
 
 from __future__ import annotations
@@ -23,12 +22,12 @@ from world.world import Past, WorldCore
 
 
 def drawn_epoch() -> int:
-    """A coordinator's number (`protocol.messages.Epoch`), which no other one has."""
+    """A unique number of a coordinator (`protocol.messages.Epoch`)."""
     return 1 + secrets.randbelow(2**32 - 1)
 
 
 class Phase(Enum):
-    """RUNNING (or gathering), SHUTDOWN (robots report), CLOSING (they are told to leave)."""
+    """RUNNING (or gathering), SHUTDOWN (robots report), CLOSING (robots leave)."""
 
     RUNNING = 1
     SHUTDOWN = 2
@@ -55,11 +54,10 @@ class JudgedRun:
 
     @property
     def scenario(self) -> Scenario:
-        """The scenario, with the robots that are there now."""
         return self.world.scenario
 
     def clock(self) -> Clock:
-        """What the clock says now."""
+        """The present Clock."""
         world, truth = self.world, self.world.truth
         seconds = world.tick * self.scenario.time.step
         return Clock(
@@ -82,12 +80,12 @@ class JudgedRun:
         )
 
     def is_marked(self) -> bool:
-        """Whether something is to happen at this tick that a launcher has to carry out."""
+        """Whether this tick has an event that a launcher executes."""
         return self.world.tick in self._due or bool(self.world.lives.newcomers)
 
 
-SHUTDOWN = 2.0  # s that robots have to report after the end, and to hear that it is over
-_ASK_AGAIN = 0.005  # s, for robots that have reported while others have not
+SHUTDOWN = 2.0  # s, time for robots to report after the end, and to be informed
+_ASK_AGAIN = 0.005  # s between requests of robots that have reported before others
 
 
 class Shutdown:
@@ -97,17 +95,17 @@ class Shutdown:
         self._run, self._admissions, self._pacing = run, admissions, pacing
 
     def begin(self) -> None:
-        """There is a verdict: robots are to report."""
+        """Begin after a verdict: robots report."""
         self._run.phase = Phase.SHUTDOWN
         self._pacing.wait()
 
     def close(self) -> None:
-        """The result is published: robots are to leave."""
+        """Continue after the result: robots leave."""
         self._run.phase = Phase.CLOSING
         self._pacing.wait()
 
     def take_report(self, join: joining.Join) -> None:
-        """A process that asks to join brings its report of the life that it has ended, if any."""
+        """Take the report of an ended life from a request to join, if it has one."""
         if self._run.phase is Phase.SHUTDOWN:
             slot = self._admissions.slots[join.robot]
             slot.health = join.health or slot.health
@@ -122,27 +120,27 @@ class Shutdown:
         return None
 
     def instead(self, refusal: joining.Reply, robot: int) -> joining.Reply:
-        """The reply to a process that cannot take part: at the end it has nothing to wait for."""
+        """The reply to a process that cannot take part, which need not wait at the end."""
         if self._run.phase is not Phase.CLOSING or not isinstance(refusal, joining.Wait):
             return refusal
         self._admissions.dismiss(robot)
         return joining.Finished(self._run.world.verdict)
 
     def final_ticks(self) -> dict[int, Tick]:
-        """Ticks that tell the end of the run to robots that have not shown that they know it."""
+        """Ticks that announce the end of the run to uninformed robots."""
         reports, world = self._run.phase is Phase.SHUTDOWN, self._run.world
         robots = self._admissions.owing_health() if reports else self._admissions.unnotified()
         lives, tick = world.lives.incarnations, world.tick
         return {robot: Tick(robot, lives[robot], tick, (), over=True) for robot in robots}
 
     def is_reported(self) -> bool:
-        """Whether the robots have reported, or had the time to."""
+        """Whether the robots have reported, or their time is over."""
         return self._run.phase is Phase.SHUTDOWN and (
             not self._admissions.owing_health() or self._is_overdue()
         )
 
     def is_over(self) -> bool:
-        """Whether all processes know that the run is over, or had the time to be told."""
+        """Whether all processes are informed of the end, or their time is over."""
         admissions = self._admissions
         left = not (admissions.unnotified() or admissions.is_asked_soon())
         return self._run.phase is Phase.CLOSING and (left or self._is_overdue())

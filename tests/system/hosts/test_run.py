@@ -219,7 +219,7 @@ def test_the_host_of_the_world_ends_the_run(server: Server, tmp_path: Path) -> N
             "host left: its shell finds no command '/nowhere/disknav'",
         ),
         ({"ssh": "nobody-at-all@127.0.0.1"}, EXIT_FAULT, "host left is gone: ssh ended with status 255"),
-        ({"command": "echo disknav-host 0 /tmp;"}, EXIT_FAULT, "another version"),
+        ({"command": "echo disknav-host 0 /tmp;"}, EXIT_FAULT, "not the same version"),
         (
             {"command": f"echo {GREETING} {code_digest(SOFTWARE)} /tmp; yes #"},
             EXIT_FAULT,
