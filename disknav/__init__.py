@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from disknav.orders import Orders as Orders
     from disknav.orders import operate as operate
     from disknav.recording import Recording as Recording
+    from disknav.recording import Trajectory as Trajectory
     from disknav.recording import read as read
     from disknav.running import Run as Run
+    from disknav.running import Simulation as Simulation
     from disknav.running import run as run
     from disknav.scenarios import build as build
     from disknav.scenarios import library as library
     from disknav.scenarios import load as load
-    from disknav.simulation import Simulation as Simulation
-    from disknav.trajectory import Trajectory as Trajectory
     from protocol.errors import DisknavError as DisknavError
     from protocol.errors import ScenarioError as ScenarioError
     from protocol.errors import UsageError as UsageError
@@ -38,11 +38,9 @@ _MODULES = {
     "disknav.environment": ("parallel_env",),
     "disknav.filtering": ("filtered",),
     "disknav.orders": ("FleetOrders", "Orders", "operate"),
-    "disknav.recording": ("Recording", "read"),
-    "disknav.running": ("Run", "run"),
+    "disknav.recording": ("Recording", "Trajectory", "read"),
+    "disknav.running": ("Run", "Simulation", "run"),
     "disknav.scenarios": ("build", "library", "load"),
-    "disknav.simulation": ("Simulation",),
-    "disknav.trajectory": ("Trajectory",),
     "protocol.errors": ("DisknavError", "ScenarioError", "UsageError"),
     "protocol.scenario.model": ("Scenario",),
 }

@@ -9,9 +9,9 @@ from typing import Any, Literal, SupportsFloat
 import numpy as np
 from numpy.typing import NDArray
 
+from disknav.recording import Floats
+from disknav.running import Simulation
 from disknav.scenarios import Source, ready
-from disknav.simulation import Simulation
-from disknav.trajectory import Floats
 from protocol.draws import LARGEST_SEED, checked_seed
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library

@@ -19,7 +19,7 @@ from deploy.library.encounters import circle
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
 from protocol.messages import Member, Summary, Vector
-from world.coordinator.interest import runs
+from world.coordinator.exchange import runs
 
 RADIUS, PERIOD, AHEAD, BETWEEN = 0.25, 0.5, 20.0, 2
 WAY = (1.0, 0.0)

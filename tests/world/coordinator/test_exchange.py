@@ -1,13 +1,22 @@
-"""Commands: which are executed, and which robots keep the others waiting."""
+"""Commands that are executed, robots that keep others waiting, and the States received in a large fleet."""
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocol.messages import Command
-from tests.world.driving import advance, joined, two
-from world.coordinator.exchange import blamed
+from agents.peers.far import places_of
+from protocol.crowd import LEAD, period
+from protocol.errors import MessageError
+from protocol.messages import Command, Sense, Summary, Vector
+from protocol.scenario.model import Scenario
+from protocol.scenario.network import Network
+from tests.world.driving import advance, joined, scenario, two
+from world.coordinator.exchange import Interest, blamed, runs
 from world.report import result_of
 
 robots = st.frozensets(st.integers(1, 8), min_size=1)
@@ -83,3 +92,95 @@ def test_commands_are_refused_by_reason() -> None:
         **{"early": 2, "late": 1, "incarnation": 1},
         **{"unknown": 1, "duplicate": 1, "inactive": 1},
     }
+
+
+RADIUS = 0.01
+
+
+def four(reach: float = 0.05) -> Scenario:
+    robots = [((0.1 * n, 0.0), (0.1 * n, 0.1)) for n in range(-2, 2)]
+    return scenario(*robots, radius=RADIUS, network=Network("near", reach))
+
+
+def sensed(at: list[Vector]) -> dict[int, Sense]:
+    return {robot: Sense(place, 0, 0.0, (0.0, 0.0)) for robot, place in enumerate(at, 1)}
+
+
+def nowhere(robot: int) -> Vector | None:  # noqa: ARG001  # no orders
+    return None
+
+
+def test_a_peer_is_heard_once_there_was_time_to_subscribe_to_it() -> None:
+    interest, active = Interest(four()), frozenset((1, 2, 3, 4))
+    heard = [interest.heard(1, 1, tick, (2, 3), active) for tick in range(LEAD + 1)]
+    assert heard == [(1,)] * LEAD + [(1, 2, 3)]
+    assert interest.heard(1, 1, LEAD + 1, (3, 4), active) == (1, 3)
+    assert interest.heard(1, 1, LEAD + 2, (3, 4), frozenset((1, 4))) == (1,)
+
+
+def test_the_summary_says_where_everybody_was_sensed() -> None:
+    setting = four()
+    interest = Interest(setting)
+    at = [(0.01 * n, 0.02) for n in range(4)]
+    interest.open(0, setting, sensed(at), nowhere)
+    for tick in range(1, period(setting)):
+        interest.open(tick, setting, sensed([(0.2, 0.2)] * 4), nowhere)
+    assert interest.summary is not None
+    assert interest.summary.tick == 0
+    assert interest.summary.robots == runs((1, 2, 3, 4))
+    assert np.allclose(np.frombuffer(interest.summary.positions, "<f4").reshape(-1, 2), at)
+    away = [math.dist(place, spec.goal) ** 2 for place, spec in zip(at, setting.robots, strict=True)]
+    assert np.allclose(np.frombuffer(interest.summary.gammas, "<f4"), away)
+
+
+def test_a_tick_names_a_robot_that_takes_no_part_no_more() -> None:
+    world = joined(four(1.0))
+    ids = world.scenario.ids
+    for _ in range(LEAD):
+        world.open_tick()
+        for robot in ids:
+            assert world.accept(Command(robot, 1, world.tick, (0.0, 0.0)))
+        world.close_tick()
+    assert {each.active for each in world.open_tick().values()} == {ids}
+    assert world.lost(4)
+    told = world.open_tick()
+    assert [told[robot].active for robot in ids[:3]] == [ids[:3]] * 3
+
+
+@given(st.sets(st.integers(1, 12), min_size=1))
+def test_runs_stand_for_the_ids_that_they_are_made_of(ids: set[int]) -> None:
+    flat = np.zeros(len(ids), dtype="<f4").tobytes()
+    assert places_of(Summary(0, runs(sorted(ids)), 2 * flat, flat, flat)).robots.tolist() == sorted(ids)
+
+
+@pytest.mark.parametrize("told", [(2, 2, 3, 1), (4, 1, 2, 2), (1, 2**32 - 1), (1, 4), (1, 1)])
+def test_runs_that_cannot_be_are_refused(told: tuple[int, ...]) -> None:
+    made = np.array(told, dtype="<u4").tobytes()
+    with pytest.raises(MessageError):
+        places_of(Summary(0, made, bytes(24), bytes(12), bytes(12)))
+
+
+def test_a_summary_has_the_slices_as_last_commanded_and_else_the_attraction() -> None:
+    setting = four()
+    interest = Interest(setting)
+    interest.accept(Command(3, 1, 4, (0.0, 0.0), slice=0.75))
+    interest.accept(Command(3, 1, 5, (0.0, 0.0)))  # says nothing of it, so that it stays
+    interest.open(0, setting, {}, nowhere)
+    assert interest.summary is not None
+    gammas = np.frombuffer(interest.summary.gammas, dtype="<f4")
+    attraction = (2.0 * np.sqrt(gammas)).tolist()
+    slices = np.frombuffer(interest.summary.slices, dtype="<f4").tolist()
+    assert slices == pytest.approx([*attraction[:2], 0.75, attraction[3]])
+
+
+SIGNALLING = np.full(1, 0x7FA00001, "<u4").tobytes()  # NaN of which a conversion would warn
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    "slices",
+    [bytes(8), np.full(1, -1.0, "<f4").tobytes(), np.full(1, np.nan, "<f4").tobytes(), SIGNALLING],
+)
+def test_slices_that_are_no_norms_are_refused(slices: bytes) -> None:
+    with pytest.raises(MessageError):
+        places_of(Summary(0, runs([1]), bytes(8), bytes(4), slices))
