@@ -162,13 +162,8 @@ def read_scenario(path: Path | str) -> Scenario:
     return parse_document(read_document(path), str(path))
 
 
-def read_document(path: Path | str) -> Document:
-    """Read a TOML file without checking its content; raises ScenarioError if that is impossible."""
-    return read_toml(path, ScenarioError)
-
-
-def read_toml(path: Path | str, failure: type[DocumentError]) -> Document:
-    """Read a TOML file without checking its content; raises `failure` if it is not TOML."""
+def read_document(path: Path | str, failure: type[DocumentError] = ScenarioError) -> Document:
+    """Read a TOML file without checking its content; raises `failure` if that cannot be done."""
     try:
         text = Path(path).read_bytes().decode("utf-8-sig")
     except OSError as error:

@@ -198,7 +198,7 @@ def _is_unicode(text: str) -> bool:
 @cache
 def keys_of(table: Any) -> dict[str, type | None]:
     """Keys of a table in the file's order, each with its table (or array of tables)."""
-    hints = get_type_hints(table, include_extras=True)
+    hints = _hints(table)
     return {field.name.rstrip("_"): _table_in(hints[field.name]) for field in fields(table)}
 
 

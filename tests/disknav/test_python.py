@@ -41,14 +41,16 @@ def test_every_problem_is_named() -> None:
     }
 
 
-def test_certificates_are_of_files_and_names() -> None:
-    with pytest.raises(UsageError, match="for scenario files and names of the library"):
-        disknav.build({"robots": ROBOTS, "control": {"k": "certified"}})
-
-
-def test_what_a_file_cannot_say_is_refused() -> None:
-    with pytest.raises(UsageError, match="type complex"):
-        disknav.build({"robots": ROBOTS, "seed": 1j})
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"control": {"k": "certified"}}, "for scenario files and names of the library"),
+        ({"seed": 1j}, "complex"),
+    ],
+)
+def test_what_cannot_be_built_is_refused(settings: dict[str, object], words: str) -> None:
+    with pytest.raises(UsageError, match=words):
+        disknav.build({"robots": ROBOTS, **settings})
 
 
 def test_seeds_and_points_of_numpy_are_numbers(tmp_path: Path) -> None:
@@ -100,6 +102,8 @@ def test_a_run_is_the_worlds_truth() -> None:
     assert trajectory.clearance.min() == report["min_clearance"]
     assert trajectory.phi[-1] == report["phi"]["last"]
     assert trajectory.times[-1] == pytest.approx(report["sim_time"])
+    with pytest.raises(UsageError, match="no robot 3; there are 2, 7"):
+        trajectory.of_robot(3)
 
 
 def test_a_simulation_goes_on_by_one_tick() -> None:
@@ -127,11 +131,6 @@ def test_columns_and_frames_say_the_same() -> None:
     row = 2 * 9 + 1
     assert (columns["tick"][row], columns["robot"][row]) == (9, 7)
     assert (columns["x"][row], columns["y"][row]) == tuple(trajectory.positions[9, 1])
-
-
-def test_there_is_no_such_robot() -> None:
-    with pytest.raises(UsageError, match="no robot 3; there are 2, 7"):
-        disknav.run(disknav.build({"robots": ROBOTS})).trajectory.of_robot(3)
 
 
 @pytest.mark.process

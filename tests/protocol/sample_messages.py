@@ -78,27 +78,12 @@ ids = st.integers(1, HIGHEST_ID)
 
 _DOWN = (Standing(2, 1, (0.3, 0.4)),)
 _ROSTER = Roster(4, (Member(1, 2, "live", 0.04), Member(2, 1, "standing", 0.04, (0.3, 0.4), 0.0)))
-_GRANTS = Grants(
-    5,
-    9,
-    8,
-    (0.5, 0.25, 0.1),
-    (ListedBinding(7, 3, (1.0, 0.0, 0.4)), ListedBinding(6, -2, None, ((0.1, 0.2),), 0.05, True)),
-)
+_LISTED = (ListedBinding(7, 3, (1.0, 0.0, 0.4)), ListedBinding(6, -2, None, ((0.1, 0.2),), 0.05, True))
+_GRANTS = Grants(5, 9, 8, (0.5, 0.25, 0.1), _LISTED)
+_LINES = {"proposals": (Proposal(3, 1, 7, 1.0, 0.0, 0.1),), "answers": (Answer(3, 1, 4, 5),)}
 ONE: dict[str, Message] = {
     "tick": Tick(1, 2, 3, (1, 3), sense=Sense(None, 3, 0.01, (0.1, 0.2)), roster=_ROSTER, grants=_GRANTS),
-    "state": State(
-        1,
-        2,
-        3,
-        (0.5, 0.25),
-        0.1,
-        0.2,
-        0.3,
-        (0.1, 0.2),
-        proposals=(Proposal(3, 1, 7, 1.0, 0.0, 0.1),),
-        answers=(Answer(3, 1, 4, 5),),
-    ),
+    "state": State(1, 2, 3, (0.5, 0.25), 0.1, 0.2, 0.3, (0.1, 0.2), **_LINES),  # type: ignore[arg-type]  # each is
     "command": Command(1, 2, 3, (0.1, 0.2), roster=4),
     "clock": Clock(3, 0.15, (1, 3), _DOWN, "", 0.01, 0.5, "why", True),
     "summary": Summary(3, bytes((1, 0, 0, 0, 1, 0, 0, 0)), bytes(8), bytes(4), bytes(4)),

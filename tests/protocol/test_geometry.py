@@ -29,10 +29,7 @@ def test_the_nearest_point_is_in_the_set_and_nothing_of_it_is_nearer(shape, poin
     distance = math.dist(nearest, point)
     assert abs(distance - max(0.0, shape.distance(*point))) <= ROUNDING
     assert distance <= np.hypot(*(members(shape) - point).T).min() + ROUNDING
-    assert (
-        math.hypot(point[0] - shape.around.x, point[1] - shape.around.y) - shape.around.radius
-        <= distance + ROUNDING
-    )
+    assert shape.around.distance(*point) <= distance + ROUNDING
 
 
 @given(polygons(), points)

@@ -53,10 +53,6 @@ def test_an_operation_reads_the_same_from_every_form(asked: dict[str, Any], oper
     assert all(getattr(order, action) == getattr(operation, action) for action in order.asked)
 
 
-def test_an_empty_request_asks_for_the_state() -> None:
-    assert decode_operation(b"") is None
-
-
 @pytest.mark.parametrize(
     ("payload", "words"),
     [
@@ -86,7 +82,8 @@ def test_a_malformed_operation_is_refused_with_its_reason(payload: bytes, words:
     assert words in str(raised.value)
 
 
-def test_an_oversize_operation_is_not_read() -> None:
+def test_an_empty_request_asks_for_the_state_and_an_oversize_one_is_not_read() -> None:
+    assert decode_operation(b"") is None
     with pytest.raises(MessageError, match="at most") as raised:
         decode_operation(b" " * (LIMIT + 1))
     assert raised.value.reason == "oversize"

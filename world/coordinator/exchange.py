@@ -7,7 +7,9 @@ lacks. Given up are, so that one faulty process costs one robot:
 2. one whose State more than half of its receivers lack: it sends none, or one that all refuse;
 3. if there is neither, one that cannot command: it does not receive what the others receive.
 
-Half of all receivers, not of those that wait: one deaf robot must not have all others given up."""
+Half of all receivers, not of those that wait: one deaf robot must not have all others given up. In a
+large fleet a robot receives the States of those that it is bound to, and a summary of all positions.
+"""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from deploy.security.roster import Home, KeyRoster
 from protocol.bus.connection import DEFAULT_PORT, Endpoint
 from protocol.errors import CertificateError, HostsError, Problem, UsageError
 from protocol.scenario.body import RobotId
-from protocol.scenario.file import read_toml
+from protocol.scenario.file import read_document
 from protocol.scenario.tables import Document, Finding, Steps, file_order, read_table, written
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9-]*")
@@ -62,12 +62,12 @@ def read_hosts(path: Path, robots: Sequence[int], newcomers: Sequence[int] = ())
     """Read the table of hosts for a scenario with these robots, and with newcomers that its orders add.
     Raises HostsError with every problem, in the order of the file.
     """
-    return parse_hosts(read_toml(path, HostsError), robots, str(path), newcomers)
+    return parse_hosts(read_document(path, HostsError), robots, str(path), newcomers)
 
 
 def read_any_hosts(path: Path) -> HostsTable:
     """Read a table without a scenario: all robots that it names are valid. Raises as `read_hosts`."""
-    document = read_toml(path, HostsError)
+    document = read_document(path, HostsError)
     entries = document.get("hosts")
     named = (
         [each.get("robots") for each in entries if isinstance(each, dict)]

@@ -12,7 +12,7 @@ from math import inf
 
 import pytest
 
-from protocol.bus.bus import Event, Presence, Sample, drive, follow
+from protocol.bus.bus import Event, Sample, drive, follow
 from protocol.bus.connection import Connection
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.bus.zenoh import ZenohBus
@@ -23,17 +23,15 @@ KEY = "disknav/r/robot/1/state"
 
 
 class Diary:
-    """A node whose deadline is over, which ends with its first wake or with `most` events."""
+    """A node whose deadline is over, which ends with its first wake."""
 
-    def __init__(self, most: float = inf) -> None:
+    def __init__(self) -> None:
         self.deadline, self.finished = 0.0, False
         self.heard: list[Event] = []
         self.woken = 0
-        self._most = most
 
     def handle(self, event: Event) -> None:
         self.heard.append(event)
-        self.finished = len(self.heard) >= self._most
 
     def wake(self, now: float) -> None:
         assert now >= self.deadline
@@ -140,37 +138,17 @@ def test_zenohs_threads_leave_signals_alone(endpoint: str) -> None:
     assert set(process.stdout.split()) == {"1"}
 
 
-class Node:
-    """Ends after a number of events; notes when it was woken."""
-
-    def __init__(self, events: int, deadline: float = inf) -> None:
-        self.left, self.deadline, self.woken = events, deadline, 0
-
-    @property
-    def finished(self) -> bool:
-        return self.left == 0
-
-    def handle(self, event: Event) -> None:
-        assert isinstance(event, Presence)
-        self.left -= 1
-
-    def wake(self, now: float) -> None:
-        assert now >= self.deadline
-        self.woken += 1
-        self.deadline = inf
-
-
 def test_a_signal_ends_driving_after_last_words(connect: Connect) -> None:
-    class Interrupted(Node):
+    class Interrupted(Diary):
         def wake(self, now: float) -> None:
-            super().wake(now)
+            self.deadline = inf
             timers.append(threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)))
             timers[0].start()
 
     timers: list[threading.Timer] = []
     bus, words = connect(), []
     with STOP.listening():
-        drive(Interrupted(1, deadline=0.0), bus, on_stop=lambda: words.append(bus._session.is_closed()))
+        drive(Interrupted(), bus, on_stop=lambda: words.append(bus._session.is_closed()))
         timers[0].join()
     assert words == [False]
     assert bus._session.is_closed()

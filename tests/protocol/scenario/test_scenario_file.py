@@ -95,12 +95,8 @@ def test_every_order_is_read_and_written_back() -> None:
 
 def test_a_guest_without_a_radius_has_that_of_its_body() -> None:
     text = 'body = "e-puck"\n' + orders(GUEST.replace("radius = 0.03, ", "")).replace("0.04", "0.06")
-    assert parse_toml(text).newcomers[0].radius == pytest.approx(0.055)
-
-
-def test_faults_may_name_guests() -> None:
-    fault = '[[process]]\nrobot = 2\nat = 3.0\nevent = "kill"\n'
-    assert parse_toml(orders(GUEST) + fault).process[0].robot == 2
+    scenario = parse_toml(text + '[[process]]\nrobot = 2\nat = 3.0\nevent = "kill"\n')  # faults may name it
+    assert scenario.newcomers[0].radius == pytest.approx(0.055)
 
 
 SQUARE = "[workspace]\npoints = [[-1, -1], [1, -1], [1, 1], [-1, 1]]\n"
@@ -108,16 +104,12 @@ SQUARE = "[workspace]\npoints = [[-1, -1], [1, -1], [1, 1], [-1, 1]]\n"
 
 def test_a_polygon_and_obstacles_are_read_and_written_back():
     disk = "[[obstacles]]\ncenter = [0.0, 0.5]\nradius = 0.1\n"
+    assert parse_toml(ROBOT).workspace.shape == Disk(0.0, 0.0, 0.3)  # unless anything is given
     text = SQUARE + disk + "[[obstacles]]\npoints = [[0, 0.1], [0, 0.3], [0.1, 0.1]]\n"
     scenario = parse_toml(text + ROBOT)
     assert scenario.workspace.shape == ConvexPolygon([(-1, -1), (1, -1), (1, 1), (-1, 1)])
     assert scenario.shapes == {1: Disk(0.0, 0.5, 0.1), 2: ConvexPolygon([(0, 0.1), (0, 0.3), (0.1, 0.1)])}
     assert parse_toml(write_toml(scenario)) == scenario
-
-
-def test_a_workspace_is_round_unless_points_are_given():
-    assert parse_toml(ROBOT).workspace.shape == Disk(0.0, 0.0, 0.3)
-    assert {"radius", "points"} <= json_schema()["$defs"]["Workspace"]["properties"].keys()
 
 
 @pytest.mark.parametrize("preset", WIRELESS)
