@@ -1,17 +1,9 @@
-"""Gaps between obstacles, and the places that they separate.
-
-For the centre of a disk, obstacles are inflated by its radius. Start and goal lie in different parts of free
-space exactly if a closed chain of overlapping inflated obstacles, the outside of the workspace among them,
-runs between the two: inflated obstacles are convex, so chains represent every closed curve in their union,
-and a plane set separates two points exactly if a closed curve in it does (Alexander duality): if it crosses
-the straight way from one to the other an odd number of times.
-"""
+"""Gaps between obstacles, and between obstacles and the outside of the workspace."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -52,25 +44,6 @@ def gaps(room: Shape, obstacles: Sequence[Shape], below: float = math.inf) -> li
     return sorted((gap for gap in found if gap.width < below), key=lambda gap: gap.width)
 
 
-def separating(obstacles: Sequence[Shape], closed: Sequence[Gap], start: Vector, goal: Vector) -> Gap | None:
-    """The gap that, after those before it, closes the last path from start to goal; None if a path remains.
-
-    Args:
-        obstacles: as indexed by the gaps.
-        closed: gaps that are too narrow, in the order in which they close.
-        start, goal: places that keep clear of all obstacles, m.
-    """
-    chains = _Chains(len(obstacles) + 1)
-    centres = [_inside(shape) for shape in obstacles]
-    for gap in closed:
-        chain = [centres[gap.one], gap.begin, gap.end]
-        chain += [centres[gap.other]] if gap.other != OUTSIDE else []
-        crossed = sum(crosses(a, b, start, goal) for a, b in pairwise(chain)) % 2
-        if chains.join(gap.one, gap.other, crossed):
-            return gap
-    return None
-
-
 def crosses(a: Vector, b: Vector, start: Vector, goal: Vector) -> bool:
     """Whether the straight lines from a to b and from start to goal cross; an end is on one side."""
     return (_left(start, goal, a) > 0.0) != (_left(start, goal, b) > 0.0) and (
@@ -78,41 +51,9 @@ def crosses(a: Vector, b: Vector, start: Vector, goal: Vector) -> bool:
     )
 
 
-class _Chains:
-    """Chains of obstacles, with the parity of crossings of the straight line on the chain to each root."""
-
-    def __init__(self, count: int) -> None:
-        self._root = list(range(count))
-        self._odd = [0] * count
-
-    def join(self, one: int, other: int, odd: int) -> bool:
-        """Join two; whether that closes a chain that crosses the straight line an odd number of times."""
-        (a, odd_a), (b, odd_b) = self._to_root(one), self._to_root(other)
-        if a == b:
-            return (odd_a + odd_b + odd) % 2 == 1
-        self._root[a], self._odd[a] = b, (odd_a + odd_b + odd) % 2
-        return False
-
-    def _to_root(self, index: int) -> tuple[int, int]:
-        index %= len(self._root)
-        odd = 0
-        while self._root[index] != index:
-            odd = (odd + self._odd[index]) % 2
-            index = self._root[index]
-        return index, odd
-
-
 def _left(a: Vector, b: Vector, point: Vector) -> float:
     """Positive if a point is to the left of the line from a to b."""
     return (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])
-
-
-def _inside(shape: Shape) -> Vector:
-    """A point of an obstacle, m."""
-    if isinstance(shape, Disk):
-        return shape.x, shape.y
-    count = len(shape.points)
-    return math.fsum(x for x, _ in shape.points) / count, math.fsum(y for _, y in shape.points) / count
 
 
 def _nearest(a: Shape, b: Shape) -> tuple[Vector, Vector]:

@@ -307,12 +307,10 @@ class SeparatingLines:
         All of them, or if those are too many, the tightest of each pair."""
         found = [(bond.peer, side) for bond in self._each if bond.peer > 0 for side in bond.half_planes]
         if len(found) > SHOWN:
-            found.sort(key=self._slack, reverse=True)
+            x, y = self._own.x, self._own.y
+            found.sort(key=lambda each: each[1].slack(x, y), reverse=True)
             found = list(dict(found).items())  # the last of each pair
         return tuple((peer, side.nx, side.ny, side.limit + self._radius) for peer, side in found)
-
-    def _slack(self, side: tuple[int, HalfPlane]) -> float:
-        return side[1].slack(self._own.x, self._own.y)
 
 
 def _told(grants: Grants) -> Told[Region, Line]:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable
 from typing import Final
 
 from msgspec.structs import replace
@@ -21,7 +20,7 @@ from agents.robot import Robot
 from agents.shell.attached_base import AttachedBase
 from agents.shell.ros_link import AttachedTools, RosLink
 from agents.shell.subscriptions import Subscriptions
-from agents.shell.world_session import PATIENCE, RETRY, WorldSession
+from agents.shell.world_session import PATIENCE, RETRY, Read, Say, WorldSession
 from protocol import joining
 from protocol.bus.bus import Bus, Event, Foreign, Presence, Sample
 from protocol.codec import decode, encode
@@ -33,11 +32,11 @@ REPORT_PERIOD: Final = 0.5  # s between health messages
 
 
 class RobotNode:
-    """One robot id, one life after another, on one bus; raises as `WorldSession.ask`.
+    """One robot id, one life after another, on one bus.
 
     Args:
         bus: a connection of its own.
-        patience, wait, say, read: as of `WorldSession`.
+        wait, say, read: as of `WorldSession`.
         namespace: as of `ros_of`.
         note: takes lines for the log.
 
@@ -52,20 +51,19 @@ class RobotNode:
         run: str,
         robot: int,
         *,
-        patience: float = PATIENCE,
         wait: float = PATIENCE,
         namespace: str | None = None,
-        say: Callable[[str], None] = lambda _: None,
-        note: Callable[[str], None] = lambda _: None,
-        read: Callable[[bytes], joining.Reply] = joining.decode_reply,
+        say: Say = lambda _: None,
+        note: Say = lambda _: None,
+        read: Read = joining.decode_reply,
     ) -> None:
         self.finished = False
         self.verdict = ""
         self.core: Robot | None = None
         self._bus, self._run, self._robot = bus, run, robot
-        self._patience, self._say, self._note = patience, say, note
+        self._say, self._note = say, note
         self._namespace = namespace
-        self._world = WorldSession(bus, run, robot, patience, wait, say, read)
+        self._world = WorldSession(bus, run, robot, wait, say, read)
         self._peers = Subscriptions(bus, run, robot)
         self._health_key = robot_key(run, robot, "health")
         self._link: RosLink | None = None
@@ -103,7 +101,7 @@ class RobotNode:
         elif self._goes_on(reply):
             self._world.back, self._due = False, now + REPORT_PERIOD
         elif isinstance(reply, joining.Wait):
-            self._due = now + min(max(0.0, reply.after), self._patience)
+            self._due = now + min(max(0.0, reply.after), PATIENCE)
         elif isinstance(reply, joining.Finished):
             self.verdict, self.finished = reply.verdict, True
             self._note(f"the run is over: {reply.verdict}")

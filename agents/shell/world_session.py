@@ -14,7 +14,10 @@ from protocol.errors import BusError, JoinError, MessageError
 from protocol.keys import robot_key, session_of
 from protocol.messages import Health
 
-PATIENCE: Final = 10.0  # s
+Say = Callable[[str], None]
+Read = Callable[[bytes], joining.Reply]
+
+PATIENCE: Final = 10.0  # s without a message of the world before it is asked for a sign of life, or given up
 RETRY: Final = 0.2  # s until the next question after one that was of no use
 _TIMEOUT = 2.0  # s that a question may take
 _BRIEF = 0.1  # s that it may take when the run is over: the end of the world's token may have been missed
@@ -28,7 +31,6 @@ class WorldSession:
 
     Args:
         bus: the process's own connection.
-        patience: s without a message of the world before it is asked for a sign of life, or given up.
         wait: s that there may be no world yet.
         say: takes warnings for the operator.
         read: decodes an answer to a request to join; its result is never changed.
@@ -41,14 +43,7 @@ class WorldSession:
     """
 
     def __init__(
-        self,
-        bus: Bus,
-        run: str,
-        robot: int,
-        patience: float,
-        wait: float,
-        say: Callable[[str], None],
-        read: Callable[[bytes], joining.Reply] = joining.decode_reply,
+        self, bus: Bus, run: str, robot: int, wait: float, say: Say, read: Read = joining.decode_reply
     ) -> None:
         self.session = os.urandom(8).hex()
         self.epoch = 0
@@ -57,7 +52,6 @@ class WorldSession:
         self._bus, self._run, self._robot, self._say, self._read = bus, run, robot, say, read
         self._former: set[int] = set()  # epochs of previous coordinators
         self._others: set[str] = set()  # sessions of other present worlds
-        self._patience = patience
         self._bearable, self._timeout = wait, _TIMEOUT  # s without an answer; s, timeout of a request
         self._away = 0.0  # s after which the world may still return, as it announced
         self._gone = inf  # s, monotonic: loss of its token
@@ -108,7 +102,7 @@ class WorldSession:
         self.epoch, self._gone, self._told_gone = admission.epoch, inf, False
         self._others.discard(session_of(admission.epoch))
         self._away, self._refused, self.back = admission.away, 0, False
-        self._bearable, self._timeout = max(self._patience, admission.away), _TIMEOUT
+        self._bearable, self._timeout = max(PATIENCE, admission.away), _TIMEOUT
 
     def over(self) -> None:
         """The run is over: a world that leaves is awaited only if it may be back."""
@@ -146,6 +140,6 @@ class WorldSession:
             self._say(f"the world of run {self._run!r} is gone; stands still")
         if now > self._gone + self._bearable:
             raise BusError(f"run {self._run!r}: the world has been gone for {self._bearable:g} s; gives up")
-        if now > self.heard + self._patience and self._gone == inf:
+        if now > self.heard + PATIENCE and self._gone == inf:
             self._ask(b"")  # raises without an answer; a paused world answers
             self.heard = time.monotonic()

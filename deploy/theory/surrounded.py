@@ -13,10 +13,10 @@ from rich.text import Text
 
 from agents.law.obstacles import Attraction
 from agents.law.passages import gaps as passages
-from agents.law.passages import separating
 from agents.parts.grid import Layout
 from agents.parts.planner import Planner
 from deploy.theory.check import finite
+from deploy.theory.separation import separating
 from deploy.theory.tuning import Door, crowd, doors, gain_for
 from protocol.geometry import ROOM, Disk, obstructed
 from protocol.messages import Vector
