@@ -50,30 +50,22 @@ class Clearances:
         xs: Reals = self._left + self.step * np.arange(self.width, dtype=np.float64)
         ys: Reals = self._low + self.step * np.arange(self._height, dtype=np.float64)
         clear = np.minimum(self.reach, -distances(room, xs[None, :], ys[:, None]))
-        self._buckets: dict[tuple[int, int], list[tuple[Shape, Disk, float]]] = {}
+        disks = np.array([(each.around.x, each.around.y, each.around.radius) for each in shapes])
+        self._x, self._y, radii = disks.reshape(-1, 3).T
+        self._shapes, self._reaches = list(shapes), (self.reach + radii) ** 2
         for shape in shapes:
-            entry = shape, shape.around, (self.reach + shape.around.radius) ** 2
             (x0, y0), (x1, y1) = shape.box
             i, j = np.searchsorted(xs, (x0 - self.reach, x1 + self.reach)).tolist()
             k, m = np.searchsorted(ys, (y0 - self.reach, y1 + self.reach)).tolist()
             part = clear[k:m, i:j]
             np.minimum(part, distances(shape, xs[None, i:j], ys[k:m, None]), out=part)
-            for column in range(self._bucket(x0 - self.reach), self._bucket(x1 + self.reach) + 1):
-                for row in range(self._bucket(y0 - self.reach), self._bucket(y1 + self.reach) + 1):
-                    self._buckets.setdefault((column, row), []).append(entry)
         clear[[0, -1], :] = clear[:, [0, -1]] = -self.step  # a rim, so that all others have 8 neighbours
         self.clear: list[float] = clear.ravel().tolist()
 
     def near(self, x: float, y: float) -> list[Shape]:
         """Obstacles whose surrounding disks are within `reach` of (x, y)."""
-        return [
-            shape
-            for shape, around, reach in self._buckets.get((self._bucket(x), self._bucket(y)), [])
-            if (around.x - x) ** 2 + (around.y - y) ** 2 <= reach
-        ]
-
-    def _bucket(self, length: float) -> int:
-        return math.floor(length / self.reach)
+        near = np.flatnonzero((self._x - x) ** 2 + (self._y - y) ** 2 <= self._reaches)
+        return [self._shapes[index] for index in near.tolist()]
 
     def index(self, x: float, y: float) -> int:
         """Index of the grid point nearest to (x, y)."""
