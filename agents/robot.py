@@ -95,7 +95,7 @@ class Robot:
         self._filter.locate(self.tick, self._estimate, blind=self._blind)
         self.hearing.open(tick, self._estimate.position)
         if self._mover is not None:
-            self._move_parts(self._mover, self._ordered)
+            self._move_parts(self._mover)
         return self._state()
 
     def reset_estimate(self) -> None:
@@ -225,13 +225,12 @@ class Robot:
 
     # -- parts
 
-    def _move_parts(self, mover: PartCarrier, ordered: Vector | None) -> None:
+    def _move_parts(self, mover: PartCarrier) -> None:
         """Decide on parts in this tick; a robot with an order leaves them alone."""
-        position, heard = self._estimate.position, self.hearing.neighbours
-        if position is None or not self._roster.version:
-            return
-        mover.look(self.tick, position, self._roster, heard.heard(), list(heard.standing.values()), ordered)
-        self.goal = mover.goal
+        position = self._estimate.position
+        if position is not None and self._roster.version:
+            mover.look(self.tick, position, self._roster, self.hearing.neighbours, self._ordered)
+            self.goal = mover.goal
 
     def _fit_to_load(self, mover: PartCarrier, filter_: SafetyFilter) -> Handling | None:
         """Be the disk that parts need from this command on, a larger one only where there is room for it, and

@@ -9,15 +9,14 @@ grants it to one of them only.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
 from typing import Final
 
 from agents.parts.grid import Layout
 from agents.parts.perception import Perception, Traffic, Traveller, first, traveller
 from agents.parts.planner import Planner
+from agents.peers.neighbours import Neighbours
 from agents.peers.roster import KnownRoster
-from agents.peers.state import PeerState
-from protocol.messages import Claim, Handling, Member, Vector
+from protocol.messages import Claim, Handling, Vector
 from protocol.scenario.model import Part, Scenario
 
 AGAIN: Final = 1.0  # s between searches of a robot without a part
@@ -65,18 +64,12 @@ class PartCarrier:
         self._avoided: dict[int, int] = {}  # unreachable parts, avoided until a tick
 
     def look(
-        self,
-        tick: int,
-        position: Vector,
-        roster: KnownRoster,
-        peers: Sequence[PeerState],
-        standing: Iterable[Member],
-        ordered: Vector | None = None,
+        self, tick: int, position: Vector, roster: KnownRoster, peers: Neighbours, ordered: Vector | None
     ) -> None:
-        """Decide for a tick, at `position`, m, by the newest States of peers and the roster entries of static
-        disks. `ordered`: goal of an operator's order, m, which takes precedence."""
+        """Decide for a tick, at `position`, m. `ordered`: goal of an operator's order, m, which takes
+        precedence."""
         self._tick, self._position = tick, position
-        self._perception = Perception(self._scenario, roster, peers, standing)
+        self._perception = Perception(self._scenario, roster, peers)
         self.goal, self.claim, self.handles = self._home, None, None
         self.radius, self.held, self.aim = self._small, 0, None
         if ordered is not None:

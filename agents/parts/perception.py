@@ -8,7 +8,7 @@ would block each other. None of this is needed for safety, which the separating 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from typing import Final
@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.parts.grid import Grid, Layout, Reals
+from agents.peers.neighbours import Neighbours
 from agents.peers.roster import KnownRoster
 from agents.peers.state import PeerState
 from protocol.geometry import Disk, Shape
@@ -142,17 +143,11 @@ class Perception:
         claims: robot and claim of each live peer that claims a part of the scenario.
     """
 
-    def __init__(
-        self,
-        scenario: Scenario,
-        roster: KnownRoster,
-        peers: Sequence[PeerState],
-        standing: Iterable[Member],
-    ) -> None:
+    def __init__(self, scenario: Scenario, roster: KnownRoster, neighbours: Neighbours) -> None:
         self._scenario = scenario
-        stand = {each.robot: each for each in standing}
+        stand = neighbours.standing
         carried = {each.carrier: each.part for each in roster.parts if each.carrier}
-        self.peers = [state for state in peers if state.robot not in stand]
+        self.peers = neighbours.moving()
         self.claims = self._claims()
         self.carriers = {robot: part for robot, part in carried.items() if robot not in stand}
         self.obstacles = {each.part: each.obstacle for each in roster.parts if not each.carrier}
