@@ -44,27 +44,19 @@ _ROUNDING: Final = 1e-12  # ignored violation, speed limits
 
 
 def reciprocal(
-    rx: float,
-    ry: float,
-    contact: float,
-    vx: float,
-    vy: float,
-    ux: float,
-    uy: float,
-    horizon: float,
-    share: float,
+    to: Vector, contact: float, own: Vector, other: Vector, horizon: float, share: float
 ) -> HalfPlane:
     """Half-plane n.v <= limit of own velocities.
 
     Args:
-        rx, ry: from the own centre to the other's, m, longer than `contact`.
+        to: from the own centre to the other's, m, longer than `contact`.
         contact: contact distance, m.
-        vx, vy: own velocity that both ends assume, m/s.
-        ux, uy: the other's, m/s.
+        own, other: velocities that both ends assume, m/s.
         horizon: s.
         share: this robot's share of the change of relative velocity.
     """
-    dx, dy = vx - ux, vy - uy
+    (rx, ry), (vx, vy) = to, own
+    dx, dy = vx - other[0], vy - other[1]
     square = rx * rx + ry * ry
     wx, wy = dx - rx / horizon, dy - ry / horizon  # from the centre of the cone's round end
     size = math.hypot(wx, wy)
@@ -279,36 +271,28 @@ class ReciprocalLaw:
             if state.placed:
                 age = (view.tick - state.tick) * self._period
                 rx, ry = state.x + age * state.vx - x, state.y + age * state.vy - y
-                if self._add(found, rx, ry, state.radius, state.vx, state.vy, 0.5):
+                if self._add(found, (rx, ry), state.radius, state.desired, 0.5):
                     self._late = max(self._late, age / self._lap)
         for member in view.neighbours.standing.values():
             if member.position is not None:
                 rx, ry = member.position[0] - x, member.position[1] - y
-                self._add(found, rx, ry, member.radius, 0.0, 0.0, 1.0)
+                self._add(found, (rx, ry), member.radius, (0.0, 0.0), 1.0)
         for disk in self._gradient.obstacles:
             if disk.radius > 0.0:
-                self._add(found, disk.x - x, disk.y - y, disk.radius, 0.0, 0.0, 1.0)
+                self._add(found, (disk.x - x, disk.y - y), disk.radius, (0.0, 0.0), 1.0)
         found.sort(key=lambda each: each[0])
         return [each[1] for each in found]
 
     def _add(
-        self,
-        found: list[tuple[float, HalfPlane]],
-        rx: float,
-        ry: float,
-        radius: float,
-        ux: float,
-        uy: float,
-        share: float,
+        self, found: list[tuple[float, HalfPlane]], to: Vector, radius: float, other: Vector, share: float
     ) -> bool:
-        """Add the half-plane of a disk at (rx, ry) from the own centre; False if it is out of reach."""
-        contact, distance = self._radius + radius, math.hypot(rx, ry)
+        """Add the half-plane of a disk at `to`, m, from the own centre; False if it is out of reach."""
+        contact, distance = self._radius + radius, math.hypot(*to)
         room, horizon = distance - contact, HORIZON * self._lap
         if distance == 0.0 or room > 2.0 * self._speed * horizon:
             return False
         contact = min((1.0 + MARGIN) * contact, _APART * distance)
-        vx, vy = self._wish
-        found.append((room, reciprocal(rx, ry, contact, vx, vy, ux, uy, horizon, share)))
+        found.append((room, reciprocal(to, contact, self._wish, other, horizon, share)))
         return True
 
 

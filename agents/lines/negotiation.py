@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Final, final
+from typing import Final, TypeAlias, final
 
 from mypy_extensions import mypyc_attr
 
@@ -26,6 +26,7 @@ from protocol.line import ROUNDING, SURE, HalfPlane, Line
 from protocol.messages import Answer, Proposal, Vector
 from protocol.region import Region
 
+Kernel: TypeAlias = "RobotLife[Region, Line, Cover]"
 Span = tuple[Vector, Vector]  # closest points of two segments
 
 _BISECTIONS: Final = 8
@@ -249,13 +250,7 @@ class Negotiation:
         self._max_step, self._period, self._standoff = max_step, period, standoff
 
     def entries(
-        self,
-        tick: int,
-        bonds: Iterable[Bond],
-        me: MovingDisk,
-        kernel: RobotLife[Region, Line, Cover],
-        *,
-        standing: bool,
+        self, tick: int, bonds: Iterable[Bond], me: MovingDisk, kernel: Kernel, *, standing: bool
     ) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
         """Proposals and answers for the State of a tick, by the bonds with the present lives of peers.
 
@@ -280,13 +275,7 @@ class Negotiation:
         return tuple(proposals), tuple(answers)
 
     def _consider(
-        self,
-        tick: int,
-        bond: Bond,
-        lines: Owner[Line],
-        me: MovingDisk,
-        kernel: RobotLife[Region, Line, Cover],
-        standing: bool,
+        self, tick: int, bond: Bond, lines: Owner[Line], me: MovingDisk, kernel: Kernel, standing: bool
     ) -> None:
         """Propose a new line if the pair needs one."""
         state = bond.state

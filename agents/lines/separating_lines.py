@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from agents.lines.negotiation import ANSWER_TICKS, Bond, MovingDisk, Negotiation, deficit, tangent
+from agents.lines.negotiation import ANSWER_TICKS, Bond, Kernel, MovingDisk, Negotiation, deficit, tangent
 from agents.lines.own_set import Cover, CoverGeometry, OwnSet, Polygon
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
@@ -54,7 +54,7 @@ class SeparatingLines:
         reach: float = 0.0,
         standoff: float = 0.0,
     ) -> None:
-        self.kernel: RobotLife[Region, Line, Cover] | None = None
+        self.kernel: Kernel | None = None
         self.wanted = 0.0
         self.part = NO
         self._robot, self._radius, self._small = robot, radius, radius
@@ -155,11 +155,11 @@ class SeparatingLines:
         if is_new and offered is not None and CoverGeometry().inside(kernel.body, offered):
             kernel.adopt()
 
-    def _cover(self, kernel: RobotLife[Region, Line, Cover]) -> None:
+    def _cover(self, kernel: Kernel) -> None:
         body = Cover(self._own, self._radius)
         kernel.locate(body, body if self._small == self._radius else Cover(self._own, self._small))
 
-    def _turn(self, kernel: RobotLife[Region, Line, Cover], bond: Bond) -> None:
+    def _turn(self, kernel: Kernel, bond: Bond) -> None:
         """Turn the half-plane towards a static disk, or find the first line towards it."""
         own, bound = self._own, bond.bound
         if bound.place is None or not (bond.is_asked or bound.static):
@@ -231,9 +231,7 @@ class SeparatingLines:
         elif isinstance(lines, Follower):
             self._on_proposals(kernel, bond, lines, state)
 
-    def _on_proposals(
-        self, kernel: RobotLife[Region, Line, Cover], bond: Bond, lines: Follower[Line], state: PeerState
-    ) -> None:
+    def _on_proposals(self, kernel: Kernel, bond: Bond, lines: Follower[Line], state: PeerState) -> None:
         for offer in state.proposals:
             if offer.binding != bond.bound.number:
                 continue

@@ -54,8 +54,8 @@ def test_two_that_keep_to_their_half_planes_do_not_touch_within_the_horizon(
     second: float,
 ) -> None:
     assume(math.hypot(rx, ry) > CONTACT + 1e-3)
-    mine = reciprocal(rx, ry, CONTACT, *one, *other, HORIZON, 0.5)
-    theirs = reciprocal(-rx, -ry, CONTACT, *other, *one, HORIZON, 0.5)
+    mine = reciprocal((rx, ry), CONTACT, one, other, HORIZON, 0.5)
+    theirs = reciprocal((-rx, -ry), CONTACT, other, one, HORIZON, 0.5)
     assert math.hypot(mine.nx, mine.ny) == pytest.approx(1.0)
     # The nearest of some velocity to each half-plane, and beyond.
     chosen = []
