@@ -95,7 +95,7 @@ class Slice:
 
     def __init__(
         self,
-        goal: tuple[float, float],
+        goal: Vector,
         radius: float,
         workspace: float,
         k: float,
@@ -116,7 +116,7 @@ class Slice:
         """gamma = sum of all squared distances to the goals, m^2, with this robot at (x, y)."""
         return self._others + (x - self.goal[0]) ** 2 + (y - self.goal[1]) ** 2
 
-    def __call__(self, x: float, y: float) -> tuple[float, float]:
+    def __call__(self, x: float, y: float) -> Vector:
         """D_i at (x, y), m."""
         found = self.gradient(x, y)
         return found.dx, found.dy
@@ -171,7 +171,7 @@ class Slice:
         """|D_i| at (x, y), m, for the common pace."""
         return math.hypot(*self(x, y))
 
-    def _edge_inverse(self, x: float, y: float) -> tuple[float, float]:
+    def _edge_inverse(self, x: float, y: float) -> Vector:
         """1/beta_0i and its derivative with respect to beta_0i."""
         beta = self._edge - x * x - y * y
         if beta > CONTACT * self._edge:
@@ -180,7 +180,7 @@ class Slice:
         return _beyond(beta, CONTACT * self._edge)
 
 
-def _beyond(beta: float, contact: float) -> tuple[float, float]:
+def _beyond(beta: float, contact: float) -> Vector:
     """The tangent of 1/beta at beta = contact, evaluated at `beta`, and its slope."""
     return (2.0 - beta / contact) / contact, -1.0 / (contact * contact)
 
