@@ -67,11 +67,6 @@ class Estimate:
         self._history: deque[Move] = deque(maxlen=self._kept)  # displacement of each past tick, newest last
 
     @property
-    def known(self) -> bool:
-        """Whether there has been a measurement."""
-        return self.bound < math.inf
-
-    @property
     def lost(self) -> bool:
         """Whether measurements contradict each other, so that no position is certain."""
         return self.contradiction != "" and not self._trusting
@@ -133,7 +128,7 @@ class Estimate:
         """Add a motion of at most `by` m in an unknown direction."""
         if self.shape is not None:
             self._settle(self.shape.widened(by), "")
-        elif self.known:
+        elif self.bound < math.inf:
             self._begin(Move(self.x, self.y, by), self._newest)
 
     def _carried(self, position: Vector, bound: float, age: int) -> Move | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Final
 
 from agents.bases import dialects as ros
@@ -29,7 +29,6 @@ class Ros2Base:
         scenario: the run.
         robot: own id.
         base: its table.
-        clock: wall-clock time for the stamps of velocities, ns.
 
     Attributes:
         hears: topics to subscribe to.
@@ -37,9 +36,7 @@ class Ros2Base:
         due: time of the next `wake`, s.
     """
 
-    def __init__(
-        self, scenario: Scenario, robot: int, base: Base, clock: Callable[[], int] = time.time_ns
-    ) -> None:
+    def __init__(self, scenario: Scenario, robot: int, base: Base) -> None:
         body, base = scenario.body_of(robot), base.of(robot)
         twist = ros.STAMPED_TWIST if base.stamped else ros.TWIST
         self._odometry = Topic(base.topic(base.odometry), ros.ODOMETRY)
@@ -49,7 +46,6 @@ class Ros2Base:
         self.tells = Topic(base.topic(base.velocity), twist)
         self.due = 0.0
         self._base, self._offset = base, body.offset
-        self._clock = clock
         self._every = base.timeout / _OFTEN
         self._senses = Senses(scenario, robot, base)
         self._drive = Drive(body, base, scenario.time.step)
@@ -153,5 +149,5 @@ class Ros2Base:
         else:
             velocity = Velocity([ahead, aside, 0.0], [0.0, 0.0, 0.0])
         if self._base.stamped:
-            return StampedVelocity(header_at(self._clock(), self._base.base_frame), velocity).serialize()
+            return StampedVelocity(header_at(time.time_ns(), self._base.base_frame), velocity).serialize()
         return velocity.serialize()

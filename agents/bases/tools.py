@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Final
 
 import msgspec
@@ -47,15 +47,14 @@ class RosTools:
     Args:
         base: names of frames and topics, for this robot.
         robot: own id.
-        clock: wall-clock time for stamps, ns.
 
     Attributes:
         hears, tells: topics to subscribe to, and to publish.
         stopped: whether a message stopped the robot, and none has released it.
     """
 
-    def __init__(self, base: Base, robot: int, clock: Callable[[], int] = time.time_ns) -> None:
-        self._base, self._robot, self._clock = base, robot, clock
+    def __init__(self, base: Base, robot: int) -> None:
+        self._base, self._robot = base, robot
         self._frame = f"{base.namespace.strip('/')}/disk".lstrip("/")
         self._stop = Topic(base.topic("disknav/stop"), ros.BOOL)
         self._goal = Topic(base.topic("goal_pose"), ros.STAMPED_POSE)
@@ -90,7 +89,7 @@ class RosTools:
     def tell(self, robot: Shown, now: float) -> Iterator[tuple[Topic, bytes]]:
         """Topics and payloads to publish by `now`, s."""
         self._due = now + PERIOD
-        header, half = header_at(self._clock(), self._base.map_frame), 0.5 * robot.heading
+        header, half = header_at(time.time_ns(), self._base.map_frame), 0.5 * robot.heading
         pose = Pose([*robot.position, 0.0], [0.0, 0.0, math.sin(half), math.cos(half)])
         moved = Transform(header, self._frame, pose.position, pose.orientation)
         yield self._tf, Transforms([moved]).serialize()

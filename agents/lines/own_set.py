@@ -140,11 +140,9 @@ class OwnSet:
             extent += self.swept.extent(nx, ny)
         return extent
 
-    def satisfies(self, side: HalfPlane, growth: float = 0.0) -> bool:
-        """Whether the centre is surely in a half-plane until every sent command has ended, for a disk larger
-        by `growth`, m, than that of the half-plane.
-        """
-        return side.slack(self.x, self.y) - growth >= self.passed(side.nx, side.ny) + SURE
+    def satisfies(self, side: HalfPlane) -> bool:
+        """Whether the centre is surely in a half-plane until every sent command has ended."""
+        return side.slack(self.x, self.y) >= self.passed(side.nx, side.ny) + SURE
 
     def within(self, x: float, y: float, radius: float) -> bool:
         """Whether the set with its further motion is surely in the disk of that radius around (x, y), m."""

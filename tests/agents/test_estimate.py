@@ -96,9 +96,9 @@ def test_odometry_carries_a_delayed_measurement_to_the_present() -> None:
 def test_a_measurement_from_before_this_life_is_of_no_use() -> None:
     estimate = Estimate(REACH)
     tell(estimate, 0.001, 100, (0.1, 0.1), 97)
-    assert not estimate.known
+    assert estimate.position is None
     tell(estimate, 0.001, 101, (0.1, 0.1), 100)
-    assert estimate.known
+    assert estimate.position is not None
 
 
 def test_however_late_measurements_may_come_odometry_is_kept_for_as_long() -> None:
