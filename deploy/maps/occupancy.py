@@ -77,12 +77,12 @@ def read_map(path: Path) -> Occupancy:
     """
     head = _head(path)
     image = path.parent / head.image
-    grey = _pixels(image)
+    grey, opaque = _pixels(image)
     if head.mode == "raw":  # occupancy in per cent
         occupied, free = (grey <= 100) & (grey >= 100 * head.occupied_thresh), grey <= 100 * head.free_thresh
     else:
         darkness = (grey if head.negate else 255 - grey.astype(np.int16)) / 255.0
-        occupied, free = darkness > head.occupied_thresh, darkness < head.free_thresh
+        occupied, free = darkness > head.occupied_thresh, (darkness < head.free_thresh) & opaque
     return Occupancy(occupied, ~(occupied | free), head.resolution, head.origin)
 
 
@@ -118,7 +118,8 @@ def _head(path: Path) -> _Head:
     return head
 
 
-def _pixels(path: Path) -> NDArray[np.uint8]:
+def _pixels(path: Path) -> tuple[NDArray[np.uint8], Mask]:
+    """Brightness, 0 to 255, and which pixels are not transparent; the last row of the picture first."""
     try:
         from PIL import Image
     except ModuleNotFoundError as error:
@@ -132,7 +133,10 @@ def _pixels(path: Path) -> NDArray[np.uint8]:
                     raise as_map_error(
                         path, "", f"has {width} x {height} pixels, at most {MOST_CELLS:,} can be read"
                     )
-                return np.flipud(np.asarray(picture.convert("L")))
+                if picture.mode[0] in "IF":  # what is above 255 would count as white
+                    raise as_map_error(path, "", "has more than 8 bits a pixel: convert it to 8")
+                opaque = np.asarray(picture.convert("RGBA"))[..., 3] == 255
+                return np.flipud(np.asarray(picture.convert("L"))), np.flipud(opaque)
     except Image.DecompressionBombError:
         raise as_map_error(path, "", f"has too many pixels, at most {MOST_CELLS:,} can be read") from None
     except (OSError, SyntaxError, ValueError) as error:  # errors of damaged pictures

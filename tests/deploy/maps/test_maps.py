@@ -68,6 +68,21 @@ def test_negated_and_raw_pictures_give_the_same_map(tmp_path: Path) -> None:
         assert (read_map(path).unknown == usual.unknown).all()
 
 
+def test_transparent_pixels_are_unknown_and_deep_ones_are_refused(tmp_path: Path) -> None:
+    """Beyond 8 bits all but the darkest pixels would count as white, and so as free."""
+    path = drawn(tmp_path, ["..##"])
+    grey = np.array([[254, 254, 0, 5]], dtype=np.uint8)
+    Image.fromarray(np.stack([grey, np.array([[255, 254, 0, 255]], np.uint8)], -1)).save(tmp_path / "m.png")
+    grid = read_map(path)
+    assert grid.unknown.tolist() == [[False, True, False, False]]
+    assert grid.occupied.tolist() == [[False, False, True, True]]
+    for suffix in ("png", "pgm"):
+        Image.fromarray(grey.astype(np.uint16) * 257).save(tmp_path / f"m.{suffix}")
+        path.write_text(HEAD.replace("m.png", f"m.{suffix}"))
+        with pytest.raises(MapError, match="more than 8 bits"):
+            read_map(path)
+
+
 def test_the_origin_places_and_turns_the_map(tmp_path: Path) -> None:
     head = HEAD.replace("[0.0, 0.0, 0.0]", f"[1.0, -2.0, {math.pi / 2}]")
     grid = read_map(drawn(tmp_path, ROOM, head))
