@@ -74,18 +74,18 @@ class Drive:
         self._published = -math.inf  # s
         self._until = -math.inf  # s, start of braking without a command
 
-    def advance(self, now: float) -> bool:
-        """Advance to `now`, when `told` is published; returns whether it has changed."""
+    def advance(self, now: float) -> None:
+        """Advance to `now`, when `told` is published, however late that is."""
         before, self._published = self.told, now
         while self._plan and self._plan[0][0] <= now:
-            when, self.told = self._plan.popleft()
-            self._past.append((when, self.told))
+            _, self.told = self._plan.popleft()
+        if self.told != before:
+            self._past.append((now, self.told))
         self.due = self._plan[0][0] if self._plan else math.inf
-        return self.told != before
 
-    def motion(self, heading: float, now: float) -> BaseMotion | None:
+    def motion(self, heading: float, now: float) -> BaseMotion:
         """The motion that follows from the velocities sent, the last of which is held until the command of
-        the new tick; None if the base stands.
+        the new tick.
 
         Args:
             heading: in the map, rad.
@@ -93,12 +93,13 @@ class Drive:
         """
         if now - self._published > self._late.alone:  # the base has begun to brake
             self.advance(now)
-        self._plan = deque(self._brake(max(now, self._until), self.told))
+        if not self._brakes:
+            self._plan = deque(self._brake(max(now, self._until), self.told))
         while len(self._past) > 1 and self._past[1][0] <= now - self._late.window:
             self._past.popleft()
         before = tuple(each for each, _ in groupby(velocity for _, velocity in self._past))
         if before == (_STILL,):
-            return None
+            return BaseMotion(_STILL, heading, _STILL)
         hold = min(self._late.alone + max(0.0, self._until - now), self._hold)
         arc = self._kinematics.halt(Motion(heading, *self.told, hold))
         dx, dy = turned(*chord(arc, self._kinematics.turn(arc)), heading)
@@ -125,8 +126,10 @@ class Drive:
             now: s.
             until: end of the lease, s.
         """
+        if velocity == _STILL and self._brakes:
+            return
         motion = Motion(heading, *self.told)
-        self._until = min(now + self._grace, until)
+        self._until = max(now, min(now + self._grace, until))
         plan: list[tuple[float, Vector]] = []
         if velocity != _STILL:
             ahead, aside = self._kinematics.limited(motion, velocity)
@@ -136,8 +139,13 @@ class Drive:
             plan = [step for step in plan if step[0] < self._until]
         else:
             self._until = now
-        self._plan = deque([*plan, *self._brake(max(now, self._until), plan[-1][1] if plan else self.told)])
+        self._plan = deque([*plan, *self._brake(self._until, plan[-1][1] if plan else self.told)])
         self.due = self._plan[0][0] if self._plan else math.inf
+
+    @property
+    def _brakes(self) -> bool:
+        """Whether it was told to brake: what is left of that is due in time, however many ticks begin."""
+        return self._past[-1][0] >= self._until
 
     def _brake(self, begin: float, velocity: Vector) -> list[tuple[float, Vector]]:
         kinematics = self._kinematics

@@ -7,7 +7,7 @@ from bisect import bisect_right
 from dataclasses import replace
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from agents.bases.drive import Drive
@@ -44,7 +44,7 @@ class Told:
         self.drive = Drive(body, base, PERIOD)
         self.late = Tolerance(body, late=base.lateness)
         self.now, self.times, self.velocities = 0, [-math.inf], [STILL]
-        self.heading = 0.0  # rad, of the base at its newest odometry
+        self.heading = 2.0  # rad, of the base at its newest odometry
 
     def run(self, until: int) -> None:
         """Publish what is due, from the present on."""
@@ -57,18 +57,19 @@ class Told:
             self.now += STEP
 
     def command(self, velocity, age: int, decision: int) -> Sweep | None:
-        """A tick begins with odometry of an estimated age, ms; returns the sweep of what it commands."""
+        """A tick begins with odometry of an estimated age, ms; returns the sweep of what it commands, or of
+        what goes on if that is to brake; None if it stands."""
         now = self.now / 1000
         heading = self.heading + self.drive.turning((age - decision) / 1000, now)
         said = self.drive.motion(heading, now)
-        motion = Motion(heading)
-        if said is not None:
-            motion = self.kinematics.motion(said.velocity, said.heading, said.stop, said.before)
-        to = self.kinematics.limited(motion, velocity)
+        motion = self.kinematics.motion(said.velocity, said.heading, said.stop, said.before)
         self.now += decision
-        commanded = Motion(heading, *to).velocity if velocity != STILL else STILL
-        self.drive.command(commanded, heading, self.now / 1000, math.inf)
-        return sweep(self.kinematics, motion, self.late, to) if velocity != STILL else None
+        if velocity == STILL:
+            self.drive.command(STILL, heading, self.now / 1000, math.inf)
+            return None if motion.stands else sweep(self.kinematics, motion, self.late)
+        to = self.kinematics.limited(motion, velocity)
+        self.drive.command(Motion(motion.heading, *to).velocity, heading, self.now / 1000, math.inf)
+        return sweep(self.kinematics, motion, self.late, to)
 
     def between(self, begin: float, end: float):
         """Velocities that were the newest at some time between two, ms."""
@@ -121,8 +122,10 @@ def worst_excess(body, latency, least, unknown, history, last, decision, ends, w
     if passed is None:
         return -math.inf
     told.run(begun + ends[0] * STEP)
+    for decided in ends[1]:
+        told.command(STILL, 0, decided * STEP)
+        told.run(told.now + ends[0] * STEP)
     if ends[1]:
-        told.drive.command(STILL, 0.0, told.now / 1000, told.now / 1000)
         told.run(told.now + 600)
     choices = (*worst[:2], begun + worst[2] * STEP)
     return excess(told, passed, since, told.now, choices, toward)
@@ -136,20 +139,27 @@ cases = st.tuples(
     st.lists(ticks, min_size=1, max_size=5),
     velocities,
     st.integers(0, round(DECISION * 1000) // STEP),
-    st.tuples(st.integers(0, 50), st.booleans()),
+    st.tuples(st.integers(0, 50), st.lists(st.integers(0, 10), max_size=6)),  # and then it is told to brake
     st.tuples(st.sampled_from(WORST), st.sampled_from(WORST), st.integers(-30, 30)),
     st.floats(-math.pi, math.pi),
 )
 
 
+AHEAD, LATE = (0.22, 0.0), ("late", "late", 0)
+TOLD_TO_BRAKE = (WHEELLESS, 0, 1.0, 0.0, [(AHEAD, 20, 0, 12)], STILL, 0, (0, [10] * 20), LATE, 0.0)
+HAS_BRAKED = [(AHEAD, 20, 0, 3), (STILL, 9, 1, 3), (STILL, 2, 10, 4)]
+
+
 @given(cases)
+@example(TOLD_TO_BRAKE)  # again and again, and each time after as long a decision as there may be
+@example((WHEELLESS, 0, 1.0, 0.0, HAS_BRAKED, STILL, 1, (0, []), LATE, 0.0))  # of which it is told late
 def test_a_base_stays_in_its_sweep_whenever_each_velocity_takes_effect(case):
     assert worst_excess(*case) <= ROUNDING
 
 
 SLOWER = [((-0.2194, 0.016), 20, 10, 12), ((-0.0168, -0.0249), 4, 0, 2)]
-TURNED = (SLOWER, (0.0, 0.22), 0, (12, False), ("toward", "toward", 14), -3.37)
-ALONE = ([((0.22, 0.0), 20, 0, 12)], (0.0, 1e-4), 0, (0, False), ("late", "late", 0), 0.0)
+TURNED = (SLOWER, (0.0, 0.22), 0, (12, []), ("toward", "toward", 14), -3.37)
+ALONE = ([((0.22, 0.0), 20, 0, 12)], (0.0, 1e-4), 0, (0, []), ("late", "late", 0), 0.0)
 TERMS = {
     "odometry is old": ("_age", TURNED),
     "velocities take effect late": ("_latency", TURNED),
