@@ -115,15 +115,17 @@ class Odometer:
         x, y = x + self._offset * math.cos(yaw), y + self._offset * math.sin(yaw)
         stamp, last = message.header.stamp / NANO, self.newest
         self._link.take(stamp, now)
-        self.arrived = now
+        since, self.arrived = now - self.arrived, now
         if self._least + self._link.age(stamp, now) <= self.oldest:
             self.timely = now
+        else:
+            since = 0.0  # a link that was slow may be why nothing came
         if last is None:
             self._keep(Place(stamp, x, y, yaw, 0.0))
             return ""
         passed, step = stamp - last.stamp, math.hypot(x - last.x, y - last.y)
         turn = wrapped(yaw - last.yaw)
-        wrong = self._restarted(passed) or self._impossible(passed, step, abs(turn))
+        wrong = self._restarted(max(passed, since)) or self._impossible(passed, step, abs(turn))
         if not wrong and passed > 0.0:
             self._keep(Place(stamp, x, y, last.yaw + turn, last.way + step))
         return wrong
@@ -144,11 +146,12 @@ class Odometer:
         return ""
 
     def _restarted(self, passed: float) -> str:
-        """Sign that the publisher of a message, some time, s, after the last one, was restarted; "" if none.
+        """Sign that the publisher of a message, some time, s, after the last one by the clock of either or by
+        that of this process, was restarted; "" if none.
 
         A restarted publisher may have another clock, and put its origin at the position of the base.
         """
-        if passed > PAUSE:
+        if passed >= PAUSE:
             return f"odometry pauses for {passed:.3g} s"
         if self._link.ahead > self._latency + _EARLY:
             return f"the clock of odometry jumps ahead by {self._link.ahead:.3g} s"

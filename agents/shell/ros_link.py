@@ -29,7 +29,8 @@ class RosLink:
     """
 
     def __init__(self, bus: Bus, base: Base) -> None:
-        self._bus, self._dialect, self._domain = bus, dialect_of(base), base.domain
+        self._bus, self._dialect = bus, dialect_of(base)
+        self._domain = base.domain if base.dialect == "rmw_zenoh" else 0  # no other dialect has any
         self._topics: dict[str, Topic] = {}  # that it subscribes to, by name
         self._number = 0
         self._announce("NN")
