@@ -1,10 +1,10 @@
-"""Messages: the payload of each key. On the wire each is one msgpack array: a tag
-that names type and version (`"state/3"`), then the fields in the order in which they stand here.
+"""Messages: the payload of each key. On the wire each is one msgpack array: a tag that names type and version
+(`"state/3"`), then the fields in the order of their definition.
 
-Units are SI: metres, seconds, metres per second. Times are integer ticks, t = tick * step.
-`incarnation` counts the lives of one robot id; the world hands it out on joining, and it only grows.
-`epoch` names the coordinator of a run, and is drawn at random: messages of any other do not count.
-The comment beside a field begins with its unit, if it has one; `docs/streams.md` is generated from them.
+Units are SI: metres, seconds, metres per second. Times are integer ticks, t = tick * step. `incarnation`
+numbers the lives of one robot id; the world assigns it on joining, and it only increases. `epoch` identifies
+the coordinator of a run, and is drawn at random: messages of any other are refused. The comment beside a
+field begins with its unit, if it has one; `docs/streams.md` is generated from them.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Id = Annotated[int, Meta(ge=1, le=HIGHEST_ID)]
 Count = Annotated[int, Meta(ge=0, le=2**53)]
 DiskId = Annotated[int, Meta(ge=-HIGHEST_ID, le=HIGHEST_ID)]
 Epoch = Annotated[int, Meta(ge=0, le=2**32 - 1)]
-LARGEST: Final = 1e15  # no number of a run comes near it, and sums of its squares are far from overflow
+LARGEST: Final = 1e15  # far above any number of a run; sums of its squares do not overflow
 Real = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]  # NaN is within no bounds
 Size = Annotated[float, Meta(ge=0, le=LARGEST)]
 Square = Annotated[float, Meta(ge=0, le=LARGEST**2)]
@@ -49,7 +49,7 @@ class Proposal(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
     peer: Id  # the follower, the higher id of the pair
     binding: Count  # number of the binding of the two
-    number: Count  # counts up per binding; anything not newer is ignored
+    number: Count  # increases per binding; older lines are ignored
     nx: Cosine  # x of the unit normal n, which points from owner to follower
     ny: Cosine  # y of n
     offset: Real  # m; owner keeps n.x + radius <= offset, follower n.x - radius >= offset
@@ -79,14 +79,14 @@ def _defect(points: tuple[Vector, ...]) -> str:
 
 
 class ListedBinding(msgspec.Struct, frozen=True, array_like=True, gc=False):
-    """A binding in force, as the ledger tells it to the life at one end."""
+    """A binding in force, in the Tick to the life at one end."""
 
     number: Count  # version of the ledger that began it
     peer: DiskId  # the disk at the other end: a robot, or less than 0 an obstacle
-    first: Edge | None = None  # m, first line; None: this end is asked for one
-    points: tuple[Vector, ...] = ()  # m, where the other end stands: centre or corners; empty if it may move
-    radius: Size = 0.0  # m, of a disk that stands there, its error bound included
-    static: bool = False  # whether it stands as long as the binding is in force
+    first: Edge | None = None  # m, first line; None: this end must choose it
+    points: tuple[Vector, ...] = ()  # m, place of a static other end: centre or corners; empty if it may move
+    radius: Size = 0.0  # m, of a static disk, error bound included
+    static: bool = False  # whether it remains static as long as the binding is in force
 
     def __post_init__(self) -> None:
         if len(self.points) > 1 and (problem := _defect(self.points)):
@@ -96,7 +96,7 @@ class ListedBinding(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
     @property
     def place(self) -> Shape | None:
-        """Where the other end stands."""
+        """Place of a static other end."""
         return shape_of(self.points, self.radius) if self.points else None
 
 
@@ -113,7 +113,7 @@ class Grants(msgspec.Struct, frozen=True, array_like=True, gc=False):
 class Standing(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """A static robot: no life up to this one moves again."""
 
-    robot: Id  # the robot that stands there
+    robot: Id  # the static robot
     incarnation: Count  # the life that ended
     position: Vector  # m, centre of the disk; of an external base as last reported
 
@@ -122,13 +122,13 @@ Status = Literal["live", "appearing", "standing", "gone"]
 
 
 class Member(msgspec.Struct, frozen=True, array_like=True, gc=False):
-    """One id of the roster: its newest life, and whether its disk may move, appears, stands or is gone."""
+    """One id of the roster: its newest life, and the status of its disk."""
 
     robot: Id  # the robot of this disk
     incarnation: Count  # newest life that was admitted, 0 for none
     status: Status  # live: may move; appearing: nothing is there yet; standing: never moves in this life
     radius: Size  # m, of the disk
-    position: Vector | None = None  # m, centre of a disk that appears or stands
+    position: Vector | None = None  # m, centre of a disk that is appearing or static
     bound: Size = 0.0  # m, the centre is at most this far from `position`
 
     def __post_init__(self) -> None:
@@ -154,7 +154,7 @@ class PlacedObstacle(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
     @property
     def shape(self) -> Shape:
-        """Of what is not gone."""
+        """Shape of a present or announced obstacle."""
         return shape_of(self.points, self.radius)
 
 
@@ -171,7 +171,7 @@ class Roster(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
     version: Count  # of two rosters the one with the higher number holds
     members: tuple[Member, ...]  # all ids that ever were in the run, ascending
-    obstacles: tuple[PlacedObstacle, ...] = ()  # that came or went; others are the scenario's
+    obstacles: tuple[PlacedObstacle, ...] = ()  # added or removed; others are the scenario's
     parts: tuple[PartPlace, ...] = ()  # all of the scenario, once the run is founded
 
 
@@ -180,8 +180,8 @@ class BaseMotion(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
     velocity: Vector  # m/s, of the robot's control point, the centre of its disk
     heading: Real  # rad, the direction that it faces
-    stop: Vector  # m, from here to where it stands if it hears nothing more
-    before: tuple[Vector, ...] = ()  # m/s, ahead and aside, oldest first: what it was told, and may do late
+    stop: Vector  # m, from here to its stop without commands
+    before: tuple[Vector, ...] = ()  # m/s, ahead and aside, oldest first: velocities that may act late
 
 
 class Sense(msgspec.Struct, frozen=True, array_like=True, gc=False):
@@ -192,7 +192,7 @@ class Sense(msgspec.Struct, frozen=True, array_like=True, gc=False):
     bound: Size  # m, the truth of then is at most this far from `position`
     displacement: Vector  # m, odometry: really executed during the previous tick, immediate
     displacement_bound: Size = 0.0  # m, what was executed is at most this far from `displacement`
-    motion: BaseMotion | None = None  # what the base does; None if it stands whenever a tick begins
+    motion: BaseMotion | None = None  # motion of the base; None if it stands at the beginning of every tick
 
 
 class Tick(Message, frozen=True, array_like=True, gc=False):
@@ -205,9 +205,9 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     epoch: Epoch = 0  # of the coordinator
     sense: Sense | None = None  # None: the robot has an external base
     roster: Roster | None = None  # the newest one, until this incarnation has acknowledged it
-    goal: Vector | None = None  # m, where to go; None: as before, at first where the scenario says
+    goal: Vector | None = None  # m, goal; None: unchanged, at first the scenario's
     halted: bool = False  # an emergency stop is in force: command no motion
-    over: bool = False  # the run has ended: join again, as a new one or to learn that there is no more
+    over: bool = False  # the run has ended: join again, as a new life or to receive the verdict
     heard: Count | None = None  # external fleet: tick of the newest Command of this incarnation that it has
     grants: Grants | None = None  # region and bindings to obey; None once this incarnation has them
 
@@ -237,7 +237,7 @@ class State(Message, frozen=True, array_like=True, gc=False):
     bound: Size  # m, the truth is at most this far from `position`
     gamma: Square  # m^2, squared distance to the own goal, gamma_i
     slice: Size  # m, norm of the own gradient slice D_i, for the common pace
-    desired: Vector  # m/s, velocity that the law asks for, before the filter
+    desired: Vector  # m/s, velocity of the law, before the filter
     epoch: Epoch = 0  # of the coordinator that admitted this life
     proposals: tuple[Proposal, ...] = ()  # unanswered, on lines that it owns; of each peer the newest
     answers: tuple[Answer, ...] = ()  # to the owners of its other lines
@@ -248,7 +248,7 @@ class Handling(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """A robot's request to take a part up or put it down; repeated until the roster confirms it."""
 
     part: Id  # its number
-    radius: Size  # m, of the disk around the own centre that is kept clear of everything else from now on
+    radius: Size  # m, of the disk around the own centre that is kept clear from now on
     place: Vector | None = None  # m, where to put it down; nil: take it up
 
 
@@ -261,11 +261,11 @@ class Command(Message, frozen=True, array_like=True, gc=False):
     velocity: Vector  # m/s, constant during the tick
     epoch: Epoch = 0  # of the coordinator that admitted this life
     roster: Count = 0  # newest version of the roster that this life has received
-    awaits: tuple[Id, ...] = ()  # unless empty there is no command yet: robots whose State it lacks
-    report: Report | None = None  # external fleet: where it is, as the tick begins; None if it does not know
+    awaits: tuple[Id, ...] = ()  # robots whose States are missing, so that there is no command yet
+    report: Report | None = None  # external fleet: position as the tick begins; None if unknown
     version: Count = 0  # newest of the ledger that this life has adopted
-    region: Count = 0  # number of the region that it obeys; 0 for none: it stands
-    firsts: tuple[FirstLine, ...] = ()  # lines for which it was asked, until the ledger tells them
+    region: Count = 0  # number of the region that it obeys; 0 for none, so that it stands
+    firsts: tuple[FirstLine, ...] = ()  # first lines that it has chosen, until the ledger lists them
     handles: Handling | None = None  # a part to be taken up or put down
     slice: Size | None = None  # m, norm of the own slice D_i, for the summary of the next tick
 
@@ -282,24 +282,24 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     time: Size  # s, simulated time at its start
     active: tuple[Id, ...]  # robots that state and command this tick
     standing: tuple[Standing, ...]  # robots that are fenced, or that no process has joined for
-    verdict: str  # empty while the run goes on
+    verdict: str  # empty while the run continues
     clearance: Real = 0.0  # m, smallest gap during the tick before; negative is overlap
     phi: Real = 0.0  # navigation function, 0 at the goal, 1 on the boundary
     reason: str = ""  # for the verdict, for people
     founded: bool = False  # whether the first tick has begun; until then the world waits for every robot
     halted: bool = False  # whether an emergency stop is in force: all robots stand
-    missed: Count = 0  # commands that never came, over all robots and ticks so far
+    missed: Count = 0  # number of missing commands, over all robots and ticks so far
     rejected: dict[str, Count] = {}  # messages that the world dropped, by reason
-    obstacles: tuple[PlacedObstacle, ...] = ()  # that came or went; others are the scenario's
-    newcomers: tuple[Id, ...] = ()  # robots that were added, stand in their places, and have no process yet
-    parts: tuple[PartPlace, ...] = ()  # where the parts of the scenario are
-    passed_over: tuple[tuple[Count, Id], ...] = ()  # tick and robot of each fault so far that finds no disk
+    obstacles: tuple[PlacedObstacle, ...] = ()  # added or removed; others are the scenario's
+    newcomers: tuple[Id, ...] = ()  # added robots with a disk, whose processes have not joined
+    parts: tuple[PartPlace, ...] = ()  # places of the scenario's parts
+    passed_over: tuple[tuple[Count, Id], ...] = ()  # tick and robot of each fault without a disk so far
 
 
 class Summary(Message, frozen=True, array_like=True, gc=False):
     """World to all robots where some are far from each other: all positions as sensed."""
 
-    tick: Count  # the tick that begins; taken in two or three ticks later
+    tick: Count  # the tick that begins; takes effect two or three ticks later
     robots: bytes  # ids of all, ascending: of each run the first and how many, 4 bytes each, little-endian
     positions: bytes  # m, x and y of each as last measured, two 32-bit floats, little-endian
     gammas: bytes  # m^2, squared distances to their goals, one 32-bit float each, little-endian
@@ -315,7 +315,7 @@ class Truth(Message, frozen=True, array_like=True, gc=False):
     positions: tuple[Vector, ...]  # m, in the order of `robots`
     clearance: Real  # m, smallest gap during the tick before, over continuous time; negative is overlap
     phi: Real  # navigation function, 0 at the goal, 1 on the boundary
-    log_potential: Real = 0.0  # log10(gamma^k / beta) / k, with which phi grows; +-300 where it is infinite
+    log_potential: Real = 0.0  # log10(gamma^k / beta) / k, increases with phi; +-300 in place of infinity
 
 
 class Health(Message, frozen=True, array_like=True, gc=False):
@@ -328,7 +328,7 @@ class Health(Message, frozen=True, array_like=True, gc=False):
     published: Count  # messages sent in this life
     received: Count  # messages accepted
     rejected: dict[str, Count]  # messages dropped, by reason
-    heard: tuple[Heard, ...]  # newest tick heard of each peer
+    heard: tuple[Heard, ...]  # newest tick received from each peer
     lines: tuple[Line, ...]  # obeyed lines: the disk keeps n.x <= limit, in m
     note: str = ""  # for people
 
@@ -340,10 +340,10 @@ class GoalStatus(Message, frozen=True, array_like=True, gc=False):
     """World about one robot's goal: whenever an order is accepted, a point reached, or an end made of it."""
 
     robot: Id  # the robot of this goal
-    tick: Count  # when this came to hold
+    tick: Count  # tick of this change
     number: Count  # of the order, counted by robot; 0 for the scenario's goal
     status: Errand  # under way; arrived at the last point; cancelled; given up: its time was over
-    goal: Vector  # m, where it goes or stays
+    goal: Vector  # m, the goal, or the place where it stays
     ahead: Count = 0  # points after this one; those of a patrol without end
 
 
@@ -351,7 +351,7 @@ class Wish(Message, frozen=True, array_like=True, gc=False):
     """A planner, a person or a policy to one robot whose law is "external": how it is to move."""
 
     robot: Id  # that is to move
-    velocity: Vector  # m/s; what is faster than the speed limit is slowed down to it
+    velocity: Vector  # m/s; limited to the speed limit
 
 
 LISTED: Final = 5000  # entries of a list of the report that may grow without limit

@@ -12,7 +12,7 @@ from protocol.scenario.places import SHARE, room_at_start
 from world.plants.plant import PastDisks
 
 STILL: Vector = (0.0, 0.0)
-# Ticks that may take no time: the one in which something is heard, at its end, and one by which the clock of
+# Ticks that may take no time: the one at whose end a message is received, and one by which the clock of
 # real time catches up with one that was late.
 _HURRIED = 2
 _HOPE = 5.0  # s after a stop in which the robot may still improve its position

@@ -41,15 +41,13 @@ def main(
 ) -> int:
     """Judge `scenario` in `run`; arguments as of `WorldNode`; returns the exit status.
 
-    With a `checkpoint` (`Checkpoint.create`) this process goes on where another one died, and a report may be
-    told again; the file is removed once all is over.
+    With a `checkpoint` (`Checkpoint.create`) this process continues the run of one that has died, and may
+    repeat its report; the file is removed at the end.
 
-    0: there is a verdict, or this process was asked to stop (the result says interrupted).
-    2: there is another world of this run.
-    3: the network is gone, or the checkpoint is not what it should be.
+    0: there is a verdict, or this process was asked to stop (the result says interrupted). 2: there is
+    another world of this run. 3: the network is lost, or the checkpoint is invalid.
 
-    Raises:
-        Stopped: a signal asks this process to end before there is a world.
+    Raises Stopped if a signal asks this process to end before there is a world.
     """
     kept = None
     try:
@@ -89,7 +87,7 @@ def main(
 
 
 def look_for_others(bus: Bus, run: str, epochs: Iterable[int] = ()) -> None:
-    """Raise RunTakenError if there is another world of this run than those of `epochs`, which have died."""
+    """Raise RunTakenError if this run has a world other than those of `epochs`, which have died."""
     own = {world_token(run, session_of(epoch)) for epoch in epochs}
     deadline = time.monotonic() + _GONE
     while set(bus.tokens(world_tokens(run))) - own:

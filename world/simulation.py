@@ -20,13 +20,13 @@ from world.plants.plant import BaseReport, PastDisks, Uniforms, plant_of, trunca
 class Sensor:
     """One robot's position sensor.
 
-    The delay of each is drawn anew: a later one may overtake an earlier one, which then is never delivered.
+    With random delays a later measurement may overtake an earlier one, which then is never delivered.
 
     Attributes:
         bound: largest error of a measurement, m.
-        delayed: measurements delivered at a later tick than they were taken.
-        missing: ticks without a measurement.
-        dropped: measurements that dropout swallowed.
+        delayed: number of late measurements.
+        missing: number of ticks without a measurement.
+        dropped: number of measurements lost by dropout.
     """
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
@@ -132,7 +132,7 @@ class SimulatedFleet:
     """True positions of all disks, and the robots' measurements of them.
 
     Args:
-        past: where an earlier world has left the disks, if there was one; they stand there.
+        past: the disks at the end of an earlier world, if there was one; they are static there.
 
     Attributes:
         plant: moves the disks.
@@ -174,8 +174,7 @@ class SimulatedFleet:
         return PastDisks(self.places, headings, self.lengths)
 
     def sense(self, tick: int) -> dict[int, Sense]:
-        """What every robot is told of itself at the start of `tick`; sensors of those that do not listen keep
-        running."""
+        """Measurements of every robot at the start of `tick`; the sensors of absent ones continue."""
         sensed, plant = {}, self.plant
         for index, (robot, place) in enumerate(zip(plant.ids, plant.positions, strict=True)):
             sensor = self.sensors[robot]

@@ -1,8 +1,8 @@
-"""The world: one run of a scenario, as coordinator, simulation and referee make it together.
+"""The world: one run of a scenario, by coordinator, simulation and referee.
 
-Sans-I/O: no clock, no socket; the caller says when robots joined, went, and when a tick is over.
-One tick: `open_tick` (and `join` for each awaited robot), `accept` Commands, `close_tick`. What decides on
-membership, Commands and grants (`world.coordinator`) knows no truth but the places that it is told.
+Sans-I/O: no clock, no socket; the caller reports when robots join or leave, and when a tick is over. One
+tick: `open_tick` (and `join` for each awaited robot), `accept` Commands, `close_tick`. The modules for
+membership, Commands and grants (`world.coordinator`) receive positions from here, not the truth.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Past(msgspec.Struct, frozen=True):
     lives: PastLives | None = None
     missions: list[tuple[Mission, GoalStatus]] = []
     fleet: FleetChange | None = None
-    orders: list[str] = []  # of the scenario, that were carried out, as `Schedule.past`
+    orders: list[str] = []  # executed orders of the scenario, as `Schedule.past`
     missed: Count = 0  # Commands
     refused: dict[str, Count] = {}  # Commands, by reason
     disks: PastDisks | None = None
@@ -49,17 +49,17 @@ class WorldCore:
 
     Args:
         scenario: with the gain k a number.
-        past: of an earlier world, which is no more. Its robots stand where it left them, until their
-            processes have joined this one; its open tick is opened again.
-        returning: s for which a robot that was fenced may yet come back, before the run is over without it.
+        past: of an earlier world that has ended. Its robots are static until their processes have joined this
+            one; its open tick is opened again.
+        returning: time for which a fenced robot may still return before the run ends without it, s.
 
     Attributes:
         exchange: Ticks and Commands.
         lives, membership, missions, parts, schedule: of the robots, of parts, and of the scenario's orders.
-        simulation: where the disks are, and what robots sense; of an external fleet, what it reports.
-        referee: what happened, and how the run ended.
-        stopped: whether an emergency stop was asked for.
-        contested: whether another coordinator of this run is there.
+        simulation: positions of the disks and measurements of robots; of an external fleet, its reports.
+        referee: record of the run, and its verdict.
+        stopped: whether an emergency stop is in force.
+        contested: whether there is another coordinator of this run.
     """
 
     def __init__(self, scenario: Scenario, past: Past = Past(), *, returning: float = 0.0) -> None:
@@ -137,10 +137,9 @@ class WorldCore:
         return self.lives.join(robot, heard=self.tick if self.is_open else self.tick - 1)
 
     def lost(self, robot: int, reason: str = "") -> bool:
-        """The robot's process is gone or given up on: it stands still and takes no part from now on.
+        """Exclude a robot whose process has failed: from now on it is static. False if it was not active.
 
-        In an open tick, its Ticks tell the others of it. False if it took no part anyway; else a `reason`
-        stands in the report.
+        In an open tick, its Ticks inform the others. `reason` is for the report.
         """
         took_part = self.lives.lose(self.tick, robot, reason)
         self.exchange.drop(robot)
@@ -181,8 +180,7 @@ class WorldCore:
         return taken
 
     def close_tick(self) -> None:
-        """End the tick: move everything, judge, advance. Missing commands mean standing still, and a robot
-        without one that has been silent for `time.fence` is fenced."""
+        """End the tick: move, judge, advance. Robots without a Command stand, after silence fenced."""
         if not self.is_open:
             raise RuntimeError(f"tick {self.tick} is not open: call open_tick, and join for those awaited")
         simulation, record = self.simulation, self.referee.record
@@ -256,7 +254,7 @@ class WorldCore:
         return ", ".join(text for pending, text in kinds if pending)
 
     def _is_alone(self) -> bool:
-        """Whether robots are missing for good; False for external bases, which may return at any time."""
+        """Whether missing robots are lost permanently; False for external bases, which may return."""
         if self.scenario.is_external or self.schedule.pending:
             return False
         return len(self.lives.up) < len(self.scenario.ids) and self.lives.gone_for_good(self.tick - 1)
@@ -318,7 +316,7 @@ class WorldCore:
         return Outcome(not reason, text=reason)
 
     def _remove(self, robot: int) -> Outcome:
-        """End a robot and take its disk away, at the end of the open tick or else now."""
+        """End a robot and remove its disk, at the end of the open tick or otherwise now."""
         part = self.parts.carried_by(robot)
         reason = f"robot {robot} carries part {part}" if part else ""
         reason = reason or self._fixed or self.membership.remove(robot)
@@ -364,7 +362,7 @@ class WorldCore:
         self._stand(self.stopped, contested)
 
     def _stand(self, stopped: bool, contested: bool) -> None:
-        """Have all robots stand, from the open tick on, or release them."""
+        """Stop all robots from the open tick on, or release them."""
         before, self.stopped, self.contested = self.halted, stopped, contested
         if self.halted and not before:
             self.simulation.stop(self.tick + self.is_open)

@@ -270,7 +270,7 @@ class ZenohBus:
 
 
 def _keep_thread_state() -> None:
-    """Keep what Python knows of this thread of zenoh's, for good: else it is made for every sample anew."""
+    """Keep Python's state of this zenoh thread for ever; otherwise it is created for every sample."""
     thread = threading.get_native_id()
     if thread not in _KEPT:
         _KEPT.add(thread)

@@ -46,7 +46,7 @@ class Body:
     track: NonNegative = 0.0  # m, differential drive: between the wheels
     speed: Positive = 1e6  # m/s, of a wheel's rim; without wheels of the whole
     acceleration: Positive = 1e6  # m/s^2, of the same, speeding up and braking
-    hold: NonNegative = 0.0  # s that it goes on with the last velocity after the tick that this was for
+    hold: NonNegative = 0.0  # s for which it holds the last velocity after its tick
     # It is off its nominal way by at most `error` of that, `lag` (s) times its largest change of velocity,
     # and `play` (m) together (`protocol.bodies.sweep`); odometry of a tick is off by at most `odometry` of
     # the way and `drift` (m).

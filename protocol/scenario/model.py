@@ -126,13 +126,13 @@ class Obstacle:
 
 @dataclass(frozen=True, slots=True)
 class FloorPlan:
-    """A map of map_server that stands for obstacles, and for the workspace unless that is given.
+    """A map of map_server in place of obstacles, and of the workspace unless that is given.
 
     The file is looked for beside the scenario. Reading the scenario replaces it by its obstacles.
     """
 
     file: Annotated[str, Meta(min_length=1, max_length=1000, description="the name of a file")]
-    error: Annotated[float, Meta(ge=0, le=10)] = 0.05  # m, by which obstacles may reach into what is free
+    error: Annotated[float, Meta(ge=0, le=10)] = 0.05  # m, by which obstacles may extend into free space
     unknown: Literal["occupied", "free"] = "occupied"  # cells that the map leaves unknown
 
 
@@ -164,7 +164,7 @@ class Time:
     tolerance: Positive = 0.005  # m, arrived when all robots at once are within this of their goals
     fence: Positive = 1.0  # s, a robot that is silent this long is announced as down
     deadlock: Positive = 20.0  # s without motion of any robot until the run ends
-    endless: bool = False  # no verdict of its own: the run goes on until it is stopped
+    endless: bool = False  # no verdict of its own: the run continues until it is stopped
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,7 +176,7 @@ class Control:
     filter: Literal["separating-lines", "none"] = "separating-lines"  # safety filter
     speed: Positive = 0.10  # m/s, limit
     additions: tuple[Addition, ...] = ADDITIONS  # gradient, reciprocal: additions to the paper's law
-    lifetime: Positive = 0.5  # s, external: after which a wish counts no more
+    lifetime: Positive = 0.5  # s, external: validity of a wish
     turn: Positive | None = None  # s; only one robot moves at a time, in the order of ids, each for this long
 
     def without(self, *names: Addition) -> Control:
@@ -242,18 +242,18 @@ class Journey:
     robot: RobotId
     points: Annotated[tuple[Point, ...], Meta(max_length=MOST_POINTS)] = ()
     queue: bool = False  # after the points that are ahead, instead of at once
-    patrol: bool = False  # begin anew with the first of all points after the last
-    within: Positive | None = None  # s, after which it gives up and stays where it is
+    patrol: bool = False  # repeat all points without end
+    within: Positive | None = None  # s, after which it gives up and stays
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Operation:
-    """A change while the run goes on: one of these. Operators ask for it, or the scenario does."""
+    """A change during the run, by an operator or the scenario: one of these."""
 
     goal: Journey | None = None
     add: RobotSpec | None = None  # it appears once all robots keep clear of its start
     remove: RobotId | None = None
-    place: Obstacle | None = None  # it stands once all robots keep clear of it
+    place: Obstacle | None = None  # it appears once all robots keep clear of it
     take: RobotId | None = None  # obstacle that is taken away
     halt: bool | None = None  # all robots stand; or are released
 
@@ -277,8 +277,7 @@ ACTIONS = tuple(field.name for field in fields(Operation))
 
 @dataclass(frozen=True, slots=True)
 class Order(Operation):
-    """An operation that the scenario asks for; what cannot be at that time is refused, and the result says
-    so."""
+    """An operation of the scenario; an impossible one is refused, with the reason in the result."""
 
     at: NonNegative  # s of simulated time
 
@@ -288,7 +287,7 @@ class World:
     """The plant: formulas, a physics engine (extra `mujoco`), or external bases, in real time."""
 
     plant: Literal["integrator", "mujoco", "external"] = "integrator"
-    lease: Positive = 0.5  # s, external: a robot stands that has not heard of the coordinator for so long
+    lease: Positive = 0.5  # s, external: a robot stands without a Tick for this time
 
 
 @dataclass(frozen=True, slots=True)
@@ -296,7 +295,7 @@ class Scenario:
     """Everything that determines a run."""
 
     robots: Annotated[tuple[RobotSpec, ...], Meta(min_length=1, max_length=1000)]
-    name: str = "scenario"  # stands in results, and names certificates
+    name: str = "scenario"  # name in results and of certificates
     description: str = ""
     seed: Annotated[int, Meta(ge=0, le=2**63 - 1)] = 0  # determines everything that is random in a run
     workspace: Workspace = Workspace()

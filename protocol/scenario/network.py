@@ -12,7 +12,7 @@ from protocol.scenario.body import NonNegative, Positive, Probability, RobotId, 
 
 @dataclass(frozen=True, slots=True)
 class Partition:
-    """Between two times (s), States pass only inside each group; a robot in no group hears no peer."""
+    """Between two times (s), States pass only inside each group; a robot in no group receives none."""
 
     from_: NonNegative  # s of simulated time
     until: Positive  # s
@@ -63,7 +63,7 @@ class Link:
     burst: Burst | None = None
     roaming: Roaming | None = None
     distance: Distance | None = None
-    preset: Wireless | None = None  # for what is left at its default
+    preset: Wireless | None = None  # for fields with their defaults
 
     def __post_init__(self) -> None:
         for key, value in WIRELESS.get(self.preset or "", {}).items():
@@ -81,8 +81,7 @@ WIRELESS: dict[str, dict[str, tuple[float, float] | Burst | Roaming]] = {  # sou
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """Which States a robot hears: all, or those of robots near it, and of the others, twice a second,
-    where they are."""
+    """The States that a robot receives: all, or those of near robots; positions of others twice a second."""
 
     interest: Literal["near", "all"] | None = None  # unless given, near above 32 robots or 200 obstacles
     reach: Positive | None = None  # m, gap of two disks below which they are near; by speed unless given

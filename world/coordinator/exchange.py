@@ -1,14 +1,14 @@
-"""The messages of one tick: a Tick to each robot that may listen, and a Command from each that takes part.
+"""The messages of one tick: a Tick to each robot that may listen, and a Command from each active robot.
 
-When a lock-step tick does not end, it is told again, and a robot that cannot command names the States that it
-lacks. Given up are, so that one faulty process costs one robot:
+When a lock-step tick does not end, it is repeated, and a robot that cannot command lists the States that it
+lacks. Then robots are given up as follows, so that one faulty process costs one robot:
 
-1. a robot that owes a command and is silent: it hangs, though its session lives;
+1. a robot that owes a Command and is silent: it hangs, though its session is alive;
 2. one whose State more than half of its receivers lack: it sends none, or one that all refuse;
-3. if there is neither, one that cannot command: it does not receive what the others receive.
+3. otherwise, one that cannot command: it does not receive what the others receive.
 
-Half of all receivers, not of those that wait: one deaf robot must not have all others given up. In a
-large fleet a robot receives the States of those that it is bound to, and a summary of all positions.
+Half of all receivers, not of the waiting ones: one deaf robot must not exclude all others. In a large fleet a
+robot receives the States of the robots that it is bound to, and a summary of all positions.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Interest:
         self.places: dict[int, Vector] = {spec.id: spec.start for spec in scenario.robots}
         self._period = period(scenario)
         self._slices: dict[int, float] = {}  # m, of the newest Command
-        # By robot: its life, and from which tick on it hears each peer.
+        # By robot: its life, and the first tick in which it receives each peer's State.
         self._since: dict[int, tuple[int, dict[int, int]]] = {}
 
     def open(
@@ -98,23 +98,23 @@ def runs(ids: Iterable[int]) -> bytes:
 
 
 class Exchange:
-    """Ticks and Commands. A Command counts for the open tick only, from an active life, once; one that comes
-    too late is still a sign of life where a robot obeys its own commands.
+    """Ticks and Commands. One Command is accepted for the open tick, from an active life; a late one is still
+    a sign of life of a robot that executes its own Commands.
 
     Args:
         scenario: the run.
         lives, missions: of its robots.
-        tick: that is opened first.
+        tick: opened first.
 
     Attributes:
-        tick: the tick that is open, or that is to be opened next.
-        active: ids that take part in the tick opened last.
+        tick: the open tick, or the next one.
+        active: ids of the robots in the tick opened last.
         told: the Tick for each robot that may listen; None while no tick is open.
         taken: Commands in this tick, by robot.
         waiting: active robots that still owe one.
-        missed: Commands that never came, over all active robots and ticks.
-        refused: Commands that were not taken, by reason: late, early, incarnation (of another life), fenced,
-            inactive, duplicate, unknown, ledger (it obeys what was never granted).
+        missed: number of missing Commands, over all active robots and ticks.
+        refused: number of refused Commands, by reason: late, early, incarnation (of another life), fenced,
+            inactive, duplicate, unknown, ledger (it refers to grants that were never made).
     """
 
     def __init__(self, scenario: Scenario, lives: Lives, missions: Missions, tick: int = 0) -> None:
@@ -164,7 +164,7 @@ class Exchange:
     def _ticks(
         self, heard: Mapping[int, tuple[int, ...]], sensed: Mapping[int, Sense], halted: bool
     ) -> dict[int, Tick]:
-        """Ticks for all that may listen, each with the active robots that it has `heard`."""
+        """Ticks for all that may listen, each with the active robots whose States it receives."""
         lives, goal, since = self._lives, self._missions.goal, self._missions.since
         return {
             robot: Tick(
@@ -189,7 +189,7 @@ class Exchange:
         self.tick += 1
 
     def drop(self, robot: int) -> None:
-        """A robot takes no part any more: `told` says so to the others, and its Command is discarded."""
+        """Remove a robot from the open tick with its Command; `told` informs the others."""
         if robot not in self.active:
             return
         self.active = tuple(other for other in self.active if other != robot)

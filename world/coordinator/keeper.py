@@ -54,7 +54,7 @@ class Keeper:
         return self._ledger.version
 
     def found(self, places: Mapping[int, Circle], obstacles: Mapping[int, Shape]) -> None:
-        """Everything stands where it is as the run begins: robots by id, obstacles by number."""
+        """Begin with everything static: robots by id, obstacles by number."""
         regions = {-number: Region(shape, True) for number, shape in obstacles.items()}
         regions |= {robot: Region(place) for robot, place in places.items()}
         self._ledger = Ledger(self._first + 1, regions, self._geometry)
@@ -80,7 +80,7 @@ class Keeper:
         self._change(robot, *self._ledger.pairs[robot])
 
     def settle(self, robot: int, place: Circle) -> None:
-        """The disk of a robot without a life is known to hold no more than this place."""
+        """Restrict a static disk to its known place."""
         disk, region = self._ledger.disks[robot], Region(place)
         (held,) = _shapes(disk.held)
         if place.radius < held.around.radius and self._geometry.within(region, disk.held):
@@ -92,7 +92,7 @@ class Keeper:
         self._ledger.announce(name, Region(shape, name < 0))
 
     def appear(self, name: int) -> bool:
-        """Let an announced disk appear if everything present keeps clear of its place; whether it did."""
+        """Let an announced disk appear if every other one keeps clear of its place; returns whether."""
         disk = self._ledger.disks[name]
         clear = self._is_ready(disk, disk.held.regions[0][1])
         if clear:
@@ -141,8 +141,7 @@ class Keeper:
     # -- once a tick
 
     def advance(self, places: Mapping[int, Vector]) -> None:
-        """Grant regions to the robots that need one, given where they were known to be last (m, by id), and
-        bind the pairs that this takes."""
+        """Grant the needed regions, given last known positions (m, by id), and bind the required pairs."""
         finite = self._slack < math.inf
         if finite:
             self._part()

@@ -43,7 +43,7 @@ class Life(msgspec.Struct, array_like=True):
     status: Status = Status.GONE
     joined: bool = False  # its present process has joined this run
     awaited: bool = True  # the scenario has it up
-    heard: int = -1  # tick of its newest command; the tick before it joined until there is one
+    heard: int = -1  # tick of its newest command, initially the tick before it joined
     before: int = -1  # the tick before it joined
     fenced: bool = False  # its disk is static
     begun: bool = False  # it has begun in the ledger
@@ -253,8 +253,9 @@ class Lives:
         return bool(settled)
 
     def hear(self, command: Command) -> bool:
-        """The newest life of a robot has commanded: record the roster that it has received, and the grants
-        that it obeys. False if it has said so in a later Command."""
+        """Record from a Command the roster that the newest life of a robot has received, and the grants that
+        it obeys; False if a later one was recorded.
+        """
         life = self.of[command.robot]
         if command.tick <= life.heard:
             return False
@@ -337,8 +338,7 @@ class Lives:
         return life.goes_on and life.incarnation == incarnation
 
     def lose(self, tick: int, robot: int, reason: str) -> bool:
-        """The process of a life that was up is gone or given up on, for a reason that is reported unless it
-        is ""; False if it was not up."""
+        """Record the failure of an active life's process, with a reason for the report; else False."""
         life = self.of[robot]
         if life.status is not Status.UP:
             return False
@@ -353,8 +353,7 @@ class Lives:
         return lost
 
     def give_up(self, tick: int, robot: int, reason: str) -> bool:
-        """Go on without a robot that has not joined in time; it may still come later. False if it was not
-        awaited; else as `lose`."""
+        """Continue without an awaited robot, which may still join later; otherwise as `lose`."""
         life = self.of[robot]
         if not life.awaited:
             return False

@@ -1,7 +1,7 @@
-"""Membership of the fleet: robots that are added and removed while it runs.
+"""Membership of the fleet: robots that are added and removed during the run.
 
-A disk that is added appears once every robot keeps clear of its place, and stands there until its process
-joins. A robot that is removed is over with the open tick, and its disk is gone then.
+An added disk appears once every robot keeps clear of its place, static until its process joins. A removed
+robot ends with the open tick, and its disk disappears then.
 """
 
 from __future__ import annotations
@@ -72,8 +72,9 @@ class Membership:
         return ""
 
     def turn_over(self, tick: int, places: Mapping[int, Vector]) -> bool:
-        """Before `tick`, with all disks at `places` (m): let disks appear that may, and take those away that
-        leave. Returns whether `scenario` is another one now."""
+        """Before `tick`, with all disks at `places` (m), let announced disks appear, and remove those that
+        leave. Returns whether `scenario` has changed.
+        """
         fleet = self.fleet
         settled = [robot for robot in fleet.announced if self._lives.keeper.appear(robot)]
         left, fleet.leaving = fleet.leaving, set()
@@ -94,7 +95,7 @@ class Membership:
     def _with(self, robots: tuple[RobotSpec, ...]) -> Scenario:
         first = self._first
         k = gain_for_fleet(first.k, len(first.robots), len(robots))
-        interest: Literal["near", "all"] = "near" if first.hears_near else "all"  # for good
+        interest: Literal["near", "all"] = "near" if first.hears_near else "all"  # permanently
         network, control = replace(first.network, interest=interest), replace(first.control, k=k)
         return replace(first, robots=robots, control=control, network=network)
 

@@ -52,7 +52,7 @@ class Missions:
         return [(self._missions[robot], self._status[robot]) for robot in ordered]
 
     def set_fleet(self, scenario: Scenario) -> None:
-        """Robots came and went."""
+        """Set the robots after a change of the fleet."""
         for robot in set(self._missions) - set(scenario.ids):
             del self._missions[robot], self._status[robot]
             self._underway.discard(robot)
@@ -90,7 +90,7 @@ class Missions:
         standing: Iterable[Standing],
         obstacles: Mapping[int, Shape] = MappingProxyType({}),
     ) -> str:
-        """Why an order cannot be carried out among disks that stand and obstacles by number; "" if it can."""
+        """The reason why an order is refused, among static disks and obstacles by number; "" if it is not."""
         robot = order.robot
         if robot not in self._missions:
             known = ", ".join(map(str, self._missions))
@@ -122,7 +122,7 @@ class Missions:
         return Outcome(True, number, self._caution(robot))
 
     def advance(self, tick: int, ids: Sequence[int], positions: Sequence[Vector]) -> list[int]:
-        """As `tick` begins, go on to the next point where one is reached; returns robots with a new goal."""
+        """As `tick` begins, continue after reached points; returns the robots with a new goal."""
         if not self._underway:
             return []
         return [
@@ -221,13 +221,13 @@ class Operated(Protocol):
 
 
 class Schedule:
-    """The orders of a scenario, each carried out as its tick opens.
+    """The orders of a scenario, each executed as its tick opens.
 
     Args:
-        past: why each that is done was refused, "" if it was not.
+        past: reasons of refusals, or "", of executed orders.
 
     Attributes:
-        done: tick, order, and why it was refused, "" if it was not; as they came.
+        done: tick, order, and the reason of a refusal or "", in order of execution.
     """
 
     def __init__(self, scenario: Scenario, past: Sequence[str] = ()) -> None:
@@ -241,7 +241,7 @@ class Schedule:
 
     @property
     def pending(self) -> bool:
-        """Whether any order is still to be carried out."""
+        """Whether orders are still to come."""
         return bool(self._due)
 
     def adds(self, robot: int) -> bool:
@@ -249,7 +249,7 @@ class Schedule:
         return any(order.add is not None and order.add.id == robot for _, order in self._due)
 
     def carry_out(self, tick: int, operated: Operated) -> None:
-        """Carry out all orders that are due by `tick`."""
+        """Execute the orders that are due by `tick`."""
         while self._due and self._due[0][0] <= tick:
             _, order = self._due.popleft()
             outcome = operated.operate(order, awaited=True)

@@ -1,9 +1,9 @@
-"""Parts: which stand on the floor, and which robot carries which. Robots ask with their Commands.
+"""Parts: which are on the floor, and which robot carries which. Robots request changes in their Commands.
 
-A part that is taken up is an obstacle that is gone, and in the same version of the roster its carrier is the
-larger disk, which it keeps clear of everything before it asks. One that is put down appears like an obstacle,
-once all robots keep clear of its place; until then its carrier remains the larger disk. A silent carrier
-stands with its part, which another robot may take from there.
+When a part is taken up, its obstacle is removed, and in the same version of the roster its carrier becomes
+the larger disk, which it has kept clear beforehand. A part that is put down appears like an obstacle, once
+all robots keep clear of its place; until then its carrier remains the larger disk. A silent carrier is static
+with its part, which another robot may take from there.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ class Parts:
     """The parts of one run.
 
     Args:
-        scenario: with the radii of robots that carry nothing.
-        lives: of the robots; where their roster has no parts yet, these are where the scenario says.
+        scenario: with the radii of robots without parts.
+        lives: of the robots; if their roster has no parts yet, these are at the scenario's places.
     """
 
     def __init__(self, scenario: Scenario, lives: Lives) -> None:
@@ -62,12 +62,12 @@ class Parts:
         return next((each.part for each in self.places if each.obstacle == obstacle), 0)
 
     def set_fleet(self, scenario: Scenario) -> None:
-        """Robots came and went."""
+        """Set the robots after a change of the fleet."""
         self._scenario = scenario
 
     @property
     def loaded(self) -> Scenario:
-        """The scenario with the disks that robots are with what they carry."""
+        """The scenario with the disks of robots and what they carry."""
         carriers = {each.carrier: each.part for each in self.places if each.carrier}
         if not carriers:
             return self._scenario
@@ -80,8 +80,9 @@ class Parts:
         return replace(self._scenario, robots=robots)
 
     def handle(self, asked: Mapping[int, Handling | None], at: Mapping[int, Vector]) -> bool:
-        """Carry out what robots that take part have `asked` for in the tick that ends, with all disks `at`
-        their places (m); returns whether a disk changed."""
+        """Execute active robots' requests in the tick that ends, with all disks `at` their places (m);
+        returns whether a disk changed.
+        """
         before = self.places
         for robot in sorted(asked):
             handles = asked[robot]

@@ -22,15 +22,15 @@ MOST_CORNERS = 4096  # of all of these together
 
 
 class Surroundings:
-    """The obstacles of one run: those that the scenario lists, and others that come and go.
+    """The obstacles of one run: those of the scenario, and added or removed ones.
 
     Attributes:
         standing: shapes, by number.
-        appearing: shapes that are announced, by number; nothing is there yet.
-        numbered: how many there have been.
+        appearing: announced shapes, by number; none is present yet.
+        numbered: number of all obstacles so far.
 
     Args:
-        changes: up to now, as in a roster.
+        changes: so far, as in a roster.
     """
 
     def __init__(self, scenario: Scenario, changes: Iterable[PlacedObstacle] = (), numbered: int = 0) -> None:
@@ -54,7 +54,7 @@ class Surroundings:
 
     @property
     def present(self) -> tuple[PlacedObstacle, ...]:
-        """All that stand or are to appear."""
+        """Shapes that are present or announced."""
         return self._there({})
 
     def _there(self, besides: Mapping[int, Shape]) -> tuple[PlacedObstacle, ...]:
@@ -65,8 +65,7 @@ class Surroundings:
         )
 
     def refusal(self, order: model.Obstacle, scenario: Scenario, positions: Sequence[Vector]) -> str:
-        """Why an obstacle cannot come; "" if it can. The disks of the scenario are at `positions`, m, in the
-        order of their ids."""
+        """The reason why an obstacle is refused, with disks at `positions`, m, by id; "" if it is not."""
         if problem := order.defect():
             return f"the obstacle {problem}"
         shape = order.shape
@@ -148,7 +147,7 @@ class RosterDirectory:
         self.put(replace(self.members[robot], **changes))
 
     def follow(self, parts: tuple[PartPlace, ...] | None = None) -> None:
-        """Make a new version if obstacles came, are to come, or went, or parts are elsewhere."""
+        """Make a new version if obstacles or parts have changed."""
         told = self.obstacles.changes, self._parts if parts is None else parts
         if told != (self._changes, self._parts):
             self._changes, self._parts = told

@@ -87,7 +87,7 @@ class Totals(msgspec.Struct):
 
 
 class PastRecord(msgspec.Struct, frozen=True):
-    """Totals and goals as they were when ticks were last measured, and the configurations since."""
+    """State for a successor: totals and goals at the last measurement, and later configurations."""
 
     totals: Totals
     goals: Goals
@@ -174,8 +174,9 @@ class Record:
         between: Sequence[tuple[Vector, ...]] = (),
         touching: Iterable[Pair] = (),
     ) -> None:
-        """The configuration one tick later, reached by straight motions through those `between`. The plant
-        itself has seen the disks of each pair `touching`."""
+        """Add the configuration after a tick of straight motions through those `between`. The plant itself
+        has detected contacts of the pairs `touching`.
+        """
         self._aside.extend(between)
         self._aside.append(tuple(positions))
         present, totals = frozenset(touching), self._totals
@@ -191,8 +192,7 @@ class Record:
     def set_fleet(
         self, scenario: Scenario, positions: Sequence[Vector], obstacles: Mapping[int, Shape]
     ) -> None:
-        """From the newest configuration on, which is `positions` now, judge the robots of another scenario,
-        among obstacles by number."""
+        """Continue with the robots of another scenario, now at `positions`, among obstacles by number."""
         totals = self.totals
         self.segment = segment_of(scenario, self.segment.goals.of_fleet(scenario), obstacles)
         self._latest = {}  # a continuing overlap becomes another contact

@@ -31,22 +31,22 @@ class PastReferee(msgspec.Struct, frozen=True):
 class Referee:
     """Measures a run, and decides its verdict.
 
-    arrived: all robots at once within the tolerance of their goals, or all parts at theirs.
-    aborted: all robots that are up have arrived, and the others are down for good.
-    deadlock: for the stated time no robot got further than the tolerance from where it was, and no process
-        fault, partition or order of the scenario is still to come.
+    arrived: all robots at once within the tolerance of their goals, or all parts at theirs. aborted: all
+    robots that are up have arrived, and the others are permanently down. deadlock: for the stated time no
+    robot has moved by more than the tolerance, and no process fault, partition or
+        order of the scenario is still to come.
     timeout: the limit is reached.
 
     Args:
         scenario: with the present robots, and the radii that they have with their parts.
         positions: of all disks in the order of robot ids, m.
-        parts: straight motions that a tick consists of.
+        parts: straight motions per tick.
         past: of an earlier world.
-        obstacles: shapes by number; those of the scenario unless given.
+        obstacles: shapes by number; by default those of the scenario.
 
     Attributes:
-        verdict, reason: empty while the run goes on.
-        worlds: ticks with which those worlds began that went on from others.
+        verdict, reason: empty while the run continues.
+        worlds: first ticks of the worlds that continued from others.
         record: of the truth.
     """
 

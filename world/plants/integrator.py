@@ -75,12 +75,12 @@ class Errors(Protocol):
 
 
 class SimulatedBase:
-    """One robot's base. From a command on, and from the first part of its tick, it is off its nominal way by
-    one vector of the unit disk (`errors`) times what its tolerance allows.
+    """One robot's base. From a command on, and from the first part of its tick, its error is one vector of
+    the unit disk (`errors`) times its tolerance.
 
     Attributes:
-        motion: what it does at the start of the tick to come.
-        way: that it went in the tick before, m.
+        motion: at the start of the next tick.
+        way: displacement in the last tick, m.
     """
 
     def __init__(self, kinematics: Kinematics, tolerance: Tolerance, motion: Motion, errors: Errors) -> None:
@@ -145,10 +145,10 @@ def simulated_base(scenario: Scenario, robot: int) -> SimulatedBase:
 
 
 class Integrator:
-    """Where every disk really is, by formulas: a `world.plants.plant.Plant`.
+    """True positions of all disks, by formulas: a `world.plants.plant.Plant`.
 
     Attributes:
-        displacements: of each during the last tick, m; added to the old position it gave the new one.
+        displacements: of each disk during the last tick, m.
     """
 
     slips = False

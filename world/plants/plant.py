@@ -1,4 +1,4 @@
-"""What moves the disks: formulas or a physics engine; and random disturbances, by robot and tick."""
+"""Movers of the disks: formulas or a physics engine; and random disturbances, by robot and tick."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class BaseReport(NamedTuple):
     way: float  # m, that it went then
     velocity: Vector = (0.0, 0.0)  # m/s, of the control point
     heading: float = 0.0  # rad
-    stop: Vector | None = None  # m, from here to where it stands if it hears nothing more; None: it stands
+    stop: Vector | None = None  # m, from here to its stop without commands; None: it stands
 
 
 class PastDisks(msgspec.Struct, frozen=True):
@@ -90,7 +90,7 @@ class Plant(Protocol):
         ...
 
     def stands(self, index: int) -> bool:
-        """Whether the base at that place of `ids` does not move until it hears another command."""
+        """Whether the base at that index of `ids` stands until it receives another command."""
         ...
 
     def touched(self) -> Sequence[tuple[int, int]]:
@@ -110,7 +110,7 @@ def plant_of(scenario: Scenario) -> Plant:
     """The plant of `scenario.world.plant`; raises UsageError if its library is not installed."""
     require(scenario.world.plant)
     if scenario.world.plant == "mujoco":
-        from world.plants.mujoco import Physics  # the engine is loaded only where it is asked for
+        from world.plants.mujoco import Physics  # the engine is loaded only if used
 
         return Physics(scenario)
     from world.plants.integrator import Integrator  # it imports this module

@@ -42,16 +42,15 @@ class Slot:
 
 
 class Admissions:
-    """All slots of a fleet, and the processes in them: only ids that have a life in the run have a slot.
+    """All slots of a fleet, and their processes: only ids with a life in the run have a slot.
 
     Args:
         run: its name.
         world: of the run.
         lockstep, epoch: parts of each admission.
-        clock: tells the time, s.
+        clock: time, s.
         checkpoint: of the world, if it keeps one: then robots wait for another world.
-        processes: that an earlier world admitted: no other one takes the seat of a robot's newest while that
-            is there.
+        processes: admitted by an earlier world; a robot's newest keeps its slot while it is present.
 
     Attributes:
         slots: by robot id.

@@ -1,17 +1,17 @@
-"""The checkpoint: a small file from which another world goes on with a run after this one has died.
+"""The checkpoint: a small file from which a successor continues the run of a world that has died.
 
-It holds `world.world.Past`: positions of disks, robots of the fleet, operations, the judge's record. It is
-written before any change is published, once a tick and with each reply, and so is never behind the knowledge
-of robots, operators or the launcher.
+It contains `world.world.Past`: positions of disks, robots of the fleet, operations, the record of the run. It
+is written before any change is published, once a tick and with each reply, and so is never older than the
+knowledge of robots, operators or the launcher.
 
-A successor does not take over lives. It draws an epoch of its own, under which no message of an earlier one
-counts, and founds the ledger on the places of the disks, which all stand. A robot has no life there before it
-joins again. In a simulation no disk has moved meanwhile. An external base may drive on while its lease lasts:
-its place is held with a bound that covers this, and its next life begins only after it.
+A successor does not take over lives. It draws its own epoch, under which all earlier messages are refused,
+and founds the ledger on the positions of the disks, which are all static. A robot has no life there before it
+joins again. In a simulation no disk has moved meanwhile. An external base may move on while its lease lasts:
+the bound of its position covers this, and its next life begins only afterwards.
 
-The file has two places for a state, which are written in turn, so that one of them is whole at every moment.
-It is kept by the system when this process is killed, but not forced to the disk: one from before the machine
-was last started is refused, where the system names its starts.
+The file has two places for a state, written in turn, so that one of them is complete at every moment. It
+survives the death of this process, but is not forced to the disk: one from before the last start of the
+machine is refused, if the system identifies its starts.
 """
 
 from __future__ import annotations
@@ -142,10 +142,9 @@ class Checkpoint:
             _refuse(path, f"cannot be kept: {error.strerror}")
 
     def write(self, progress: SavedRun) -> None:
-        """Replace the older of the two states: from now on another world would go on from this one.
+        """Replace the older of the two states; afterwards a successor would continue from this one.
 
-        Raises:
-            CheckpointError: it can neither be written nor removed, and would be behind.
+        Raises CheckpointError if it can neither be written nor removed, and would be outdated.
         """
         if not self.kept:
             return

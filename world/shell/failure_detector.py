@@ -35,14 +35,14 @@ class FailureDetector:
     Args:
         run, admissions, pacing: of the world.
         tell: sends each robot its Tick.
-        gathering: s that robots have to join.
-        patience: s that an open tick of lock-step waits for a command.
-        grace: s that a token may be missing before its process is given up, 0 for none.
-        restarts: how many next lives of each robot a lock-step run waits for.
+        gathering: time for robots to join, s.
+        patience: time for a Command in lock-step, s.
+        grace: time for which a token may be missing before its process is given up, s; 0 for none.
+        restarts: number of next lives of each robot that a lock-step run waits for.
         say: takes warnings for the operator.
 
     Attributes:
-        expected: by robot, for how many next lives the world has waited so far.
+        expected: number of next lives that the world has awaited, by robot.
     """
 
     def __init__(

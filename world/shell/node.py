@@ -1,10 +1,9 @@
-"""The world's node: admits robots, drives the clock, publishes the judge's result.
+"""The world's node: admits robots, drives the clock, publishes the result.
 
-Lock-step: a tick begins when every robot that takes part is there, and ends when each has commanded.
-Real time: ticks end by the wall clock, with or without commands; the first waits for a while. All waits are
-bounded (`world/shell/failure_detector.py`).
-With a checkpoint the node goes on where another one died, as another coordinator: all lives are over, and all
-robots join again before the tick is told that was open then.
+Lock-step: a tick begins when every active robot is present, and ends when each has commanded. Real time:
+ticks end by the wall clock, with or without Commands; the first waits for a while. All waits are bounded
+(`world/shell/failure_detector.py`). With a checkpoint the node continues the run of a dead predecessor, as
+another coordinator: all lives are over, and all robots join again before the tick that was open is repeated.
 """
 
 from __future__ import annotations
@@ -48,15 +47,15 @@ class WorldNode:
         bus: a connection of its own.
         run: name of the run.
         scenario: k already a number.
-        lockstep: whether ticks wait for the robots; for those that are not simulated they never do.
-        gathering: s that robots have to join.
-        patience: s that a lock-step tick waits for a command.
-        speed: simulated seconds per second that lock-step is held to, 0 for no limit.
-        restarts: how many times a robot whose process ends is started again; lock-step waits for it.
-        clock: tells the time, s; for tests.
+        lockstep: whether ticks wait for the robots; they never wait for external ones.
+        gathering: time for robots to join, s.
+        patience: time for a Command in lock-step, s.
+        speed: simulated seconds per second in lock-step, 0 for no limit.
+        restarts: number of restarts of a robot whose process ends; lock-step waits for them.
+        clock: time, s; for tests.
         say, note, tell: take warnings for the operator, lines for the log, and the report.
-        checkpoint: state to go on from; changes are written to it before they are published.
-            A robot that is missing may come back within GRACE, unless another process takes its seat.
+        checkpoint: state to continue from; changes are written to it before they are published. A missing
+            robot may return within GRACE, unless another process takes its slot.
 
     Attributes:
         report: of the run once it has ended.
@@ -190,7 +189,7 @@ class WorldNode:
         self._advance()
 
     def _on_world(self, session: str, alive: bool) -> None:
-        """Another world came or went. Of two that have not begun one leaves."""
+        """Another world appeared or disappeared. Of two that have not begun one leaves."""
         self._operations.on_world(session, alive)
         founded = self._run.world.lives.founded
         if alive and not founded and session < self._session:
@@ -255,8 +254,7 @@ class WorldNode:
 
     @property
     def _is_idle(self) -> bool:
-        """Whether no robot is there to wait for, nor does the run end: robots may come, once the tick has
-        opened, with what the scenario does then."""
+        """Whether there is neither a robot to wait for nor an end of the run; robots may join later."""
         return self._run.scenario.time.endless and not self._run.world.exchange.active
 
     def _open(self) -> bool:

@@ -43,11 +43,7 @@ class Operations:
         self._rivals: set[str] = set()  # sessions of other worlds of this run
 
     def reply(self, address: Address, payload: bytes) -> bytes | None:
-        """Do what is asked, and say what came of it; None if the question is no operator's.
-
-        Raises:
-            MessageError: the payload is no change of the pace.
-        """
+        """Execute an operator's request; returns the outcome, None for others. Raises MessageError."""
         if address.robot is not None or address.stream not in ("operation", "steering"):
             return None
         if address.stream == "steering":

@@ -64,8 +64,9 @@ class Pacing:
         return True
 
     def holds(self, tick: int, step: float) -> bool:
-        """Whether a viewer's pause or speed holds back `tick`: until `step / speed` s after the one before
-        began."""
+        """Whether a viewer's pause or speed delays `tick`, to `step / speed` s after the beginning of the one
+        before.
+        """
         steering = self.steering
         if steering.speed > 0.0 and not steering.paused and tick > 0:
             due = self._began + step / steering.speed
@@ -76,8 +77,7 @@ class Pacing:
         return not steering.allow()
 
     def prolongs(self, tick: int, now: float) -> bool:
-        """Whether `tick` of real time goes on although its time is over, for commands are missing: the first
-        does, for a while."""
+        """Whether `tick` of real time waits for missing Commands: only the first does, for a while."""
         if tick > 0 or now >= self.since + FIRST:
             return False
         self.deadline = now + _AGAIN

@@ -35,12 +35,12 @@ class Phase(Enum):
 
 
 class JudgedRun:
-    """A run with its judge, from its beginning or from where an earlier world has left it.
+    """A run with its judge, from its beginning or continued from an earlier world.
 
     Attributes:
         opened: whether the present tick has begun.
-        began: s, monotonic: when its first tick began, or when it was prepared.
-        received, rejected: commands accepted, and payloads refused by reason.
+        began: beginning of its first tick, or of its preparation, s, monotonic.
+        received, rejected: Commands accepted, and payloads refused by reason.
     """
 
     def __init__(self, scenario: Scenario, past: Past = Past(), *, returning: float = 0.0) -> None:
@@ -89,7 +89,7 @@ _ASK_AGAIN = 0.005  # s between requests of robots that have reported before oth
 
 
 class Shutdown:
-    """Which robots have reported and which have been notified, and whether that is enough."""
+    """Tracks which robots have reported and which are informed, and decides whether that is enough."""
 
     def __init__(self, run: JudgedRun, admissions: Admissions, pacing: Pacing) -> None:
         self._run, self._admissions, self._pacing = run, admissions, pacing
