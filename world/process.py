@@ -44,8 +44,9 @@ def main(
     With a `checkpoint` (`Checkpoint.create`) this process continues the run of one that has died, and may
     repeat its report; the file is removed at the end.
 
-    0: there is a verdict, or this process was asked to stop (the result says interrupted). 2: there is
-    another world of this run. 3: the network is lost, or the checkpoint is invalid.
+    0: there is a verdict, or this process was asked to stop (the result says interrupted).
+    2: there is another world of this run.
+    3: the network is lost, or the checkpoint is invalid.
 
     Raises Stopped if a signal asks this process to end before there is a world.
     """

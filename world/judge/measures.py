@@ -109,9 +109,10 @@ def normalised_length(goals: Goals, lengths: dict[int, float]) -> float | None:
 class Level(NamedTuple):
     """Distance of a configuration from the goal, by phi.
 
-    phi: the navigation function; 1.0 to all digits in a large fleet, until the end. log_potential:
-    log10(gamma^k / beta) / k, which increases with phi; -300 at the goal, and 300 in contact, where
-        it is infinite.
+    Attributes:
+        phi: the navigation function; 1.0 to all digits in a large fleet, until the end.
+        log_potential: log10(gamma^k / beta) / k, which increases with phi; -300 at the goal, and 300 in
+            contact, where it is infinite.
     """
 
     phi: float

@@ -31,10 +31,10 @@ class PastReferee(msgspec.Struct, frozen=True):
 class Referee:
     """Measures a run, and decides its verdict.
 
-    arrived: all robots at once within the tolerance of their goals, or all parts at theirs. aborted: all
-    robots that are up have arrived, and the others are permanently down. deadlock: for the stated time no
-    robot has moved by more than the tolerance, and no process fault, partition or
-        order of the scenario is still to come.
+    arrived: all robots at once within the tolerance of their goals, or all parts at theirs.
+    aborted: all robots that are up have arrived, and the others are permanently down.
+    deadlock: for the stated time no robot has moved by more than the tolerance, and no process fault,
+        partition or order of the scenario is still to come.
     timeout: the limit is reached.
 
     Args:
