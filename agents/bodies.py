@@ -1,14 +1,15 @@
-"""The body of a robot, as its filter sees it: a point, or one that does not stop at once.
+"""Models of a robot's body in the filter: a point, or a body that does not stop at once.
 
-A velocity is commanded only if all that follows from it is allowed: the sweep of the tick, of the time that
-the base holds the velocity if it hears nothing, and of braking (`protocol.bodies.sweep`). If that sweep obeys
-all constraints, so does its rest after the tick, and braking, which leads along the same way, ends sooner. So
-braking is always allowed (docs/safety.md, 2).
+A velocity is commanded only if all motion that may follow is allowed: the sweep of the tick, of the time for
+which the base holds the velocity without messages, and of braking (`protocol.bodies.sweep`). If the sweep
+satisfies all constraints, so does the rest of it after the tick, and so does braking, which stops earlier on
+the same path. So braking is always allowed, and is commanded if no velocity is (docs/safety.md, 2).
 
-The candidate comes from a convex program in the place where the base would stand, as if its arcs were
-straight. The sweep is tested as it is; what it lacks is taken off the program's limits, and the program
-solved again. As an error in metres is there before any way is made, the program keeps a standoff, and where
-the candidate does not fit, slower ones are tried, and ones that make room.
+A convex program computes a candidate from the position at which the base would stop, as if arcs were
+straight. Then the exact sweep is tested; its excess is subtracted from the program's limits, and the program
+is solved again. An error in metres exists even without motion, so no path leads away from an edge within the
+error: the program keeps a standoff, and if the candidate is not allowed, slower ones are tried, and ones away
+from the edges.
 """
 
 from __future__ import annotations

@@ -51,7 +51,7 @@ class Robot:
         epoch: of the coordinator that admitted it.
 
     Attributes:
-        goal: m; no other component keeps it, and every Tick may set another.
+        goal: m; stored only here, since every Tick may change it.
         hearing: receives the States of peers.
         stopped: whether it has to stand, apart from an emergency stop of all.
     """
@@ -99,7 +99,7 @@ class Robot:
         return self._state()
 
     def reset_estimate(self) -> None:
-        """Reset the position estimate: only measurements from now on count."""
+        """Reset the position estimate: only measurements from now on are used."""
         self._estimate = self._nothing_known()
 
     def _nothing_known(self) -> Estimate:
@@ -233,9 +233,10 @@ class Robot:
             self.goal = mover.goal
 
     def _fit_to_load(self, mover: PartCarrier, filter_: SafetyFilter) -> Handling | None:
-        """Be the disk that parts need from this command on, a larger one only where there is room for it, and
-        never a smaller one than the roster's, which is the obstacle if this robot fails. Returns the request
-        for the part if it is that disk."""
+        """Adopt the disk that parts require, if there is room for a larger one; returns the request if so.
+
+        It is never smaller than the roster's, which is the obstacle if this robot fails.
+        """
         own = self._roster.members.get(self.robot)
         before = filter_.radius
         told = before if own is None else own.radius
@@ -261,7 +262,7 @@ class Robot:
     # -- about itself
 
     def has_ended(self, tick: Tick) -> bool:
-        """Whether the Tick's roster says that this incarnation is over."""
+        """Whether the Tick's roster ends this incarnation."""
         roster = tick.roster
         return roster is not None and has_ended(roster, self.robot, self.incarnation)
 

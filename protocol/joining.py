@@ -1,17 +1,16 @@
 """How a robot joins a run: a request under its own `join` key, and the world's reply.
 
-Both are msgpack maps: the request `{"session": text, "health": Health or nil}`, the reply one of four, told
-apart by `"reply"`. `"admitted"` has `incarnation`, `lockstep`, `scenario` (maps with the keys of a scenario
-file), `away` (s that the world may be gone and still come back), `founded` (whether the run has begun) and
-`epoch` (of the coordinator: Ticks and States of any other do not count);
-`"refused"` has `text`; `"wait"` has `after`, s, and `text`; `"finished"` has
-`verdict`. Which robot asks is said by the key alone, so that a router's rules decide which may. A monitor
-asks under `world/scenario` and is told `"scenario"`, with `scenario`, `lockstep`, and `goals`, the
-`GoalStatus` of every robot that was ordered elsewhere.
+Both are msgpack maps: the request `{"session": text, "health": Health or nil}`, the reply one of four kinds
+by its `"reply"`. `"admitted"` has `incarnation`, `lockstep`, `scenario` (maps with the keys of a scenario
+file), `away` (time after which a lost world may still return, s), `founded` (whether the run has begun) and
+`epoch` (of the coordinator: Ticks and States of any other are refused); `"refused"` has `text`; `"wait"` has
+`after`, s, and `text`; `"finished"` has `verdict`. The key alone names the robot that asks, so that a
+router's access rules apply. A monitor's request under `world/scenario` is answered by `"scenario"`, with
+`scenario`, `lockstep`, and `goals`, the `GoalStatus` of every robot with an order.
 
-`session` is the process's own choice (see `protocol.keys`), the same for all its requests and for its
-liveliness token. A process that asks again is admitted as the same life, for a reply may be lost, until
-`health` says that this life is over.
+`session` is chosen by the process (see `protocol.keys`), the same for all its requests and for its liveliness
+token. A process that repeats its request, since a reply may be lost, is admitted as the same life, until
+`health` reports that this life is over.
 """
 
 from __future__ import annotations

@@ -45,10 +45,11 @@ from protocol.messages import (
 class Stream(NamedTuple):
     """One kind of published key.
 
-    `reliable`: a publisher waits for room rather than drop (congestion control BLOCK); the others
-    are for monitors, and a slow monitor loses samples instead of holding up the fleet.
-    `heard_by`: which processes may subscribe besides monitors, which hear everything; the publisher of a sign
-    of life hears it, too, for the probe beside it has no other certificate.
+    Attributes:
+        reliable: a publisher waits for room rather than drop (congestion control BLOCK); the others are for
+            monitors, and a slow monitor loses samples instead of blocking the fleet.
+        heard_by: processes that may subscribe besides monitors, which receive everything; the publisher of a
+            sign of life receives it, too, since the probe beside it has no other certificate.
     """
 
     name: str

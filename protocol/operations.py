@@ -1,32 +1,31 @@
 """Operations on a running fleet, as requests, and the replies of its world.
 
-A request under `world/operation` says what an entry of a scenario's `[[orders]]` says, in the same words. It
-is one of
+A request under `world/operation` has the form of an entry of a scenario's `[[orders]]`:
 
     {"goal": {"robot": 3, "points": [[x, y], ...]}}   go to these points, one after another; none cancels.
                                                       Besides: `queue`, `patrol`, `within` (s)
     {"add": {"id": 7, "radius": r, "start": [x, y], "goal": [x, y]}}
                                                       a disk appears once every robot keeps clear of its
                                                       place; its process may join then
-    {"remove": 7}                                     the robot ends, its disk is taken away
+    {"remove": 7}                                     the robot ends, its disk is removed
     {"place": {"center": [x, y], "radius": r}}        an obstacle appears once every robot keeps clear of
     {"place": {"points": [[x, y], ...]}}              its place: a disk, or a convex polygon
-    {"take": 2}                                       the obstacle was taken away
+    {"take": 2}                                       the obstacle has been removed
     {"halt": true}                                    emergency stop: all robots brake in the present tick,
                                                       external bases in the next, and stand
     {"halt": false}                                   they are released
 
-An empty request asks for the state. The reply has `accepted`, `number` of the goal or obstacle, `text` (why
-it was refused, or a warning), and the state: the present `tick`, `halted`, `moving` (robots that a stop has
-not brought to a stand yet), `roster`, `obstacles` that stand or are to appear, and `goals` of all robots, as
+An empty request returns the state alone. The reply has `accepted`, `number` of the goal or obstacle, `text`
+(the reason of a refusal, or a warning), and the state: the present `tick`, `halted`, `moving` (robots that
+still move after a stop), `roster`, `obstacles` that are present or announced, and `goals` of all robots, as
 in a `GoalStatus`. A stop has succeeded once `halted` is true and `moving` is empty.
 
-A request under `world/steering` changes the pace of a lock-step run: `{"pause": true}` holds the clock,
-`{"pause": false}` lets it go on, `{"step": n}` holds it after n more ticks, `{"speed": x}` limits simulated
-seconds per second (0: as fast as the machine allows). The reply is what is in force: `paused`, `steps` still
-allowed, `speed`. It changes when ticks happen, never what happens in them; in real time nothing.
+A request under `world/steering` changes the pace of a lock-step run: `{"pause": true}` pauses the clock,
+`{"pause": false}` resumes it, `{"step": n}` pauses it after n more ticks, `{"speed": x}` limits simulated
+seconds per second (0: as fast as the machine allows). The reply has the settings in force: `paused`, `steps`
+still allowed, `speed`. They change the times of ticks, never their content; in real time they have no effect.
 
-Requests are maps in msgpack or, for people and stock tools, in JSON; the reply is in the form of the request.
+Requests are maps in msgpack or, for users and stock tools, in JSON; the reply is in the form of the request.
 """
 
 from __future__ import annotations

@@ -104,7 +104,7 @@ class Ros2Base:
         return sense
 
     def take_reset(self) -> bool:
-        """Whether all is well after it was not, so that what was known before is void; says so once."""
+        """Whether a fault has ended, so that earlier estimates are void; True once."""
         anew, self._senses.anew = self._senses.anew, False
         return anew
 

@@ -163,7 +163,7 @@ class BothBoundaries:
     def cut(
         self, place: Vector, shape: Polygon | None, step: Vector, noise: float = 0.0, tolerance: float = 0.0
     ) -> HalfPlane | None:
-        """As of either."""
+        """As `RoundBoundary.cut`; ignores violations below `tolerance`, m, unless they must decrease."""
         found = self.room.cut(place, shape, step, noise, tolerance)
         return found or self.region.cut(place, shape, step, noise, tolerance)
 

@@ -118,9 +118,9 @@ class OwnSet:
 
     Args:
         x, y: the own position, m.
-        bound: of how far the centre is from there, m; infinite as long as nothing is known.
+        bound: greatest distance of the centre from there, m; infinite while it is unknown.
         shape: the set as seen from there; None: the disk of radius `bound`.
-        swept: what the centre passes from there until all commands that are out have ended; None: nothing.
+        swept: sweep of the centre from there until all commands have ended; None: it stands.
     """
 
     def __init__(

@@ -31,9 +31,9 @@ class Limits:
 
     Args:
         position: estimated own centre, m.
-        half_planes: where the estimated centre must stay; one already violated must not be approached.
-        boundary: what the true centre must not leave.
-        shape: where the true centre can be, around the estimated one; None where that is exact.
+        half_planes: constraints on the estimated centre; no violation may increase.
+        boundary: bound of the true centre.
+        shape: possible offsets of the true centre from the estimate; None if it is exact.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class Limits:
         for index, margin in enumerate(passed.margins):
             dx, dy = passed.xs[index], passed.ys[index]
             if dx == dy == 0.0 and margin > 0.0:
-                dx = _TINY  # it comes back to where it began, but for the margin
+                dx = _TINY  # a path back to its start, except for the margin
             way = math.hypot(dx, dy)
             if way > 0.0:
                 cut = self.boundary.cut(self.position, self.shape, (dx, dy), margin / way)

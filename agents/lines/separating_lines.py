@@ -32,11 +32,10 @@ class SeparatingLines:
     """All bindings of one life of one robot, and its region.
 
     Args:
-        speed: the highest that the robot really has, m/s.
+        speed: highest executed speed, m/s.
         period: of one tick, s.
-        reach: the longest way from the beginning of a tick until the body stands, m; 0 for that of a tick at
-            full speed.
-        standoff: room that own lines leave at either side, m, as far as there is any.
+        reach: longest path from the beginning of a tick to a stop, m; 0 for that of a tick at full speed.
+        standoff: room that own lines leave on either side, m, if there is enough.
 
     Attributes:
         kernel: the robot's end of all bindings; None before the first grants.

@@ -1,1 +1,1 @@
-"""Moving parts: which part a robot fetches, where it goes, and what it requests of the coordinator."""
+"""Moving parts: the part that a robot fetches, its goal, and its requests to the coordinator."""

@@ -2,7 +2,7 @@
 down.
 
 Each robot decides by the places of parts in the roster and the claims in peers' States. A claim is no lock:
-of two robots that approach the same part the nearer goes on, the other chooses another, and the coordinator
+of two robots that approach the same part the nearer continues, the other chooses another, and the coordinator
 grants it to one of them only.
 """
 
@@ -31,7 +31,7 @@ class PartCarrier:
         goal: of the robot, m.
         aim: next waypoint, m, approached in a straight line; None: the law leads to the goal.
         claim: published in the robot's State.
-        radius: of the disk that has to be kept clear, m.
+        radius: of the disk that must be kept clear, m.
         handles: the request to publish once the disk is kept clear.
         held: the obstacle that is about to be taken up, which constrains only the smaller disk; 0 for none.
     """

@@ -1,4 +1,4 @@
-"""A robot's peers: when each State counts, and the newest of each peer.
+"""A robot's peers: the tick in which each State takes effect, and the newest of each peer.
 
 Sender and tick of a State decide whether it is accepted; its arrival time does not. Proposals and answers
 take effect only between a Tick and the own Command, when no command is in force; later ones wait for the
@@ -132,8 +132,8 @@ class PeerInbox:
     """The inbox of one life of one robot.
 
     Args:
-        accepted: takes each State that counts, with its proposals and answers.
-        lockstep: whether the world waits for this robot. If it does not, States of missed ticks count.
+        accepted: takes each accepted State, with its proposals and answers.
+        lockstep: whether the world waits for this robot. If not, States of missed ticks are accepted.
 
     Attributes:
         neighbours: peers, by their newest States and the roster.
@@ -147,7 +147,7 @@ class PeerInbox:
         self._robot, self._tick, self._lockstep = robot, -1, lockstep
         self._link = StateLink(scenario, robot)
         self._far = Arrivals(scenario, robot) if scenario.hears_near else None
-        self._since: dict[int, int] = {}  # first tick of which a State counts, by peer
+        self._since: dict[int, int] = {}  # tick of the first accepted State, by peer
         self._active: tuple[int, ...] = ()  # as the tick before named them
         self._awaited: set[int] = set()
         self._open = False  # whether the tick's State is out and its Command is not

@@ -27,7 +27,7 @@ class KnownRoster:
     Attributes:
         version: 0 before the first.
         members: its entries, by id, in its order.
-        obstacles: its obstacles that came or went.
+        obstacles: its added and removed obstacles.
         parts: the place of each part.
         shapes: of all obstacles that are present or appearing.
         numbered: the same shapes, by number.
@@ -63,8 +63,7 @@ class KnownRoster:
 
 
 def has_ended(roster: Roster, robot: int, incarnation: int) -> bool:
-    """Whether a roster says that this incarnation is over: its disk stands, or a newer incarnation is
-    there."""
+    """Whether a roster ends this incarnation: its disk is static, or the robot has a newer one."""
     for member in roster.members:
         if member.robot == robot and member.incarnation >= incarnation:
             return member.incarnation > incarnation or member.status != "live"

@@ -71,7 +71,7 @@ class AttachedBase:
         return self._base.hear(topic, payload, self._clock())
 
     def on_driver(self, token: str, alive: bool) -> None:
-        """A token of a process that drives this base came or went. If there are several, the robot stands."""
+        """A token of a process that drives this base came or went. With several, the robot stands."""
         if token == self._own:
             return
         (self._others.add if alive else self._others.discard)(token)

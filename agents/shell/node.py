@@ -42,7 +42,7 @@ class RobotNode:
 
     Raises:
         JoinError: the world refuses this id.
-        BusError: the world is gone, or was never there.
+        BusError: the world is lost, or was never present.
     """
 
     def __init__(
@@ -185,7 +185,7 @@ class RobotNode:
                     self._say(f"ignores what is no message of its topics: {error}")
 
     def _on_presence(self, event: Presence) -> None:
-        """The token of a world, or of another process that drives the same base, came or went."""
+        """The token of a world, or of another process that drives the same base, appeared or disappeared."""
         if is_driver(event.key):
             if self._base is not None:
                 self._base.on_driver(event.key, event.alive)
@@ -320,7 +320,7 @@ class RobotNode:
             self._tell_command(encode(core.complaint()))
 
     def _rejoin(self, core: Robot) -> None:
-        """End this life, and ask for the next."""
+        """End this life, and request the next."""
         self._ended = True
         self._report()
         self._due = time.monotonic()
@@ -354,7 +354,7 @@ class RobotNode:
 
     def _report(self) -> None:
         self._reported = time.monotonic()
-        if self._bus.is_heard(self._health_key):  # what a report costs grows with the pairs
+        if self._bus.is_heard(self._health_key):  # the cost of a report grows with the number of pairs
             self._tell_health(encode(self._health()))
 
     def _health(self) -> Health:

@@ -25,7 +25,7 @@ class RosLink:
 
     Args:
         bus: the process's own connection.
-        base: what the scenario says of them, for this robot.
+        base: the scenario's settings of these topics, for this robot.
     """
 
     def __init__(self, bus: Bus, base: Base) -> None:
@@ -108,7 +108,7 @@ class AttachedTools:
 
     @property
     def stopped(self) -> bool:
-        """Whether the robot has to stand until it is released."""
+        """Whether the robot must stand until it is released."""
         return self._tools.stopped
 
     def tell(self, core: Robot, command: Command, heading: float) -> None:

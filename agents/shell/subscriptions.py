@@ -28,7 +28,7 @@ class Subscriptions:
         self._bus, self._run, self._robot = bus, run, robot
         self._fleet: frozenset[int] = frozenset()  # all peers
         self._epoch = 0  # of the coordinator
-        self._near: frozenset[int] = frozenset()  # peers near now or soon; empty if that was never said
+        self._near: frozenset[int] = frozenset()  # peers near now or soon; empty before the first `attend`
         self._before = self._near  # those named before them
         self._named = False  # whether `attend` set near peers since the last `apply`
         self._dropped: set[str] = set()  # keys to withdraw from
@@ -47,7 +47,7 @@ class Subscriptions:
         self._subscribe(self.readers)
 
     def on_roster(self, roster: Roster, *, hears_all: bool) -> None:
-        """Add robots that joined the fleet, and subscribe to them if all peers are heard."""
+        """Add robots that joined the fleet, and subscribe to them if all peers are received."""
         for member in roster.members:
             peer = member.robot
             if peer == self._robot or peer in self._fleet:

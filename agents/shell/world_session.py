@@ -17,7 +17,7 @@ from protocol.messages import Health
 Say = Callable[[str], None]
 Read = Callable[[bytes], joining.Reply]
 
-PATIENCE: Final = 10.0  # s without a message of the world before it is asked for a sign of life, or given up
+PATIENCE: Final = 10.0  # s without a message of the world before a probe, or before giving up
 RETRY: Final = 0.2  # s until the next question after one that was of no use
 _TIMEOUT = 2.0  # s that a question may take
 _BRIEF = 0.1  # s that it may take when the run is over: the end of the world's token may have been missed
@@ -31,7 +31,7 @@ class WorldSession:
 
     Args:
         bus: the process's own connection.
-        wait: s that there may be no world yet.
+        wait: longest time without a world at the start, s.
         say: takes warnings for the operator.
         read: decodes an answer to a request to join; its result is never changed.
 
@@ -60,7 +60,7 @@ class WorldSession:
 
     def ask(self, health: Health | None) -> joining.Reply | None:
         """Request to join, with `health` if an incarnation of this process has ended; without it the reply
-        says whether that goes on. Returns the reply; None to ask again a little later.
+        only confirms the present life. Returns the reply; None to ask again a little later.
 
         Raises:
             JoinError: the world refuses this id.
@@ -118,7 +118,7 @@ class WorldSession:
         return self.epoch > 0 and session == session_of(self.epoch)
 
     def on_token(self, session: str, alive: bool) -> None:
-        """A world's token came or went. While the own one is missing the robot stands, and joins another."""
+        """A world's token appeared or disappeared. Without its own the robot stands, and joins another."""
         own = self.is_own(session)
         if not own:
             (self._others.add if alive else self._others.discard)(session)

@@ -157,8 +157,7 @@ def drive(
     on_stop: Callable[[], None] | None = None,
     beat: Callable[[float], None] | None = None,
 ) -> None:
-    """As `follow`; in any case close the bus, after `on_stop` has said the last words of a node that a signal
-    ended."""
+    """As `follow`; in any case close the bus, after `on_stop` has sent a stopped node's last messages."""
     try:
         follow(node, bus, beat)
         if on_stop is not None and not node.finished:
@@ -170,9 +169,8 @@ def drive(
 def follow(node: Node, bus: Bus, beat: Callable[[float], None] | None = None) -> None:
     """Feed `node` with the events of `bus` until it is finished or a signal asks this process to end.
 
-    `beat` is told the time, s, whenever the loop comes round.
-
-    Events that have arrived precede a deadline that has passed: the node was late, not its peers.
+    `beat` is called with the time, s, in each round of the loop. Events that have arrived precede a passed
+    deadline: the node was late, not its peers.
     """
     receive, handle = bus.receive, node.handle  # looked up once for all messages
     while not (node.finished or STOP.requested):
