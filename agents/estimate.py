@@ -204,14 +204,12 @@ class Estimate:
         return max(self._gaps(dx, dy, spread))
 
     def _gaps(self, dx: float, dy: float, spread: float) -> list[float]:
-        """Gap between the set and that disk along each of the directions, m."""
         return [
             -self._extents[(side + SIDES // 2) % SIDES] - (nx * dx + ny * dy + spread)
             for side, (nx, ny) in enumerate(DIRECTIONS)
         ]
 
     def _contradict(self, seen: Move, dx: float, dy: float, stamp: int) -> None:
-        """Record that the set and a measurement are disjoint."""
         other, gap = _of(self._newest), self._apart(dx, dy, seen.spread)
         if self.shape is not None:
             gaps = self._gaps(dx, dy, seen.spread)

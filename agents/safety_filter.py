@@ -72,7 +72,6 @@ class SafetyFilter:
 
     @property
     def _boundary(self) -> Boundary:
-        """Bound of the own centre."""
         region = self.lines.bound
         if region is None:
             return self._workspace

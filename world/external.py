@@ -161,7 +161,6 @@ class External:
         return frozenset(self.plant.ids) - silent - still
 
     def _farthest(self, robot: int, seconds: float) -> float:
-        """Longest motion of a robot in a time, m."""
         body, speed = self._bodies[robot], self._speed
         return speed * seconds * (1.0 + body.error) + body.play
 

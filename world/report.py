@@ -71,7 +71,6 @@ def _order(tick: int, order: Order, refused: str) -> dict[str, Any]:
 
 
 def _faults(scenario: Scenario, lives: Lives, measurements: dict[str, int]) -> dict[str, Any]:
-    """Faults of the scenario, and their outcome."""
     return {
         "process": [{**plain(fault), "tick": tick} for tick, fault in lives.applied[:LISTED]],
         "fenced": [

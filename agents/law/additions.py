@@ -135,7 +135,6 @@ class AugmentedLaw:
 
     @property
     def _winds(self) -> bool:
-        """Whether the path leads around obstacles, as of the last `_along`."""
         return self._attraction is not None and self._attraction.winds
 
     def slice_norm(self, position: Vector, goal: Vector) -> float:

@@ -167,7 +167,6 @@ class FieldRoute:
             heappush(self._open, (self._rest[index], index))
 
     def _around(self, place: Vector) -> list[int]:
-        """Points of paths near a place and in sight of it."""
         centre, reach = self._map.index(*place), range(-_BESIDE, _BESIDE + 1)
         near = [centre + row * self._map.width + column for row in reach for column in reach]
         return [

@@ -68,7 +68,6 @@ class GivingWay:
         return True
 
     def _wants(self, peer: PeerState) -> bool:
-        """Whether a peer is on its way to its goal."""
         return peer.placed and peer.gamma > (NEAR * self._radius) ** 2
 
     def _before(self, tick: int, jam: Iterable[PeerState]) -> list[PeerState]:
@@ -138,7 +137,6 @@ class RightOfWay(GivingWay):
         return self._trail[0]
 
     def _leave_trail(self, position: Vector) -> None:
-        """Record the path, without its loops."""
         for index, crumb in enumerate(self._trail):
             if math.dist(position, crumb) < self._radius:
                 del self._trail[index + 1 :]

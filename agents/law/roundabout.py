@@ -59,7 +59,6 @@ class Encounters:
         return found
 
     def _meet(self, found: list[Encounter], view: View, way: Vector, state: PeerState) -> None:
-        """Add the encounter with an extrapolated peer, if there is one."""
         age = (view.tick - state.tick) * self._period
         x, y = state.x + age * state.vx, state.y + age * state.vy
         rx, ry = x - view.position[0], y - view.position[1]

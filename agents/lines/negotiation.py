@@ -159,7 +159,6 @@ def _closest(one: MovingDisk, other: MovingDisk, ahead: float, begin: float, end
 
 
 def _clamped(part: float, whole: float) -> float:
-    """part / whole, limited to [0, 1]."""
     if part <= 0.0:
         return 0.0
     return 1.0 if part >= whole else part / whole
@@ -277,7 +276,6 @@ class Negotiation:
     def _consider(
         self, tick: int, bond: Bond, lines: Owner[Line], me: MovingDisk, kernel: Kernel, standing: bool
     ) -> None:
-        """Propose a new line if the pair needs one."""
         state = bond.state
         if state is None or not state.placed or bond.bound.state != LINES or len(lines.open) >= OUTSTANDING:
             return

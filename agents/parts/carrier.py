@@ -92,7 +92,6 @@ class PartCarrier:
     # -- on the way
 
     def _aim(self) -> Vector:
-        """The next waypoint."""
         if self.handles is not None:
             return self.goal
         part = self._perception.carriers.get(self._robot, 0)
@@ -129,7 +128,6 @@ class PartCarrier:
         return math.inf if self._place is None else math.dist(self._position, self._place)
 
     def _choose(self) -> None:
-        """Choose a part, at most once every `AGAIN` s."""
         self._task, self._place, self._target = 0, None, None
         if self._tick < self._look:
             return
@@ -146,7 +144,6 @@ class PartCarrier:
     # -- fetching and carrying
 
     def _fetch(self, part: int) -> None:
-        """Go to a part and take it up."""
         layout, grown = self._perception.layout, self._planner.loaded(part)
         if self._seen is not None and (self._seen.others, self._seen.held) != (layout.others, layout.held):
             self._look = self._tick  # another static disk or obstacle: choose again
@@ -198,11 +195,9 @@ class PartCarrier:
         return 0.0 <= gap <= self._reach and self._cost() < 0.5 * self._reach
 
     def _is_stuck(self) -> bool:
-        """Whether it has not moved for long."""
         return self._tick - self._since > self._patience
 
     def _give_up(self, part: int) -> None:
-        """Avoid a part for a while."""
         self._avoided[part] = self._tick + self._patience
         self._task, self._place, self.held = 0, None, 0
 

@@ -125,7 +125,6 @@ class Traffic:
         return me.radius + other.radius + ASIDE * me.radius
 
     def _away(self, way: Sequence[Vector]) -> Reals:
-        """Distance of each cell from a path, m."""
         far = np.full(self._grid.x.shape, np.inf)
         for x, y in way:
             np.minimum(far, np.hypot(self._grid.x - x, self._grid.y - y), out=far)

@@ -256,7 +256,6 @@ class Planner:
                 yield cell, places[0]
 
     def _bars(self, part: int, layout: Layout) -> bool:
-        """Whether a part covers the goal of another."""
         disk = Disk(*layout.parts[part], self._places.size(part, layout))
         others = [spec for each, spec in self._parts.items() if each != part]
         return any(disk.distance(*spec.goal) < spec.radius for spec in others)
@@ -316,6 +315,5 @@ class Planner:
         return self.grid.distance_field(self.grid.clear(self._places.standing(layout), radius), [position])
 
     def _by_way(self, places: Sequence[Vector], far: Reals) -> list[Vector]:
-        """Places that are reachable, the nearest first."""
         found = zip(map(float, self.grid.lengths(far, places)), places, strict=True)
         return [point for way, point in sorted(found) if math.isfinite(way)]

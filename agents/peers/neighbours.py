@@ -218,7 +218,6 @@ class PeerInbox:
         return sorted(self._awaited)
 
     def _take(self, tick: int) -> None:
-        """Accept all States that are due by `tick`."""
         for state in self._link.take(tick):
             self._learn(state)
 

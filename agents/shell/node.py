@@ -109,7 +109,6 @@ class RobotNode:
             self._begin(reply)
 
     def _goes_on(self, reply: joining.Reply) -> bool:
-        """Whether a reply confirms the present life."""
         core = self.core
         if core is None or self._ended or not isinstance(reply, joining.Admission):
             return False
@@ -320,7 +319,6 @@ class RobotNode:
             self._tell_command(encode(core.complaint()))
 
     def _rejoin(self, core: Robot) -> None:
-        """End this life, and request the next."""
         self._ended = True
         self._report()
         self._due = time.monotonic()

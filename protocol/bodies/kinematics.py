@@ -260,7 +260,6 @@ class Kinematics:
         return 0.5 * self.rim(ahead, aside) / (length * self._acceleration)
 
     def _stopping(self, motion: Motion) -> float:
-        """Time to brake, s."""
         return self.rim(motion.ahead, motion.aside) / self._acceleration
 
     def _lost(self, motion: Motion) -> float:

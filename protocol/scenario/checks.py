@@ -111,7 +111,6 @@ def _spans(scenario: Scenario) -> dict[Steps, float | tuple[float, float]]:
 
 
 def _texts(scenario: Scenario) -> Iterator[Finding]:
-    """Texts that are printed with the run."""
     name, description = scenario.name, scenario.description
     if not (name.isprintable() and len(name) <= _LONG_NAME):
         yield ("name",), f"must have no control characters, and at most {_LONG_NAME} characters"
@@ -317,7 +316,6 @@ def _faults(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
 
 
 def _members(scenario: Scenario) -> Iterator[tuple[Steps, int, int]]:
-    """Every place in a partition's group, with the index of the partition and the robot."""
     for n, partition in enumerate(scenario.link.partition):
         for g, group in enumerate(partition.groups):
             for m, robot in enumerate(group):

@@ -93,7 +93,6 @@ def obstacle(
 
 
 def _outside(shape: Shape, room: Shape) -> bool:
-    """Whether no point of a shape is inside the workspace."""
     if isinstance(room, Disk):
         return shape.distance(room.x, room.y) >= room.radius
     return any(shape.limit(nx, ny, 0.0) >= offset for nx, ny, offset in room.sides) or (
@@ -131,7 +130,6 @@ def _is_finite(disk: Disk) -> bool:
 
 
 def _where(shape: Shape) -> str:
-    """The key of its place."""
     return "points" if isinstance(shape, ConvexPolygon) else "center"
 
 

@@ -127,7 +127,6 @@ def _is_of(value: Any, kind: Any) -> bool:
 
 
 def _nothing(hint: Any) -> Any:
-    """The replacement of a malformed value."""
     kinds, _ = _alternatives(hint)
     if NoneType in kinds:
         return None

@@ -117,7 +117,6 @@ class Parts:
             self._load(robot, place)
 
     def _take_over(self, robot: int, place: PartPlace, at: Mapping[int, Vector]) -> None:
-        """Take a part from a static carrier."""
         if self._lives.roster.status(place.carrier) != "standing":
             return
         held = Disk(*at[place.carrier], self._scenario.loaded_radius(place.carrier, place.part))
@@ -131,7 +130,6 @@ class Parts:
         self._places[place.part] = PartPlace(place.part, carrier=robot)
 
     def _put(self, place: PartPlace, handles: Handling | None, heard: bool, at: Mapping[int, Vector]) -> None:
-        """Begin to put a part down, or cancel that."""
         robot, spec = place.carrier, self._spec(place.part)
         radius = self._scenario.loaded_radius(robot, place.part)
         wanted = None if handles is None or handles.part != place.part else handles.place

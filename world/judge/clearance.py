@@ -87,7 +87,6 @@ class Disks:
         return few
 
     def __len__(self) -> int:
-        """Number of gaps of a configuration."""
         return len(self.contact) + len(self.ids) + len(self.robot)
 
     def relative(self, positions: Plane) -> Plane:

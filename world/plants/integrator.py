@@ -114,7 +114,6 @@ class SimulatedBase:
         return steps
 
     def _arcs(self, velocity: Vector | None, tick: int) -> list[Arc]:
-        """The parts of the nominal path in a tick."""
         kinematics, motion = self._kinematics, self.motion
         part = kinematics.period / kinematics.steps
         if velocity is None or (velocity[0] == 0.0 and velocity[1] == 0.0):

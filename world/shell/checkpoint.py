@@ -200,7 +200,6 @@ def boot() -> str:
 
 
 def _digest(scenario: Scenario) -> str:
-    """Digest of the scenario."""
     return hashlib.sha256(_encoder.encode(scenario)).hexdigest()
 
 
@@ -213,7 +212,6 @@ def _place(index: int) -> int:
 
 
 def _frame(number: int, content: bytearray) -> None:
-    """Fill in the header of a payload."""
     size = len(content) - _FRAME.size
     _FRAME.pack_into(content, 0, number, size, 0)
     _FRAME.pack_into(content, 0, number, size, zlib.crc32(content))

@@ -326,7 +326,6 @@ class WorldNode:
             self._conclude()
 
     def _conclude(self) -> None:
-        """Publish the result, and let the robots leave."""
         if self._run.phase is not Phase.SHUTDOWN:
             return
         report = self._shutdown.report(self._publishers.published)
