@@ -169,13 +169,14 @@ class Base:
         """The delays of this base.
 
         A tick begins with odometry of an estimated age of at most `age + latency`. The estimate takes the
-        least delay seen for `delay`; it is between that and `latency`.
+        least delay seen for `delay`; it is between that and `latency`. A velocity may stay the newest one
+        for two decisions: that of a tick that brakes, and that of the next before braking goes on.
         """
         unknown = self.latency - self.delay
         return Lateness(
             self.age + self.latency + unknown,
             self.latency,
-            self.timeout + self.latency,
+            max(self.timeout, 2.0 * DECISION) + self.latency,
             0.5 * (unknown + DECISION),
         )
 
