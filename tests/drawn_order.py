@@ -1,7 +1,5 @@
 """Fleets in this process whose robots join, and whose messages are heard, in an order of their own."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Sequence
 from random import Random

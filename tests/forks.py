@@ -4,8 +4,6 @@ A command then takes the time of its own work only: an interpreter takes longer 
 to do theirs. That the command starts by itself, too, is seen where processes of its own are started.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal

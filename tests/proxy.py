@@ -1,7 +1,5 @@
 """Stand-ins between a node, a bus and what they belong to."""
 
-from __future__ import annotations
-
 from typing import Any
 
 

@@ -1,7 +1,5 @@
 """Short programs, each in an interpreter of its own, of which nothing is left."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -5,8 +5,6 @@ process nothing arrives later by itself, so that a wait may as well be over at o
 outcome does not depend on the load of the machine.
 """
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Iterator

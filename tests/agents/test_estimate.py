@@ -1,7 +1,5 @@
 """The estimate: the truth is always in the set, the set is small, and ideal sensing is exact."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

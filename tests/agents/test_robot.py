@@ -1,7 +1,5 @@
 """The core of a robot: what it is told may come in any order in which a network can bring it."""
 
-from __future__ import annotations
-
 from functools import cache
 
 from hypothesis import given

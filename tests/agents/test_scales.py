@@ -1,8 +1,6 @@
 """The escape from deadlocks at any period and any length: the same robots, from centimetres to hundreds of
 metres, with a world, messages and lines."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """A robot and a world that is not there: before the first word, during a run, after it."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 from pathlib import Path

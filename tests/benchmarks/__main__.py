@@ -3,8 +3,6 @@
 python -m tests.benchmarks --robots 6 16 --seconds 2
 """
 
-from __future__ import annotations
-
 import argparse
 
 from tests.benchmarks.fleets import Measured, measure

@@ -9,8 +9,6 @@ tick, measured after the first two seconds.
     python -m tests.benchmarks.crowds --robots 100 1000 --rate 10 --transport local --mode lockstep
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import time

@@ -1,7 +1,5 @@
 """The real fleet under the clock: rate, processor time, start-up and memory of real robots on real zenoh."""
 
-from __future__ import annotations
-
 import os
 import time
 from dataclasses import replace

@@ -7,8 +7,6 @@ the first two seconds; `bytes` are of all links together, per tick and robot. Ne
     python -m tests.benchmarks.links --hosts 4 --robots 64
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace

@@ -3,8 +3,6 @@
 python -m tests.benchmarks.networks --runs 5
 """
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import replace
 

@@ -3,8 +3,6 @@
 python -m tests.benchmarks.obstacles --boxes 3000 --robots 50
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import time

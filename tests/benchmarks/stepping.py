@@ -3,8 +3,6 @@
 python -m tests.benchmarks.stepping --robots 2 6 16
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 from statistics import median

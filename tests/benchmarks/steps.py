@@ -6,8 +6,6 @@ several runs. ORCA is pyrvo with one simulator a robot, without a filter.
     python -m tests.benchmarks.steps --robots 12 32 --delay 0 0.3
 """
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """What is measured of whole fleets is there and runs. Nothing is timed here."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.benchmarks.fleets import measure

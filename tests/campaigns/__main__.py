@@ -7,8 +7,6 @@ python -m tests.campaigns walk --mutants
 --seed N --runs 1 repeats one run. Exit status: 0 no violation, and one for every mutant; 1 otherwise.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys

@@ -1,7 +1,5 @@
 """The campaigns by name."""
 
-from __future__ import annotations
-
 import sys
 from importlib import import_module
 from importlib.machinery import SOURCE_SUFFIXES, FileFinder, SourceFileLoader

@@ -6,8 +6,6 @@ touches; without kills no command is missed; with them every process is started 
 the end; memory that no file backs, file handles and threads of a process that lives for long do not grow.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import time

@@ -1,7 +1,5 @@
 """A search for a scenario in which the filter breaks its promise, among all that a scenario can express."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """Random faults: everything that may go wrong at once; a single collision is a bug, and has a seed."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace

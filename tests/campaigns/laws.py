@@ -4,8 +4,6 @@ Random starts and goals, equal and unequal disks, crowded and not, swaps with an
 late States. Every instance on which the reciprocal law does not arrive is run with the paper's law.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from deploy.library.encounters import swap

@@ -1,7 +1,5 @@
 """Campaigns over models and fleets that are beside the tests of what they search."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cache, partial
 from random import Random

@@ -7,8 +7,6 @@ goal of a part, which can then never get there; or if the same search finds no o
 dead robot and its part standing there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial

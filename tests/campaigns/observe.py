@@ -1,7 +1,5 @@
 """One run within this process, watched, and what no run may show."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Mapping, Sequence

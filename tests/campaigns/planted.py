@@ -1,7 +1,5 @@
 """Fleets with a planted fault: some modules as their sources say, with one fault in them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import ModuleType

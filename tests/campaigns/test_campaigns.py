@@ -1,7 +1,5 @@
 """A share of the campaigns in every run of the suite, and their driver: what is found is kept, and told."""
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The falsifier: a few runs find each planted fault; nothing depends on how busy the machine is."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

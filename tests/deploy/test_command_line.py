@@ -1,7 +1,5 @@
 """One command line: an option means the same in every command, or is refused where it cannot apply."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """What strangers type: every boundary takes it, or names it in an error of this software; nothing else."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """`disknav.parallel_env`: PettingZoo's own tests, Gymnasium's of spaces, and what numbers mean."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import warnings

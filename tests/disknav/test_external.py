@@ -1,7 +1,5 @@
 """`law = "external"`: robots want what they are told, and the filter keeps them apart all the same."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

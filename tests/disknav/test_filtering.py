@@ -1,7 +1,5 @@
 """The filter as a function: nothing touches, harmless wishes are kept, bad input is named."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

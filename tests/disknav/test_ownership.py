@@ -1,7 +1,5 @@
 """Packages of other owners under disknav's names are noticed, named, and do not run."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """`import disknav`: scenarios in, arrays out, and the same trajectory as the command's."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The Python of the documentation and the notebook runs, from top to bottom."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """What documents say: every file and folder that they name is there, and README's scenario arrives."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 `test_shown_commands.py` runs the commands of the pages.
 """
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

@@ -8,8 +8,6 @@ checks of the library and moving pictures in campaigns only. A comment before a 
     <!-- file: mine.toml -->  the block, of whatever kind, is the content of this file in the page's folder
 """
 
-from __future__ import annotations
-
 import re
 import shlex
 import shutil

@@ -1,7 +1,5 @@
 """Every message that the page of troubleshooting quotes is one that the software prints."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path

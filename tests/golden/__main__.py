@@ -4,8 +4,6 @@ A change of the control, the sensors or the world moves trajectories. Commit the
 the change that moves them, and say in its message why they move.
 """
 
-from __future__ import annotations
-
 from tests.golden import kept
 from tests.golden.cases import CASES, SADDLES
 from tests.golden.trajectory import Trajectory, run

@@ -1,7 +1,5 @@
 """The scenarios whose trajectories are kept: the library, and some of it under faults."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 

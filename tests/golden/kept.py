@@ -1,7 +1,5 @@
 """The kept trajectories: `trajectories.json`, in whole micrometres, and `hashes.json`."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from pathlib import Path

@@ -3,8 +3,6 @@
 `make golden` renews them, for a change that is meant to move them.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -4,8 +4,6 @@ clearance falls fastest, each for some ticks; the filter has to hold against it.
 disknav run turtlebots-6 --set control.law=tests.laws.adversary:Adversary --set time.endless=true
 """
 
-from __future__ import annotations
-
 import math
 from random import Random
 from typing import Final

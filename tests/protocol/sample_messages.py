@@ -1,7 +1,5 @@
 """Messages of every stream: `ANY` that may be sent, for hypothesis, and `ONE` of each as an example."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Disks and convex polygons for tests with hypothesis."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

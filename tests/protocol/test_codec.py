@@ -1,7 +1,5 @@
 """The codec: what is sent arrives unchanged, and nothing hostile gets past MessageError."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Draws by counter: a key determines its numbers, whatever else was drawn."""
 
-from __future__ import annotations
-
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st

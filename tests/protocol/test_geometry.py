@@ -1,7 +1,5 @@
 """Disks and polygons: distances, nearest points and limits; and why corners are no convex polygon."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The grammar of key expressions: what is built parses back, everything else is refused."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Requests to a running fleet: one form in JSON, msgpack and scenario files, and declared errors only."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import msgspec

@@ -1,7 +1,5 @@
 """Bound on the position of silent external robots: no farther off than their bodies can have gone."""
 
-from __future__ import annotations
-
 import pytest
 
 from agents.bases.base import ros_of

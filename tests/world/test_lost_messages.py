@@ -1,7 +1,5 @@
 """A message that a network loses costs a lock-step run a moment, no robot, and no bit of the trajectory."""
 
-from __future__ import annotations
-
 import pytest
 
 from deploy.library.load import load

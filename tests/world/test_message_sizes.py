@@ -1,7 +1,5 @@
 """No message outgrows the limit of its stream, however large the fleet and whatever has happened to it."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

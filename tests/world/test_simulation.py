@@ -1,7 +1,5 @@
 """What robots are told of themselves: late and noisy positions; odometry and directions within bounds."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -2,8 +2,6 @@
 obey (`test_rides`). Two of them look right at first, and are off by little: without the hold time, and
 without the way to the place where the body stands."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from tests.agents.bodies.ride import ROUNDING, Product, excess_of

@@ -6,8 +6,6 @@ off by as much as it may, lines that are offered anywhere, most of them where th
 goes wrong is measured along the true way, within ticks too.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from random import Random

@@ -1,7 +1,5 @@
 """Beside an edge, where lag and play are there before any way is made, a body makes itself room."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest

@@ -1,7 +1,5 @@
 """Bodies keep to what they must obey, whatever commands are lost; without a rule they do not."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.agents.bodies.mutants import MUTANTS, hunt

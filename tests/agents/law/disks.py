@@ -1,7 +1,5 @@
 """Random disks that do not overlap."""
 
-from __future__ import annotations
-
 import numpy as np
 
 

@@ -1,7 +1,5 @@
 """Additions to the paper's law: without any it is the paper's, and each can be left out."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

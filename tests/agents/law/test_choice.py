@@ -1,7 +1,5 @@
 """A law of the user's: found by path, module and entry point, checked, and safe behind lines."""
 
-from __future__ import annotations
-
 import math
 import re
 import sys

@@ -1,7 +1,5 @@
 """Where there is room, crowds pressed together come apart, and robots that have arrived let others by."""
 
-from __future__ import annotations
-
 import math
 from random import Random
 

@@ -1,7 +1,5 @@
 """Ways over a grid: as the visibility graph finds them, but for what a grid cannot see."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Whatever finite numbers peers say, a law gives a finite velocity within the limit, and no error."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Late States: peers that go first are foreseen, and gain and speed near the goal follow the latency."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Obstacles in beta, the slice among them by finite differences; shortest ways, and the pull along them."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

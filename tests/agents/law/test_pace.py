@@ -1,7 +1,5 @@
 """The common pace, near and far, and the rate that brakes before a goal."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

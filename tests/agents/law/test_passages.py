@@ -1,7 +1,5 @@
 """Ways through gaps little wider than a disk."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

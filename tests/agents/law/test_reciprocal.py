@@ -1,7 +1,5 @@
 """Reciprocal velocities: half-planes, the program on them, whole runs, and waiting near the goal."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

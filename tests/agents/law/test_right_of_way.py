@@ -1,7 +1,5 @@
 """Where obstacles leave room for one only, one goes first and the others go back: none waits for ever."""
 
-from __future__ import annotations
-
 import pytest
 
 from agents.law.jams import ASIDE, JAM, TURN, RightOfWay

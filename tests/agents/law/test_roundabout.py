@@ -1,7 +1,5 @@
 """Encounters ahead, and the place that all of them go round."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

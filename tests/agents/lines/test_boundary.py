@@ -1,7 +1,5 @@
 """The wall: whatever is known of the own position, the truth stays inside; and a naive wall does not."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Where an owner puts a line: between what both will sweep while they obey it."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -2,8 +2,6 @@
 robots that know themselves badly: none leaves the workspace; one that is told nonsense stands.
 """
 
-from __future__ import annotations
-
 import math
 
 import pytest

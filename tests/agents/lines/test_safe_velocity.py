@@ -1,7 +1,5 @@
 """The applied velocity: all constraints to the last bit, nearest by brute force, still if need be."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

@@ -1,7 +1,5 @@
 """What one robot obeys of what the ledger says, and what it asks of the ledger and its peers."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

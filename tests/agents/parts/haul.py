@@ -4,8 +4,6 @@ As in `tests.agents.lines.models.skirmishes` robots want to collide; one that is
 a carrier asks to put its part down beside itself, whether that makes sense or not.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

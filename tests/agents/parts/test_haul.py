@@ -1,7 +1,5 @@
 """Nothing touches while disks grow and shrink; without any one rule for that something does."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.agents.lines.models.product import Product

@@ -1,7 +1,5 @@
 """Random instances that take more than bringing the nearest part next."""
 
-from __future__ import annotations
-
 import pytest
 
 from deploy.library.load import load

@@ -1,7 +1,5 @@
 """Which part goes first, and where a robot goes with it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from random import Random

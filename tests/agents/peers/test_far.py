@@ -1,7 +1,5 @@
 """Far disks in a robot's slice: exact at one place, close around it, without peers that are known better."""
 
-from __future__ import annotations
-
 import math
 from random import Random
 

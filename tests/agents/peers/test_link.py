@@ -1,7 +1,5 @@
 """Injected link faults: delay, repetition and loss of States, and radio ranges."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import groupby
 

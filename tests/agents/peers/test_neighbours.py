@@ -1,7 +1,5 @@
 """What one robot knows of the others, by their States and the roster."""
 
-from __future__ import annotations
-
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from protocol.messages import Member, Vector

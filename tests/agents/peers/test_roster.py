@@ -1,7 +1,5 @@
 """The roster as one robot knows it: what is news, which obstacles are there, and when a life is over."""
 
-from __future__ import annotations
-
 from agents.peers.roster import KnownRoster, has_ended
 from protocol.geometry import Disk
 from protocol.messages import Member, PlacedObstacle, Roster

@@ -1,7 +1,5 @@
 """Reading a peer's State: a robot gets the same as any other, except lines of other pairs."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """A base on the bus, whose computer may sleep."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 

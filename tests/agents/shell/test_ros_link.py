@@ -1,7 +1,5 @@
 """A simulated fleet that serves tools of ROS, on the in-process bus, in both dialects."""
 
-from __future__ import annotations
-
 import math
 import time
 

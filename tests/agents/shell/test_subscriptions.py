@@ -1,7 +1,5 @@
 """Subscriptions change while no peer waits for the robot: new ones at once, withdrawals some ticks later."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from agents.shell.subscriptions import Subscriptions

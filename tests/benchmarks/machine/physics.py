@@ -8,8 +8,6 @@ robots; in brackets both are beside points.
     python -m tests.benchmarks.machine.physics --robots 6 16 32
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 from statistics import mean

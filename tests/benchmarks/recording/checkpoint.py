@@ -6,8 +6,6 @@ part of a tick of a real fleet without it.
     python -m tests.benchmarks.recording.checkpoint --robots 6 32 200
 """
 
-from __future__ import annotations
-
 import argparse
 import time
 from collections.abc import Sequence

@@ -3,8 +3,6 @@
 Run `python -m tests.benchmarks.theory.auto_k --write` to measure again and rewrite docs/results/auto-k.md.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

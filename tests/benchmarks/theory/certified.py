@@ -4,8 +4,6 @@ Run `python -m tests.benchmarks.theory.certified --write` to measure again and r
 docs/results/certified-k.md.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -6,8 +6,6 @@ robot is within the scenario's tolerance of its goal. Prints the table of docs/r
     python -m tests.benchmarks.theory.sampled
 """
 
-from __future__ import annotations
-
 import argparse
 from dataclasses import replace
 

@@ -3,8 +3,6 @@
 Run `python -m tests.benchmarks.theory.smallest_k` to print the table of docs/results/theory.md.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 

@@ -5,8 +5,6 @@ others; every robot that has all states sends the world its command; the world w
 commands. Same keys, payload sizes and phases as a real fleet.
 """
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Callable

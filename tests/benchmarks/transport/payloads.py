@@ -1,7 +1,5 @@
 """What the floors send: as many bytes as the messages of a real fleet have on average."""
 
-from __future__ import annotations
-
 from collections import Counter
 from functools import cache
 from math import inf

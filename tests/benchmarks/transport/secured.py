@@ -3,8 +3,6 @@
 python -m tests.benchmarks.transport.secured --robots 6 16
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterator
 from contextlib import contextmanager

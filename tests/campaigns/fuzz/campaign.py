@@ -4,8 +4,6 @@ Inputs are valid ones, taken from real runs and from the library, with bytes, ch
 Beyond raising nothing undeclared, what a reader accepts must survive being written and read again.
 """
 
-from __future__ import annotations
-
 import traceback
 from random import Random
 from typing import Any

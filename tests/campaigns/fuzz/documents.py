@@ -1,7 +1,5 @@
 """Readers of scenarios and of orders."""
 
-from __future__ import annotations
-
 from functools import cache
 from random import Random
 from typing import Any

@@ -1,7 +1,5 @@
 """What comes from another host over ssh: news of its processes, and lines of its logs."""
 
-from __future__ import annotations
-
 import io
 import os
 import struct

@@ -3,8 +3,6 @@
 A checkpoint says when, and since which start of the machine: what is drawn from it differs each time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Readers of messages, keys and requests, and what real runs with faults publish, to begin from."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import replace

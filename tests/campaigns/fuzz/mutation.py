@@ -1,7 +1,5 @@
 """What a target of the fuzzer is, and damage to valid inputs: to bytes, to text, and to trees of values."""
 
-from __future__ import annotations
-
 import copy
 import datetime
 import math

@@ -1,7 +1,5 @@
 """What goes wrong with sensors, links and motors: from nothing to extremes, in the units of the run."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

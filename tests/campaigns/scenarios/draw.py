@@ -5,8 +5,6 @@ tick, so that what can happen does not depend on the units. Runs are short (`BUD
 protocol is an order of events, and that takes no more ticks than there are events.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,15 +14,7 @@ from deploy.library.load import resolved
 from protocol.errors import ScenarioError
 from protocol.scenario.body import PRESETS, Body, Preset
 from protocol.scenario.file import document_of, parse_document, validated
-from protocol.scenario.model import (
-    ADDITIONS,
-    Control,
-    Point,
-    RobotSpec,
-    Scenario,
-    Time,
-    Workspace,
-)
+from protocol.scenario.model import ADDITIONS, Control, Point, RobotSpec, Scenario, Time, Workspace
 from tests.campaigns.campaign import Dice
 from tests.campaigns.scenarios.disturbances import Scale, actuation, link, network, sensing
 from tests.campaigns.scenarios.events import Fleet, orders, sensible, stories

@@ -1,7 +1,5 @@
 """Events of a run: process faults, and the orders of an operator."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal

@@ -1,7 +1,5 @@
 """Where disks stand: anywhere, up to densities of 0.4, and closer together than chance would put them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace

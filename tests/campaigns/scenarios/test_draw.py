@@ -1,7 +1,5 @@
 """Draws: valid, the same again, and out of all that a scenario can express."""
 
-from __future__ import annotations
-
 import math
 from collections import defaultdict
 from collections.abc import Callable

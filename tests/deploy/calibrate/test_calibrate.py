@@ -1,7 +1,5 @@
 """Calibration against a base whose errors are known: what it says covers them, and is not far above."""
 
-from __future__ import annotations
-
 import random
 import tomllib
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Files of other planners' benchmarks, and what is said of those that no scenario can express."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The library's scenarios with obstacles, each with the property that it is there for."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import pairwise

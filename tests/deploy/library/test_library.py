@@ -1,7 +1,5 @@
 """The library: valid, deterministic, and as tight as the paper says."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from pathlib import Path

@@ -5,8 +5,6 @@ system from the package sources of this machine, and on it this software, by the
 containers is skipped where they are not there, and says so: it is untested then.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

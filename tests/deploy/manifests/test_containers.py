@@ -1,7 +1,5 @@
 """Compose and Kubernetes files: by their own schemas, and by what must not be in them."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import time

@@ -1,7 +1,5 @@
 """What is written for orchestrators, started by them, cold: podman-compose, pods, systemd as it boots."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """systemd units: verified by systemd's own tool, and their command lines run until the robots arrive."""
 
-from __future__ import annotations
-
 import json
 import shlex
 import shutil

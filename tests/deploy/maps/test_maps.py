@@ -1,7 +1,5 @@
 """Floor plans: maps of map_server, the obstacles that stand for them, and scenarios that name them."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Functions that tests run in processes of their own."""
 
-from __future__ import annotations
-
 import os
 import signal
 from collections.abc import Callable

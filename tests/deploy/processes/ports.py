@@ -1,7 +1,5 @@
 """Ports that stay free until a test's process takes them, and again when it is started anew."""
 
-from __future__ import annotations
-
 import os
 import re
 import socket

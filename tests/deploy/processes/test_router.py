@@ -1,7 +1,5 @@
 """The router's process: which port it takes, and what it says when it cannot."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator
 from contextlib import closing

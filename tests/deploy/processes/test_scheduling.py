@@ -1,7 +1,5 @@
 """Robots that wait for each other stay on a core each; under chrt all but the recorder have its priority."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

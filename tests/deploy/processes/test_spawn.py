@@ -1,7 +1,5 @@
 """The fork server: what becomes of a process, what it says, and that none is left behind."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

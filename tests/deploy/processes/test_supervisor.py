@@ -1,7 +1,5 @@
 """A supervisor and its processes: what each end means, waits between failures, and nothing left behind."""
 
-from __future__ import annotations
-
 import signal
 import time
 from collections.abc import Iterator

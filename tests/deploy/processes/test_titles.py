@@ -1,7 +1,5 @@
 """Titles tell processes apart: in a fleet, alone, after a restart; `pgrep` finds the one that is meant."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """Robots that bring parts to their goals: on every bus alike, though a robot dies, though its world does."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Real processes on real zenoh: one trajectory on every transport, in every run; and refused processes."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import time
@@ -92,11 +90,7 @@ def test_a_malformed_scenario_starts_nothing(tmp_path: Any) -> None:
         "[[robots]]\nid = 1\nradius = 0.04\nstart = [0, 0]\ngoal = [9, 0]\n[wrkspace]\nradius = 1\n"
     )
     done = subprocess.run(
-        [*DISKNAV, "run", str(path)],
-        capture_output=True,
-        text=True,
-        timeout=30,
-        check=False,
+        [*DISKNAV, "run", str(path)], capture_output=True, text=True, timeout=30, check=False
     )
     assert done.returncode == EXIT_INVALID
     assert "robots[0].goal" in done.stderr

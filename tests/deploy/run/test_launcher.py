@@ -1,7 +1,5 @@
 """What a launcher has to do to processes, and when, however late it hears of it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """What a run in this process costs the garbage collector, and that no garbage piles up over many."""
 
-from __future__ import annotations
-
 import gc
 import weakref
 

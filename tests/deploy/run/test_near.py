@@ -1,7 +1,5 @@
 """Robots that hear only those near them: no contact, all arrive, and one trajectory on every bus."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

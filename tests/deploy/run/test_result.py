@@ -1,7 +1,5 @@
 """What a launcher takes for a report, and what the exit status says of a result."""
 
-from __future__ import annotations
-
 import json
 
 import pytest
@@ -18,10 +16,7 @@ def test_a_launcher_takes_no_report_that_is_none(report: str) -> None:
         read_report(report)
 
 
-@pytest.mark.parametrize(
-    ("verdict", "collisions", "status"),
-    [("aborted", 0, 3), ("collision", 1, 1)],
-)
+@pytest.mark.parametrize(("verdict", "collisions", "status"), [("aborted", 0, 3), ("collision", 1, 1)])
 def test_a_fleet_that_is_to_stay_up_does_not_end_well_by_itself(
     verdict: str, collisions: int, status: int
 ) -> None:

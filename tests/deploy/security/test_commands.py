@@ -1,7 +1,5 @@
 """The commands that take keys, as a user meets them."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Neighbours that lie well, hold connections open, or whose time is up: what a secured run makes of them."""
 
-from __future__ import annotations
-
 import json
 import socket
 import time

@@ -1,7 +1,5 @@
 """Hosts with a router each; an attacker with all keys of one of them publishes in the name of the others."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The directory of keys: its permissions and contents, and that it is never overwritten by accident."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from pathlib import Path

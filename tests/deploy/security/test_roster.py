@@ -1,7 +1,5 @@
 """The router's rules, without a router: everything declared is possible to its owner and to no other role."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

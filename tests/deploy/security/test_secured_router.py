@@ -1,7 +1,5 @@
 """A secured router against strangers, and the errors that a wrong certificate causes."""
 
-from __future__ import annotations
-
 import shutil
 import signal
 import time

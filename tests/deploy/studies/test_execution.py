@@ -1,7 +1,5 @@
 """Studies executed: the same rows whatever the jobs, shards and transport, and nothing done twice."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """Every study in small: its rows, summary and table."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The scene: as Foxglove and ROS define it, whole in every message, at a bounded rate."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from typing import Any

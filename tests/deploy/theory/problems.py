@@ -1,7 +1,5 @@
 """What the navigation function is tested on: 2, 3 and 6 robots, equal and unequal, and their clusters."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from deploy.theory.exact_flow import random_configuration

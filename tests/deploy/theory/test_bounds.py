@@ -1,7 +1,5 @@
 """Assumptions 1 and 2 and the bounds on k."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import permutations
 

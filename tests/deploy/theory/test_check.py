@@ -1,7 +1,5 @@
 """`disknav check`: the named clusters, the bounds, the words, the JSON."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from functools import cache

@@ -1,7 +1,5 @@
 """The gain that leads through doors: its formula against runs, and runs with the k that "auto" stands for."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -61,8 +59,7 @@ def test_a_robot_stops_before_a_door_below_its_gain_and_passes_above() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("law", "slack", "robots", "scale"),
-    [("gradient", 0.001, 1, 0.1), ("reciprocal", 0.01, 3, 1.0)],
+    ("law", "slack", "robots", "scale"), [("gradient", 0.001, 1, 0.1), ("reciprocal", 0.01, 3, 1.0)]
 )
 def test_with_k_auto_robots_pass_a_door(law: str, slack: float, robots: int, scale: float) -> None:
     assert verdict(resolved(hall(slack, robots, scale, law))) == "arrived"

@@ -1,7 +1,5 @@
 """The reference flow: descent, accuracy, arrival; spurious minima below a threshold; unreachable goals."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """phi's factors and its reduced gradient: differences, fifty digits, extremes, and the paper's statements."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import mpmath

@@ -1,7 +1,5 @@
 """Which places obstacles separate, against flood filling."""
 
-from __future__ import annotations
-
 import math
 import random
 

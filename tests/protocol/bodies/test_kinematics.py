@@ -1,7 +1,5 @@
 """Kinematics against wheels that are integrated in small steps, by other formulas."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Everything that a body may do, as the plant does it at its worst, lies in its sweep."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from types import SimpleNamespace

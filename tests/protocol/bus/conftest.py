@@ -1,7 +1,5 @@
 """A router in this process, and its clients."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 

@@ -1,7 +1,5 @@
 """The zenoh bus on real sessions: through a router, and between peers."""
 
-from __future__ import annotations
-
 import socket
 import threading
 import time

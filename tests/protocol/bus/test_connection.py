@@ -1,7 +1,5 @@
 """Endpoints as people write them, and as zenoh takes them."""
 
-from __future__ import annotations
-
 import json
 import pickle
 

@@ -1,7 +1,5 @@
 """The main loop of a process, in memory and on zenoh: events before deadlines, signals between events."""
 
-from __future__ import annotations
-
 import os
 import signal
 import threading

@@ -1,7 +1,5 @@
 """How to add what is missing, for the installation in use: a checkout, or a wheel from wherever it came."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """What processes say: words for people, lines for machines, and nothing that can stop a process."""
 
-from __future__ import annotations
-
 import json
 import logging
 import re

@@ -1,7 +1,5 @@
 """Signals as an event: noted at any moment, waking what waits, and never an exception out of nowhere."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """Scenario files in small, and what is wrong with a text."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

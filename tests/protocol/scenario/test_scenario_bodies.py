@@ -1,7 +1,5 @@
 """Bodies, and external bases, in scenario files."""
 
-from __future__ import annotations
-
 import pytest
 
 from protocol.scenario.body import PRESETS, Base, Body

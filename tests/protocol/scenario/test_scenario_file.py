@@ -1,7 +1,5 @@
 """Scenario files: what is accepted and written back, forms that mean the same, and the schema."""
 
-from __future__ import annotations
-
 from dataclasses import fields
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Mistakes in scenario files: all are said at once, each once, with its path."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """`--set path.to.key=VALUE`: where settings lead, and what is said of those that lead nowhere."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

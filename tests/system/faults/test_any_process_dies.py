@@ -1,7 +1,5 @@
 """kill -9 of world, router and robots, on real processes: the run goes on, and nothing touches."""
 
-from __future__ import annotations
-
 import json
 import random
 import signal
@@ -57,10 +55,7 @@ class Killer:
 
 
 def run(
-    scenario: Scenario,
-    options: RunOptions,
-    kill: Callable[[Fleet, Clock], None],
-    record: Path | None = None,
+    scenario: Scenario, options: RunOptions, kill: Callable[[Fleet, Clock], None], record: Path | None = None
 ) -> tuple[dict[str, Any], Rows]:
     fleet: Fleet
     with Fleet(scenario, options, watch=lambda clock: kill(fleet, clock), record=record) as fleet:

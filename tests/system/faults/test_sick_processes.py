@@ -1,7 +1,5 @@
 """A process that hangs costs one robot: real processes on real zenoh."""
 
-from __future__ import annotations
-
 import re
 import time
 from typing import Any

@@ -1,7 +1,5 @@
 """Messages of strangers under a run's name end no process: they are counted and dropped."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

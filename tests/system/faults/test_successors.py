@@ -1,8 +1,6 @@
 """Processes of one robot that follow each other, while launchers are late, and worlds and routers come
 and go: no other one takes a successor's place, and no trajectory shows any of it."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable

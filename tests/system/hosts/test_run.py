@@ -1,7 +1,5 @@
 """`disknav run --hosts`: hosts behind an ssh server on the loopback, each with a router port of its own."""
 
-from __future__ import annotations
-
 import json
 import signal
 import subprocess

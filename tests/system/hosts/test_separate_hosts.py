@@ -1,7 +1,5 @@
 """Three hosts, each with a router and two robots: a cable that is pulled for seconds."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Robots that come and go while the fleet runs: announced, cleared, put down, joined, removed."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Things that come and go while a fleet runs: acknowledged, refused by reason, remembered, drawn."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Orders while a fleet runs: through the bus to the robots, after a restart of the world, on real zenoh."""
 
-from __future__ import annotations
-
 import json
 import math
 import signal

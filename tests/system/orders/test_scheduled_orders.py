@@ -1,7 +1,5 @@
 """Orders that stand in a scenario: carried out in their ticks, the same on every bus, or refused."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Fleets in which robots come and go: a guest among four, and 3 to 12 under all faults."""
 
-from __future__ import annotations
-
 import math
 import random
 from dataclasses import replace

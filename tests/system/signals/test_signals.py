@@ -1,7 +1,5 @@
 """Signals at random moments of real processes leave a result, a recording, 130 or 143, and nothing else."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Router, world and robots started one by one: in any order, and the world's status tells the verdict."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Two worlds of one run as real processes: one is refused, requests reach all that answer, and both stand."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 

@@ -1,7 +1,5 @@
 """A fleet that cannot start says so once, and ends; it is not started again and again."""
 
-from __future__ import annotations
-
 import socket
 import sys
 from collections.abc import Iterator

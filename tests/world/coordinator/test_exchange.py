@@ -1,7 +1,5 @@
 """Commands that are executed, robots that keep others waiting, and the States received in a large fleet."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Which robots are bound, which region each is granted, and what each is told of it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

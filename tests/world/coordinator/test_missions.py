@@ -1,7 +1,5 @@
 """Orders of where to go: what is refused and why, point after point, patrols, ends that are no arrivals."""
 
-from __future__ import annotations
-
 import math
 
 from hypothesis import given

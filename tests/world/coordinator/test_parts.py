@@ -1,7 +1,5 @@
 """Parts: taken up by a robot as a larger disk, put down once all keep clear, taken from static robots."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

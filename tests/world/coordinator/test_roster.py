@@ -1,7 +1,5 @@
 """The roster: what each robot is told of it; obstacles that come and go, acknowledged before they appear."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

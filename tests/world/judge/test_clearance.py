@@ -1,7 +1,5 @@
 """Gaps of disks, walls and obstacles against dense sampling; of a large fleet, those that matter."""
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tightness, lengths, deviations, and phi against its formula in many digits."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

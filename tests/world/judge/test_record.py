@@ -1,7 +1,5 @@
 """What a record measures, also when fleet, goals or obstacles change; contacts, and a trajectory's digest."""
 
-from __future__ import annotations
-
 import math
 import struct
 from hashlib import sha256

@@ -6,8 +6,6 @@ is, and compared with the true one until the next command. Measured is what is l
 if its `error` and `lag` are as stated, and of its `drift`, if its `odometry` is; negative if nothing is.
 """
 
-from __future__ import annotations
-
 import math
 from random import Random
 from types import SimpleNamespace

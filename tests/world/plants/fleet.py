@@ -1,8 +1,6 @@
 """A whole fleet in one loop, without a bus: the real world and real robots, whose commands get lost, and in
 formulas, whose bases are off towards whatever is nearest by as much as they may be."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from random import Random

@@ -1,7 +1,5 @@
 """A law that wants a touch has none, with any body, at any period: a share of the campaign `adversary`."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from importlib.util import find_spec
 from itertools import cycle

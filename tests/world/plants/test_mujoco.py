@@ -1,7 +1,5 @@
 """Robots on wheels in a physics engine: nothing touches, by either judge, unless a rule is left out."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Joining: idempotent for each process, one process for each robot, and no wait for dead processes."""
 
-from __future__ import annotations
-
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -1,7 +1,5 @@
 """The checkpoint as a file: what was written last is read; what is not whole or of another run is refused."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from dataclasses import replace

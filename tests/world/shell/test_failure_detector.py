@@ -1,7 +1,5 @@
 """Robots without a token, without a process, without an answer. There is no bus, and time is injected."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import pytest

@@ -1,7 +1,5 @@
 """One robot that hangs, hears nothing, talks nonsense or lies costs one robot: the others arrive."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Iterator
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """The report lists the operators' requests: goals, robots added and removed, every emergency stop."""
 
-from __future__ import annotations
-
 import json
 
 import msgspec

@@ -1,7 +1,5 @@
 """Real time waits for none once all are set up; a tick in slow motion takes as long as is asked."""
 
-from __future__ import annotations
-
 import pytest
 
 from deploy.run.local import LocalFleet

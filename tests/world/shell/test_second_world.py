@@ -1,7 +1,5 @@
 """Two worlds of one run: one is refused, or both have all robots stand until one has left."""
 
-from __future__ import annotations
-
 import itertools
 
 import msgspec

@@ -1,7 +1,5 @@
 """Robots that owe a report, those to be notified, and for how long. There is no bus, and time is injected."""
 
-from __future__ import annotations
-
 from protocol.joining import Finished, Join, Reply, Wait
 from protocol.messages import Health
 from tests.world.driving import Stopwatch, two

@@ -1,7 +1,5 @@
 """The world dies at any moment, another one goes on, and nothing touches, jumps or is forgotten."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import os

@@ -3,8 +3,6 @@
 Without each rule of the kernel the proof does (`tests/proof`).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from tests.agents.lines.models.product import LARGE_ROOM, Product

@@ -1,7 +1,5 @@
 """The product's own modules as the models drive them: interpreted, so that a mutant may read otherwise."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from types import ModuleType
 from typing import Any

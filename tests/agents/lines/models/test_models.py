@@ -2,8 +2,6 @@
 any one rule some do. The campaigns `skirmish` and `aftermath` go on for longer.
 """
 
-from __future__ import annotations
-
 from types import ModuleType
 
 import pytest

@@ -1,7 +1,5 @@
 """Hosts before a run: whether each is fit."""
 
-from __future__ import annotations
-
 import re
 import socket
 from collections.abc import Iterator
@@ -26,11 +24,7 @@ HERE = Host("here", "127.0.0.1")
 def far(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Host]:
     with ssh_server(tmp_path_factory.mktemp("sshd")) as server:
         yield Host(
-            "far",
-            "127.0.0.1",
-            ssh=f"{server.user}@127.0.0.1",
-            options=server.options,
-            command=server.command,
+            "far", "127.0.0.1", ssh=f"{server.user}@127.0.0.1", options=server.options, command=server.command
         )
 
 

@@ -1,7 +1,5 @@
 """A host at the other end of ssh: what it may say, framed, checked and labelled with its name."""
 
-from __future__ import annotations
-
 import io
 import json
 import os

@@ -1,7 +1,5 @@
 """The hosts table: whatever is wrong is said at once, with its path."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 from typing import cast

@@ -1,7 +1,5 @@
 """The study of peers: what is scanned, which setting a row shows, what a step costs."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from pathlib import Path

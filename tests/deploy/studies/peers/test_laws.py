@@ -1,7 +1,5 @@
 """ORCA and barriers: they avoid with fresh information, are reproducible, and need their libraries."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest
@@ -29,10 +27,7 @@ def bare(law: str, *robots: RobotSpec) -> Scenario:
 
 def crossing(law: str) -> Scenario:
     """Two robots that face each other, a little off the line between them."""
-    one, other = (
-        RobotSpec(1, 0.04, (-0.2, 0.01), (0.2, 0.0)),
-        RobotSpec(2, 0.04, (0.2, -0.01), (-0.2, 0.0)),
-    )
+    one, other = (RobotSpec(1, 0.04, (-0.2, 0.01), (0.2, 0.0)), RobotSpec(2, 0.04, (0.2, -0.01), (-0.2, 0.0)))
     return bare(law, one, other)
 
 

@@ -1,7 +1,5 @@
 """The live connection for Foxglove, spoken to as Foxglove does; and the layout that goes with it."""
 
-from __future__ import annotations
-
 import json
 import socket
 import struct

@@ -1,7 +1,5 @@
 """A view of a run: messages and presence in, statuses and other plain data out."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 

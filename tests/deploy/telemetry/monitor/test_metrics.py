@@ -1,7 +1,5 @@
 """A fleet in figures: what is exported, in which form, and that the example dashboard asks for no other."""
 
-from __future__ import annotations
-
 import json
 import re
 import socket

@@ -1,7 +1,5 @@
 """Watchers in the process of the fleet, played recordings, and the terminal table."""
 
-from __future__ import annotations
-
 import io
 import signal
 import time

@@ -1,7 +1,5 @@
 """The web server of the live page."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import re

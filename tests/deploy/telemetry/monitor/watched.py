@@ -1,7 +1,5 @@
 """Fleets in this process for tests of monitors."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable, Iterator

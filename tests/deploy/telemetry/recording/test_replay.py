@@ -1,7 +1,5 @@
 """Replaying: the same trajectory recomputed, the same messages over again, and what `info` says."""
 
-from __future__ import annotations
-
 import time
 from contextlib import closing
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Recording files: what is written and refused, files that continue each other, a disk that is full."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

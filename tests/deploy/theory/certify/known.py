@@ -1,7 +1,5 @@
 """Critical points that multi-start finds for random goal sets, and boxes that hold one."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache

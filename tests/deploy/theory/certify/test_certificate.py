@@ -1,7 +1,5 @@
 """The certificate's file, stopping and going on, and what a second opinion says of it."""
 
-from __future__ import annotations
-
 import base64
 import json
 import zlib

@@ -1,7 +1,5 @@
 """What the search rests on, at critical points found numerically; and results A to C of docs/theory."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

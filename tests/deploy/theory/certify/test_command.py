@@ -1,7 +1,5 @@
 """`disknav certify`: exit statuses, files, output; and where the proven K is used."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

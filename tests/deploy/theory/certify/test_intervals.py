@@ -1,7 +1,5 @@
 """Every operation holds the exact result, in rational arithmetic, and is no wider than it must be."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

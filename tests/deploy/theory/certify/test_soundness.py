@@ -1,7 +1,5 @@
 """No box that holds a critical point is ever emptied, and no box that holds a minimum is ever settled."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from flint import arb

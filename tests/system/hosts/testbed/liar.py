@@ -1,7 +1,5 @@
 """A host that is well until told (SIGUSR1) not to be: `liar.py COMMAND...` stands before COMMAND."""
 
-from __future__ import annotations
-
 import os
 import select
 import signal

@@ -1,7 +1,5 @@
 """Hosts on one machine: a network namespace each, wired to a switch by links that can be cut."""
 
-from __future__ import annotations
-
 import json
 import os
 import pickle

@@ -1,7 +1,5 @@
 """Run on one host of a test: tells what the world publishes, a line of JSON each."""
 
-from __future__ import annotations
-
 import json
 import sys
 

@@ -3,8 +3,6 @@
 What is needed by others on other hosts reports, and is waited for.
 """
 
-from __future__ import annotations
-
 import pickle
 import sys
 from contextlib import suppress

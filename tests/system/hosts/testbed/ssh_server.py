@@ -1,7 +1,5 @@
 """An OpenSSH server on the loopback, with keys and a configuration of its own."""
 
-from __future__ import annotations
-
 import os
 import pwd
 import shutil

@@ -4,8 +4,6 @@ Nothing holds a robot then, so each has to become ready to move. Robots know exa
 that begin anew closer to each other than the bounds of their errors cannot agree on a line.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from random import Random
 from typing import Any

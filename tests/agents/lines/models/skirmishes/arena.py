@@ -1,7 +1,5 @@
 """Where skirmishes take place: little room, obstacles in it, and few robots, all of it drawn from a seed."""
 
-from __future__ import annotations
-
 import math
 from random import Random
 from typing import Literal

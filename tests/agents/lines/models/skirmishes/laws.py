@@ -1,7 +1,5 @@
 """What robots of skirmishes wish: to collide, or to stay."""
 
-from __future__ import annotations
-
 import math
 from random import Random
 from typing import Any
