@@ -74,8 +74,8 @@ def test_the_ladder_ends_where_it_is_told() -> None:
         ('"workspace": 0.3', '"workspace": 0.31', "damaged"),
         ('"k": 1000.0', '"k": 999.0', "damaged"),
         ('"format": "disknav certificate 2"', '"format": "disknav certificate 1"', "format"),
-        ('"radii"', '"radiuses"', "is no certificate"),
-        ("{", "", "is no certificate"),
+        ('"radii"', '"radiuses"', "is not a certificate"),
+        ("{", "", "is not a certificate"),
     ],
 )
 def test_a_damaged_file_is_refused(old: str, new: str, says: str, pair: Certificate, tmp_path: Path) -> None:
