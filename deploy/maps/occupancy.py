@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -15,10 +16,12 @@ from numpy.typing import NDArray
 
 from protocol.errors import MapError, Problem
 from protocol.process.installation import missing_library
+from protocol.process.log import LOG
 from protocol.scenario.model import Coordinate
 
 MOST_CELLS = 16_000_000  # 200 m by 200 m with cells of 0.05 m; reading takes 1 GB of memory
 FINEST, COARSEST = 1e-3, 10.0  # m, of a cell
+_SAVED_UNKNOWN = 205  # grey in which map_saver paints the unknown
 Mask = NDArray[np.bool_]
 _Struct = TypeVar("_Struct")
 Threshold = Annotated[float, Meta(ge=0, le=1)]
@@ -83,7 +86,18 @@ def read_map(path: Path) -> Occupancy:
     else:
         darkness = (grey if head.negate else 255 - grey.astype(np.int16)) / 255.0
         occupied, free = darkness > head.occupied_thresh, (darkness < head.free_thresh) & opaque
+        if not head.negate and free[grey == _SAVED_UNKNOWN].any():
+            _warn_of_free_unknown(path.resolve(), head.free_thresh)
     return Occupancy(occupied, ~(occupied | free), head.resolution, head.origin)
+
+
+@cache
+def _warn_of_free_unknown(path: Path, threshold: float) -> None:
+    """One warning for each file and process, which may read a map several times."""
+    LOG.warning(
+        f"{path}: free_thresh {threshold:g} makes grey {_SAVED_UNKNOWN} free, in which map savers paint "
+        "what is unknown; 0.196 keeps it unknown"
+    )
 
 
 def read_yaml(path: Path) -> Any:

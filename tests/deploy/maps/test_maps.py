@@ -66,6 +66,18 @@ def test_negated_and_raw_pictures_give_the_same_map(tmp_path: Path) -> None:
         assert (read_map(path).unknown == usual.unknown).all()
 
 
+@pytest.mark.parametrize(
+    ("free_thresh", "grey", "free"), [(0.25, 205, True), (0.196, 205, False), (0.25, 220, False)]
+)
+def test_a_threshold_that_frees_the_unknown_of_map_savers_is_reported(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, free_thresh: float, grey: int, free: bool
+) -> None:
+    path = drawn(tmp_path, ["..##"], HEAD.replace("0.25", str(free_thresh)))
+    Image.fromarray(np.array([[254, grey, 0, 0]], dtype=np.uint8)).save(tmp_path / "m.png")
+    assert read_map(path).unknown[0, 1] == (grey == 205 and not free)
+    assert ("0.196 keeps it unknown" in caplog.text) == free
+
+
 def test_transparent_pixels_are_unknown_and_deep_ones_are_refused(tmp_path: Path) -> None:
     """Beyond 8 bits all but the darkest pixels would count as white, and so as free."""
     path = drawn(tmp_path, ["..##"])
