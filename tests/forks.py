@@ -35,7 +35,6 @@ class Forks:
         """Run a command to its end, in a folder."""
         call = [str(word) for word in words]
         assert self._process.stdin is not None
-        assert self._process.stdout is not None
         with TemporaryDirectory() as folder:
             said = [Path(folder, name) for name in ("stdout", "stderr")]
             print(json.dumps([call, str(cwd), *map(str, said)]), file=self._process.stdin, flush=True)
@@ -44,7 +43,6 @@ class Forks:
 
     def close(self) -> None:
         """End it, and whatever command it waits for."""
-        assert self._process.stdin is not None
         self._process.stdin.close()
         try:
             self._process.wait(_LASTING)

@@ -66,11 +66,9 @@ def test_commands_are_the_same_in_whatever_order_its_peers_are_heard(orders: lis
 def test_a_later_life_begins_as_the_disk_that_its_earlier_one_was() -> None:
     """Which may have taken up a part; before its first command no module asks for its load."""
     first = said()[0][0]
-    assert first.roster is not None
     members = tuple(replace(m, radius=0.07) if m.robot == OWN else m for m in first.roster.members)
     robot = robots()[1][OWN]
     robot.begin(replace(first, roster=replace(first.roster, members=members)))
-    assert robot._filter is not None
     assert robot._filter.radius == 0.07
 
 
@@ -106,7 +104,6 @@ def test_a_robot_that_knows_nothing_any_more_adopts_nothing() -> None:
     robot.hearing.on_state(addressed_to(robot.robot, state, SCENARIO.spec(owner).radius))
     assert robot.command().velocity == (0.0, 0.0)
     end = bond.bound.lines
-    assert end is not None
     assert (end.seen, end.held_number, end.obeyed()) == (1, 0, held)
 
 

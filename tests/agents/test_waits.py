@@ -63,7 +63,6 @@ def test_a_robot_that_asks_a_world_that_leaves_hears_that_it_has_left(
     fleet.network.run(lambda: fleet.world.world.tick > 10)
     node = fleet.robots[1].node
     assert isinstance(node, RobotNode)
-    assert node.core is not None
 
     def ask(_: LocalBus, __: str, ___: bytes, timeout: float) -> list[bytes]:
         waited.append(timeout)
@@ -93,7 +92,6 @@ def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_tak
     bus = network.connect()
     bus.node = RobotNode(bus, "yard", 2)
     network.run(lambda: world.finished)
-    assert world.report is not None
     assert world.report["verdict"] == "arrived"
 
 
@@ -102,7 +100,6 @@ def test_a_life_that_goes_on_does_not_notice_that_it_asked() -> None:
     fleet.network.run(lambda: fleet.world.world.tick > 10)
     for there in (False, True):  # the router was gone for a moment
         for bus in fleet.robots.values():
-            assert bus.node is not None
             bus.node.handle(Presence(token(fleet.network), there))
     report = fleet.execute()
     assert report["trajectory_sha256"] == LocalFleet(SCENARIO).execute()["trajectory_sha256"]
@@ -115,7 +112,6 @@ def test_a_tick_of_an_earlier_life_leaves_the_awaited_peers_as_they_are() -> Non
     node = fleet.robots[1].node
     assert isinstance(node, RobotNode)
     core = node.core
-    assert core is not None
     core.incarnation = 2  # a life of this process began within the tick
     fleet.world_bus.node = None
     node._commanded = False

@@ -38,7 +38,6 @@ def _measured(robots: int, seconds: float) -> dict[str, Measured | Rate]:
 
 
 def table(robots: int, results: dict[str, Measured | Rate]) -> str:
-    """One line for each, with the ratio to bare zenoh: of its rate, and of what it costs."""
     floor = results["bare zenoh"]
     lines = []
     for name, result in results.items():
@@ -54,7 +53,6 @@ def table(robots: int, results: dict[str, Measured | Rate]) -> str:
 
 
 def main() -> None:
-    """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--robots", type=int, nargs="+", default=ROBOTS, help="numbers of robots")
     parser.add_argument("--seconds", type=float, default=3.0, help="how long each is measured")

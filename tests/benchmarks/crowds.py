@@ -12,7 +12,6 @@ tick, measured after the first two seconds.
 import argparse
 import os
 import time
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -31,11 +30,11 @@ _LEGS = 6  # goals of each robot, which it goes to in turn for ever
 _WARM = 2.0  # s of simulated time before processor time is counted
 
 
-def restless(robots: int, rate: float, seconds: float, network: Network, seed: int = 0) -> Scenario:
+def restless(robots: int, rate: float, seconds: float, network: Network) -> Scenario:
     """Random robots under way between random goals; no two goals of one leg are too close."""
-    instance = random_instance(robots, seed)
+    instance = random_instance(robots, 0)
     radii, room = [spec.radius for spec in instance.robots], instance.workspace.disk_radius
-    legs = [random_starts(radii, room, seed, 10 + leg) for leg in range(_LEGS)]
+    legs = [random_starts(radii, room, 0, 10 + leg) for leg in range(_LEGS)]
     orders = tuple(
         Order(0.0, goal=Journey(spec.id, tuple(leg[index] for leg in legs), patrol=True))
         for index, spec in enumerate(instance.robots)
@@ -45,8 +44,6 @@ def restless(robots: int, rate: float, seconds: float, network: Network, seed: i
 
 
 class Row(NamedTuple):
-    """What a crowd did."""
-
     robots: int
     ticks: int
     missed: float  # share of all commands
@@ -85,7 +82,6 @@ def _processor_time() -> float:
 
 
 def measure(scenario: Scenario, options: RunOptions) -> Row:
-    """One run."""
     meter = _Meter(scenario)
     if options.transport == "local":
         with LocalFleet(scenario, lockstep=options.mode == "lockstep", watch=meter) as local:
@@ -105,18 +101,15 @@ def measure(scenario: Scenario, options: RunOptions) -> Row:
     )
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--robots", type=int, nargs="+", default=[32, 64, 128, 200])
     parser.add_argument("--rate", type=float, default=10.0, help="ticks per simulated second")
     parser.add_argument("--seconds", type=float, default=60.0, help="of simulated time")
     parser.add_argument("--interest", choices=("near", "all"))
     parser.add_argument("--transport", choices=("routed", "mesh", "local"), default="routed")
     parser.add_argument("--mode", choices=("realtime", "lockstep"), default="realtime")
-    chosen = parser.parse_args(arguments)
+    chosen = parser.parse_args()
     options = RunOptions(chosen.transport, chosen.mode)
     print("robots  ticks  missed %       us  start s  took s  clearance mm")
     for robots in chosen.robots:

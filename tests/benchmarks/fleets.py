@@ -47,15 +47,11 @@ def scenario(robots: int, safety: Filter = "separating-lines", interest: Interes
 
 
 def measure(
-    robots: int,
-    seconds: float = 3.0,
-    safety: Filter = "separating-lines",
-    restarts: int = 0,
-    interest: Interest | None = None,
+    robots: int, seconds: float, safety: Filter = "separating-lines", interest: Interest | None = None
 ) -> Measured:
-    """Run a routed fleet in lock-step for about `seconds`; with `restarts` its world keeps a checkpoint."""
-    options, watch = RunOptions("routed", "lockstep", restarts=restarts), _Watch(seconds)
-    with Fleet(scenario(robots, safety, interest), options, watch=watch) as fleet:
+    """Run a routed fleet in lock-step for about `seconds`."""
+    watch = _Watch(seconds)
+    with Fleet(scenario(robots, safety, interest), RunOptions("routed", "lockstep"), watch=watch) as fleet:
         fleet.execute(lambda: watch.over)
     return watch.measured()
 
@@ -92,7 +88,6 @@ class _Watch:
             self._private = median(map(_private, self._processes))
 
     def measured(self) -> Measured:
-        """The figures, once the run is over."""
         return Measured(
             self._ticks / self._elapsed, 1000.0 * self._cpu / self._ticks, self._start, self._private
         )
@@ -104,5 +99,4 @@ class _Watch:
 
 
 def _private(process: psutil.Process) -> float:
-    """Unshared memory of a process, MB."""
     return float(process.memory_full_info().uss) / 2**20

@@ -8,7 +8,7 @@ the first two seconds; `bytes` are of all links together, per tick and robot. Ne
 """
 
 import argparse
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -46,11 +46,11 @@ def homes(scenario: Scenario, hosts: int) -> dict[int, int]:
     return found
 
 
-def in_blocks(robots: int, hosts: int, seconds: float, network: Network, seed: int = 0) -> Scenario:
+def in_blocks(robots: int, hosts: int, seconds: float, network: Network) -> Scenario:
     """Random robots for ever under way between the starts of all that are on the same host."""
-    instance = random_instance(robots, seed)
+    instance = random_instance(robots, 0)
     at = homes(instance, hosts)
-    random = generator(seed, Purpose.SCENARIO, 9)
+    random = generator(0, Purpose.SCENARIO, 9)
     legs: dict[int, list[Point]] = {spec.id: [] for spec in instance.robots}
     for host in range(1, hosts + 1):
         block = [spec for spec in instance.robots if at[spec.id] == host]
@@ -65,8 +65,6 @@ def in_blocks(robots: int, hosts: int, seconds: float, network: Network, seed: i
 
 
 class Row(NamedTuple):
-    """What crossed the links."""
-
     robots: int
     hosts: int
     interest: Interest
@@ -93,7 +91,6 @@ def _followed(scenario: Scenario, count: int, hosts: Hosts, told: Iterator[dict[
     last: tuple[int, dict[int, int]] | None = None
     for each in told:
         tick = each.get("tick", 0)
-        assert isinstance(tick, int)
         if tick >= begin and first is None:
             first = tick, hosts.sent()
         elif tick >= end and last is None:
@@ -107,15 +104,12 @@ def _followed(scenario: Scenario, count: int, hosts: Hosts, told: Iterator[dict[
     raise RuntimeError("the run ended before its time")
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Measure and print."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--robots", type=int, nargs="+", default=[64])
     parser.add_argument("--hosts", type=int, default=4)
     parser.add_argument("--seconds", type=float, default=12.0, help="of simulated time")
-    chosen = parser.parse_args(arguments)
+    chosen = parser.parse_args()
     if (problem := unable()) is not None:
         parser.error(problem)
     print("robots  hosts  interest   bytes  ratio   world's host   largest other")

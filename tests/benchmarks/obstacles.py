@@ -53,7 +53,6 @@ class Fleet:
             self._simulation.step()
 
     def step(self) -> None:
-        """One tick."""
         took = 0.0
         handle = RobotNode.handle
 
@@ -77,7 +76,6 @@ _CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 
 
 def main() -> None:
-    """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--boxes", type=int, default=3000, help="convex obstacles")
     parser.add_argument("--robots", type=int, default=50, help="in either fleet")

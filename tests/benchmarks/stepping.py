@@ -18,8 +18,6 @@ _STEPS = 40  # of each, in turns
 
 
 class Straight:
-    """Straight to the goal."""
-
     def __init__(self, scenario: Scenario, robot: int) -> None:
         del robot
         self._speed, self._step = scenario.control.speed, scenario.time.step
@@ -60,7 +58,6 @@ def compare(robots: int, rounds: int) -> tuple[float, float, float]:
 
 
 def main() -> None:
-    """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--robots", type=int, nargs="+", default=(2, 6, 16), help="numbers of robots")
     parser.add_argument("--rounds", type=int, default=10, help="episodes of 40 steps")

@@ -46,7 +46,6 @@ def crowd(robots: int, law: str, delay: float) -> Scenario:
 
 
 def main() -> None:
-    """A line for each number of robots and delay."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--robots", type=int, nargs="+", default=[12, 32])
     parser.add_argument("--delay", type=float, nargs="+", default=[0.0, 0.3], help="s")

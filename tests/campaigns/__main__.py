@@ -21,7 +21,6 @@ _say = partial(print, flush=True)
 
 
 def main(words: list[str] | None = None) -> int:
-    """Run one campaign; returns the exit status."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("name", nargs="?", choices=CAMPAIGNS, metavar="NAME", help="which campaign")
     parser.add_argument("--runs", type=int, help="how many; each campaign has its own default")

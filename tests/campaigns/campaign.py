@@ -20,7 +20,6 @@ class Dice:
         self._random = Random(seed)
 
     def whole(self, low: int, high: int) -> int:
-        """A whole number from low to high, both included."""
         return low + self._random.randint(0, high - low)
 
     def apart(self) -> Dice:
@@ -32,11 +31,9 @@ class Dice:
         return self.whole(0, _STEPS - 1) >= round((1.0 - probability) * _STEPS)
 
     def uniform(self, low: float, high: float) -> float:
-        """A number from low to high."""
         return low + (high - low) * (self.whole(0, _STEPS) / _STEPS)
 
     def log_uniform(self, low: float, high: float) -> float:
-        """A positive number whose logarithm is uniform."""
         return math.exp(self.uniform(math.log(low), math.log(high)))
 
     def pick(self, options: Sequence[T]) -> T:
@@ -44,7 +41,6 @@ class Dice:
         return options[self.whole(0, len(options) - 1)]
 
     def shuffled(self, items: Sequence[T]) -> list[T]:
-        """The items in a random order."""
         left = list(items)
         return [left.pop(self.whole(0, len(left) - 1)) for _ in items]
 

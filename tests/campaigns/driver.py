@@ -39,7 +39,6 @@ class Tally:
     violations: dict[int, Outcome] = field(default_factory=dict)
 
     def add(self, seed: int, outcome: Outcome) -> None:
-        """Count a run."""
         self.runs += 1
         self.said[outcome.said] += 1
         if outcome.violation:

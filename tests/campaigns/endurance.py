@@ -33,8 +33,6 @@ _LAUNCHER = "launcher"
 
 
 class Sample(NamedTuple):
-    """What a process holds on to."""
-
     time: float  # s
     memory: float  # MB, resident and not backed by a file
     handles: int
@@ -110,7 +108,6 @@ def grown(life: Sequence[Sample]) -> str:
 
 
 def _sampled(pid: int, now: float) -> list[Sample]:
-    """One sample; none of a process that has just ended."""
     try:
         process = psutil.Process(pid)
         memory = process.memory_info()

@@ -21,7 +21,6 @@ DELAYS = (0.0, 0.0, 0.05, 0.1, 0.2, 0.3)  # s; fresh states twice as often
 
 
 def drawn(seed: int) -> Scenario:
-    """One instance, without a law."""
     random = generator(seed, Purpose.SCENARIO, 7)
     count, kind = int(random.integers(2, 13)), int(random.integers(3))
     if kind == 0:

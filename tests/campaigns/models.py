@@ -72,7 +72,6 @@ def _attack(plant: str, dice: Dice) -> Outcome:
 
 
 def _deviation(dice: Dice) -> Outcome:
-    """One body at one period, which take turns."""
     from tests.world.plants.deviations import PERIODS as MEASURED
     from tests.world.plants.deviations import WHEELED, lacking
 

@@ -30,7 +30,6 @@ _SETTINGS = (
 
 
 def drawn(draw: Random) -> Scenario:
-    """A fleet of two to four."""
     settings = (
         f"control.speed={draw.choice((0.1, 0.2, 0.22))}",
         f"world.lease={draw.choice((0.31, 0.5, 0.8))}",

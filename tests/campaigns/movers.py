@@ -32,8 +32,6 @@ NO_ORDER = "no order found for the survivors"
 
 @dataclass(frozen=True)
 class Ended:
-    """What came of one instance."""
-
     seed: int
     left: tuple[int, ...]  # parts that are not in place
     verdict: str

@@ -42,14 +42,11 @@ class Violation(NamedTuple):
 
 @dataclass(frozen=True)
 class Observation:
-    """What came of a run."""
-
     report: dict[str, Any]
     notes: dict[int, str]  # by robot, of what it notices about itself
 
     @property
     def trajectory(self) -> str:
-        """Digest of the trajectory."""
         return str(self.report["trajectory_sha256"])
 
     @property
@@ -127,7 +124,6 @@ class Watch:
         self._holdups, self._held_up = _HOLDUPS, -1
 
     def begin(self, fleet: LocalFleet) -> None:
-        """The run of this fleet begins now."""
         self._fleet = fleet
         bus = self._bus = fleet.network.connect()
         bus.subscribe(world_key(fleet.run, "clock"), every_robot(fleet.run, "health"))
@@ -160,7 +156,6 @@ class Watch:
         self.finished = True
 
     def drain(self) -> None:
-        """Take in the last messages."""
         self._bus.drain()
 
     def enough(self) -> bool:

@@ -42,7 +42,6 @@ SUM = Campaign(_sum, 40, _mutants)
 
 @pytest.fixture
 def own(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A campaign of this module's."""
     monkeypatch.setitem(catalogue.CAMPAIGNS, "sum", ("numbers that add up to much", "test_campaigns:SUM"))
 
 

@@ -19,7 +19,6 @@ COMMAND = typer.main.get_command(app)
 
 
 def commands(command: Any = COMMAND, name: str = "") -> Iterator[tuple[str, Any]]:
-    """Every command that people call, with its name."""
     if not hasattr(command, "commands"):
         yield name, command
         return
@@ -32,7 +31,6 @@ ALL = dict(commands())
 
 
 def option(name: str) -> dict[str, Any]:
-    """The option of this name in each command that has it."""
     found = {}
     for title, command in ALL.items():
         for parameter in command.params:
@@ -50,7 +48,7 @@ def test_an_option_means_the_same_everywhere(name: str) -> None:
     assert len(texts) == 1, texts
 
 
-def test_short_options_mean_one_obstacle() -> None:
+def test_a_short_option_means_the_same_everywhere() -> None:
     meanings: dict[str, set[str]] = {}
     for command in ALL.values():
         for parameter in command.params:
@@ -95,7 +93,7 @@ CANNOT_APPLY = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("line", "name"), CANNOT_APPLY)
-def test_an_option_that_cannot_apply_is_refused(
+def test_an_option_that_cannot_apply(
     line: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -18,7 +18,6 @@ EXAMPLES = ROOT / "docs/examples"
 
 
 def run(folder: str, script: str, *words: str, cwd: Path) -> None:
-    """Run a script in a copy of its folder."""
     shutil.copytree(EXAMPLES / folder, cwd, dirs_exist_ok=True)
     call = [sys.executable, script, *words]
     done = subprocess.run(call, cwd=cwd, capture_output=True, text=True, timeout=120, check=False)
@@ -50,7 +49,6 @@ def test_a_study_is_drawn(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Figure 1, recorded in this process."""
     import disknav
 
     path = tmp_path_factory.mktemp("recording") / "figure-1.mcap"

@@ -38,7 +38,6 @@ class Shown(NamedTuple):
 
 
 def blocks(page: Path) -> list[Shown]:
-    """The blocks of a page that hold commands or are files."""
     found = []
     for mark, said, kind, text in _BLOCK.findall(page.read_text()):
         lines = [shlex.split(line, comments=True) for line in text.splitlines()] if kind == "sh" else []
@@ -49,7 +48,6 @@ def blocks(page: Path) -> list[Shown]:
 
 
 def redirected(words: list[str]) -> tuple[list[str], str]:
-    """What stands before `> FILE`, and the file."""
     return (words[:-2], words[-1]) if words[-2:-1] == [">"] else (words, "output")
 
 
@@ -119,15 +117,6 @@ def test_their_options_exist(page: Path, tmp_path: Path, monkeypatch: pytest.Mon
                     Path(word).touch()
             if rest:
                 command.make_context("disknav", rest)
-
-
-@pytest.mark.parametrize("page", PAGES, ids=_name)
-def test_no_command_hides_from_this(page: Path) -> None:
-    outside = _BLOCK.sub("", page.read_text())
-    assert re.findall(r"^(?: {4}|\$ )disknav .*", outside, re.MULTILINE) == []
-    for kind, text in re.findall(r"^```(\w*)\n(.*?)^```$", page.read_text(), re.DOTALL | re.MULTILINE):
-        if kind != "sh":
-            assert re.findall(r"^(?:\$ |\.venv/bin/)?disknav [a-z].*", text, re.MULTILINE) == []
 
 
 def test_there_are_commands() -> None:

@@ -33,7 +33,6 @@ def printed() -> list[str]:
 
 
 def longest_fragment(quoted: str) -> str:
-    """What stays of a message without the values in it."""
     return max((each.strip(" :") for each in re.split(r"\.\.\.|\(|\)|\d+|\bmine\.toml", quoted)), key=len)
 
 

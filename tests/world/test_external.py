@@ -76,7 +76,6 @@ def test_a_robot_whose_lease_may_run_is_not_taken_for_static(monkeypatch: pytest
     scenario = load("turtlebots-2", ["world.plant=external"], 1)
     robot = scenario.ids[0]
     base, outside = ros_of(scenario, robot).base, External(scenario)
-    assert base is not None
     waits = Command(robot, 1, 4, (0.0, 0.0), report=Report(scenario.spec(robot).start, 2e-3))
     moves = Command(robot, 1, 5, (0.1, 0.0), region=7)
     for now, command in ((0.4, waits), (0.5, moves)):

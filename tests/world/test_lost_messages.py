@@ -21,7 +21,6 @@ def test_what_is_lost_is_said_again(listener: int | None, kind: type[Tick | Stat
     fleet, left = LocalFleet(SCENARIO), [*LOST_AT]
     bus = fleet.world_bus if listener is None else fleet.robots[listener]
     node = bus.node
-    assert node is not None
 
     def handle(event: Event) -> None:
         message = decode(event.key, event.payload) if isinstance(event, Sample) else None

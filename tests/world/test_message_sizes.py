@@ -109,7 +109,6 @@ def test_what_the_world_says_fits_while_all_take_part_and_when_all_are_fenced() 
         world.open_tick()
         world.close_tick()
     (last, *_) = [m for robot, m in world.open_tick().items() if robot == IDS[0]]
-    assert last.roster is not None
     assert [each.status for each in last.roster.members] == ["standing"] * MOST
     assert_fits(last, robot_key("r", IDS[0], "tick"))
     while not world.verdict:

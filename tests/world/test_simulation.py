@@ -118,7 +118,6 @@ def test_odometry_is_off_by_no_more_than_it_says(x, y, winding, tick, seed):
 def test_a_base_takes_commands_in_the_frame_that_it_reports_in(vx, vy, tick):
     odometer = OdometrySensor(setting(heading=0.1), 1, slips=False)
     _, _, motion = odometer.read(BaseReport((0.0, 0.0), 0.0, (0.1, 0.05), 1.0, (0.02, 0.01)), tick)
-    assert motion is not None
     askew = motion.heading - 1.0
     assert abs(askew) <= 0.1
     assert motion.velocity == pytest.approx(turned(0.1, 0.05, askew))

@@ -22,7 +22,6 @@ def way(route: Route, start: tuple[float, float], goal: tuple[float, float]) -> 
     corners = [start]
     while corners[-1] != goal:
         found = route.ahead(corners[-1], goal)
-        assert found is not None
         corners.append(found[0])
         assert len(corners) < 100
     return corners

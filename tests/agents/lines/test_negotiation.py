@@ -55,7 +55,6 @@ def test_a_standoff_is_left_on_either_side_as_far_as_there_is_any_and_first_to_t
     gap = math.hypot(x, y) - 2.0 * RADIUS
     assume(gap > 1e-8)
     line = fit_line(me, peer, ahead=ahead, end=ahead, standoff=standoff)
-    assert line is not None
     room = 0.98 * gap
     assert line.gap(0.0, 0.0) >= RADIUS + min(standoff, room) - 1e-9
     assert -line.gap(x, y) >= RADIUS + min(standoff, max(0.0, room - standoff)) - 1e-9
@@ -65,12 +64,10 @@ def test_behind_one_that_drives_off_the_line_follows_it() -> None:
     """Seen 0.6 s ago at 0.3 m, driving off at 0.1 m/s; the line is to be obeyed 0.6 s from now."""
     me, peer = MovingDisk(0.0, 0.0, RADIUS, 0.1, 0.0), MovingDisk(0.3, 0.0, RADIUS, 0.1, 0.0, 0.1, 0.0)
     line = fit_line(me, peer, ahead=0.0, begin=1.2, end=1.3, share=1.0)
-    assert line is not None
     assert line.offset == pytest.approx(0.3 + 0.12 - RADIUS)
 
 
 def test_one_that_does_not_move_as_it_wants_to_keeps_its_place() -> None:
     me, peer = MovingDisk(0.0, 0.0, RADIUS), MovingDisk(0.3, 0.0, RADIUS, 0.1, 0.0, 0.0, 0.0)
     line = fit_line(me, peer, ahead=0.0, begin=1.2, end=1.3, share=1.0)
-    assert line is not None
     assert line.offset == pytest.approx(0.3 - RADIUS)

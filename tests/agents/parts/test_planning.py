@@ -69,7 +69,6 @@ def test_two_that_change_places_have_no_order_but_one_can_make_room() -> None:
     plan, layout = planner(scenario(((-0.1, 0.0), (0.1, 0.0)), ((0.1, 0.0), (-0.1, 0.0))))
     assert not plan.orders.exists(layout, [HOME])
     errand = plan.clearing(HOME, layout)
-    assert errand is not None
     aside = plan.destination(errand.part, errand.fetch, layout.without(errand.part))
     assert all(math.dist(aside, part) >= 0.08 for part in ((-0.1, 0.0), (0.1, 0.0)))
     assert plan.orders.exists(layout.moved(errand.part, aside), [(0.0, -0.15)])

@@ -36,14 +36,13 @@ class Swap(NamedTuple):
     arrived: int
 
 
-def swap(robots: int, kind: str, limit: float | None = None) -> Swap:
-    """Have a fleet change places; `limit` ends it sooner, s.
+def swap(robots: int, kind: str) -> Swap:
+    """Have a fleet change places.
 
     Raises:
         RuntimeError: two robots touched.
     """
-    ends = () if limit is None else (f"time.limit={limit}",)
-    scenario = load(f"turtlebots-{robots}", (*KINDS[kind], *ends))
+    scenario = load(f"turtlebots-{robots}", KINDS[kind])
     with Fleet(scenario, RunOptions()) as fleet:
         report = fleet.execute()
         cpu = sum(process["cpu_s"] for process in fleet.processes())
@@ -59,18 +58,17 @@ def swap(robots: int, kind: str, limit: float | None = None) -> Swap:
     )
 
 
-def plant_ms(scenario: Scenario, ticks: int = _TICKS) -> float:
+def plant_ms(scenario: Scenario) -> float:
     """What a tick takes the plant alone, with all robots on the way to the goal, ms."""
     plant = plant_of(scenario)
     velocities = {spec.id: (0.1 * spec.goal[0], 0.1 * spec.goal[1]) for spec in scenario.robots}
     began = time.process_time()
-    for tick in range(ticks):
+    for tick in range(_TICKS):
         plant.move(velocities, tick)
-    return 1e3 * (time.process_time() - began) / ticks
+    return 1e3 * (time.process_time() - began) / _TICKS
 
 
 def line(robots: int, kind: str, found: Swap, floor: Swap) -> str:
-    """One line of the table."""
     asked = f"{ASKED[robots]:g}" if kind == "wheels in MuJoCo" and robots in ASKED else ""
     cost = f"{found.factor:8.1f}{asked:>7}{found.cpu_ms:13.2f}{found.plant_ms:7.2f}{found.arrived:9}"
     way = (
@@ -80,7 +78,6 @@ def line(robots: int, kind: str, found: Swap, floor: Swap) -> str:
 
 
 def main() -> None:
-    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--robots", type=int, nargs="+", default=list(ASKED))
     options = parser.parse_args()

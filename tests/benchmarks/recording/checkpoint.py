@@ -58,7 +58,6 @@ def _drive(world: WorldCore, checkpoint: Checkpoint | None) -> float:
 
 
 def main() -> None:
-    """Print a table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--robots", type=int, nargs="+", default=(6, 32), help="numbers of robots")
     parser.add_argument("--seconds", type=float, default=2.0, help="how long each fleet is measured")

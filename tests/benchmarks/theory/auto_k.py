@@ -27,9 +27,7 @@ def random_radii(draw: np.random.Generator, p: int, ratio: float) -> Array:
     return np.asarray(np.sort(ratio ** draw.uniform(0.0, 1.0, p))[::-1])
 
 
-def random_instance(
-    draw: np.random.Generator, p: int, density: float, ratio: float
-) -> tuple[FleetProblem, Array]:
+def instance(draw: np.random.Generator, p: int, density: float, ratio: float) -> tuple[FleetProblem, Array]:
     """A problem, its k set by the automatic rule, and a start (p, 2).
 
     density: area of the disks over area of the workspace; ratio: largest over smallest possible radius.
@@ -70,25 +68,17 @@ class Row:
     failed: tuple[int, ...]  # numbers of the instances that did not arrive
 
 
-def auto_k_study(
-    robots: Sequence[int] = ROBOTS,
-    densities: Sequence[float] = DENSITIES,
-    ratios: Sequence[float] = RATIOS,
-    factors: Sequence[float] = FACTORS,
-    *,
-    runs: int = 40,
-    seed: int = 0,
-) -> Iterator[Row]:
-    """Rows of the study, cell by cell; the same arguments give the same instances and rows."""
-    for p, density, ratio, factor in product(robots, densities, ratios, factors):
-        yield _cell(p, density, ratio, factor, range(seed, seed + runs))
+def auto_k_study(runs: int) -> Iterator[Row]:
+    """Rows of the study, cell by cell."""
+    for p, density, ratio, factor in product(ROBOTS, DENSITIES, RATIOS, FACTORS):
+        yield _cell(p, density, ratio, factor, range(runs))
 
 
 def _cell(p: int, density: float, ratio: float, factor: float, instances: range) -> Row:
     nrl, gains, failed, unreachable = [], [], [], 0
     for number in instances:
         draw = generator(number, Purpose.STUDY, robot=p)
-        problem, start = random_instance(draw, p, density, ratio)
+        problem, start = instance(draw, p, density, ratio)
         if mirrored_triples(problem, start):
             unreachable += 1
             continue
@@ -143,7 +133,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=40, help="instances per cell")
     parser.add_argument("--write", action="store_true", help=f"replace the tables in {REPORT.name}")
     options = parser.parse_args()
-    tables = summary(list(auto_k_study(runs=options.runs)))
+    tables = summary(list(auto_k_study(options.runs)))
     if options.write:
         head = REPORT.read_text().split(MARKER)[0]
         REPORT.write_text(head + MARKER + "\n\n" + tables)

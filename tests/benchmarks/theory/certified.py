@@ -79,7 +79,6 @@ def _fails(problem: FleetProblem, starts: Sequence[Array]) -> float | None:
 
 
 def table(found: Sequence[Row]) -> str:
-    """Markdown."""
     head = "| robots | auto | certified K | a start fails at k | K over that | boxes | s |"
     lines = [head, "|---" * 7 + "|"]
     for row in sorted(found, key=lambda row: (row.robots, row.certified or np.inf)):

@@ -41,7 +41,6 @@ def instance(letter: str, seed: int) -> Scenario:
 
 
 def main() -> None:
-    """Print the table as Markdown."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--runs", type=int, default=RUNS, help=f"starts of each goal set; {RUNS}")
     runs = parser.parse_args().runs

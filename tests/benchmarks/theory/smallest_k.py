@@ -30,35 +30,33 @@ def arrives_from_all(problem: FleetProblem, starts: Sequence[Array]) -> bool:
     return all(integrate(problem, start).arrived for start in starts)
 
 
-def arrival_threshold(
-    problem: FleetProblem, starts: Sequence[Array], low: float, high: float, ratio: float = 1.05
-) -> tuple[float, float]:
-    """(k at which some start fails, k at which all arrive), within a factor of `ratio`; ignores problem.k.
+def arrival_threshold(problem: FleetProblem, starts: Sequence[Array]) -> tuple[float, float]:
+    """(k at which some start fails, k at which all arrive), within a factor of 1.05.
 
-    Bisection on log k between `low`, taken to fail, and `high`, taken to arrive. It finds one change from
+    Bisection on log k between 1, taken to fail, and problem.k, taken to arrive. It finds one change from
     failure to arrival; that arrival is monotone in k is observed, not proven.
     """
-    while high > ratio * low:
+    low, high = 1.0, problem.k
+    while high > 1.05 * low:
         middle = float(np.sqrt(low * high))
         arrives = arrives_from_all(replace(problem, k=middle), starts)
         low, high = (low, middle) if arrives else (middle, high)
     return low, high
 
 
-def smallest_k_study(letters: str = "abcde", runs: int = 30, gain: float = 60.0) -> Iterator[Row]:
-    """One row per goal set: the threshold, and nrl of the same starts at k = `gain`."""
-    starts = [np.array(random_starts([RADIUS] * 6, WORKSPACE, seed)) for seed in range(runs)]
-    for letter in letters:
+def smallest_k_study() -> Iterator[Row]:
+    """One row per goal set: the threshold, and nrl of the same starts at k = 60."""
+    starts = [np.array(random_starts([RADIUS] * 6, WORKSPACE, seed)) for seed in range(30)]
+    for letter in "abcde":
         goals = [robot.goal for robot in figure_3(letter).robots]
-        problem = FleetProblem(np.array(goals), np.full(6, RADIUS), WORKSPACE, gain)
-        fails, arrives = arrival_threshold(problem, starts, 1.0, gain)
+        problem = FleetProblem(np.array(goals), np.full(6, RADIUS), WORKSPACE, 60.0)
+        fails, arrives = arrival_threshold(problem, starts)
         lengths = [integrate(problem, start).nrl for start in starts]
         mean, deviation = float(np.mean(lengths)), float(np.std(lengths))
         yield Row(letter, tightness(goals, [RADIUS] * 6), fails, arrives, mean, deviation)
 
 
 def main() -> None:
-    """Print the table as Markdown."""
     print("| goal set | tight | some start fails at k | all arrive from k | nrl at k = 60 |")
     print("|---|---|---|---|---|")
     for row in smallest_k_study():

@@ -31,7 +31,6 @@ class Scale:
         """Nothing is due by the wall clock."""
 
     def mean(self, stream: str) -> bytes:
-        """A payload of average size."""
         return stream[0].encode().ljust(round(self.bytes[stream] / self.messages[stream]), b"\0")
 
 

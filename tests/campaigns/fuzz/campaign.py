@@ -24,7 +24,6 @@ def target_of(seed: int) -> str:
 
 
 def drawn(seed: int) -> Any:
-    """The input of a seed."""
     return TARGETS[target_of(seed)].draw(Random(seed))
 
 

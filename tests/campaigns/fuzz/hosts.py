@@ -64,9 +64,7 @@ def _draw_news(rng: Random) -> list[bytes]:
     return [said[:cut], said[cut:]]
 
 
-class _Silent(SshSpawner):
-    """A host whose every byte comes from a pipe."""
-
+class HostOnPipe(SshSpawner):
     def __init__(self, descriptor: int) -> None:
         self.host, self._beat = _HOST, inf
         self._frames = FramedMessages(descriptor, MAX_NEWS, 5.0)
@@ -75,7 +73,7 @@ class _Silent(SshSpawner):
 def _read_news(drawn: list[bytes]) -> bool:
     reading, writing = os.pipe()
     try:
-        host = _Silent(reading)
+        host = HostOnPipe(reading)
         for said in drawn:
             os.write(writing, said[:65_000])
             for news in host.news(0.0):

@@ -24,7 +24,7 @@ from protocol.bus.local import LocalNetwork
 from protocol.codec import REASONS, decode, encode
 from protocol.errors import KeyGrammarError, MessageError
 from protocol.keys import ROBOT_STREAMS, STREAMS, WORLD_STREAMS, everything, robot_key
-from protocol.messages import Health, State
+from protocol.messages import State
 from protocol.operations import Steer, decode_steer
 from protocol.scenario.model import Scenario
 from protocol.scenario.network import Network
@@ -85,7 +85,6 @@ def _read_message(drawn: tuple[str, bytes]) -> bool:
         raise
     assert decode(key, encode(message)) == message
     if isinstance(message, State):
-        assert heard is not None
         assert (heard.tick, heard.position, heard.desired) == (
             message.tick,
             message.position,
@@ -115,7 +114,6 @@ MESSAGES = {"message": Target(_draw_message, _read_message, MessageError, 60)}
 @cache
 def requests() -> list[bytes]:
     health = decode(*traffic()["health"][-1])
-    assert isinstance(health, Health)
     return [
         joining.encode_request(joining.Join(1, "5f3a", health)),
         joining.encode_request(joining.Join(999, "")),

@@ -71,7 +71,6 @@ def damaged_bytes(valid: bytes, other: bytes, rng: Random) -> bytes:
 
 
 def damaged_text(valid: str, other: str, rng: Random) -> str:
-    """As `damaged_bytes`, in characters."""
     text = valid
     for _ in range(rng.choice(_CHANGES)):
         place, stop = sorted((rng.randint(0, len(text)), rng.randint(0, len(text))))

@@ -94,7 +94,6 @@ class Fleet:
 
     @property
     def reach(self) -> float:
-        """Radius of a disk around the room, m."""
         return self.room.around.radius
 
     @property
@@ -103,20 +102,13 @@ class Fleet:
         return self.room.around.x, self.room.around.y
 
 
-def orders(
-    dice: Dice, scale: Scale, fleet: Fleet, events: Sequence[ProcessFault], some: float = 0.5
-) -> tuple[Order, ...]:
-    """None, or several; half of them near to something else that happens.
-
-    Args:
-        events: process faults.
-        some: probability of any.
-    """
-    if not dice.chance(some):
+def orders(dice: Dice, scale: Scale, fleet: Fleet, faults: Sequence[ProcessFault]) -> tuple[Order, ...]:
+    """None, or several; half of them near to something else that happens."""
+    if not dice.chance(0.5):
         return ()
     asked: list[Order] = []
     for _ in range(dice.pick((1, 1, 2, 3, 4, 6))):
-        times = [event.at for event in events] + [order.at for order in asked]
+        times = [fault.at for fault in faults] + [order.at for order in asked]
         ticks = [round(at / scale.step) for at in times]
         begin = dice.whole(0, max(1, (3 * scale.ticks) // 4))
         if ticks and dice.chance(0.5):
@@ -131,7 +123,6 @@ def orders(
 
 
 def _is_inside(order: Order, room: Shape) -> bool:
-    """Whether all that an order names is in the room."""
     points, radius = () if order.goal is None else order.goal.points, 0.0
     if order.add is not None:
         points, radius = (order.add.start, order.add.goal), order.add.radius
@@ -196,7 +187,6 @@ def _guest(dice: Dice, fleet: Fleet, like: RobotSpec, number: int) -> RobotSpec:
 
 
 def _somewhere(dice: Dice, fleet: Fleet) -> Point:
-    """The start or goal of a robot, or anywhere."""
     robot = dice.pick(fleet.robots)
     x, y = anywhere(dice, 0.95 * fleet.reach)
     return dice.pick((robot.start, robot.goal, (fleet.centre[0] + x, fleet.centre[1] + y)))

@@ -89,7 +89,6 @@ def beside(other: Point, other_radius: float, point: Point, radius: float, gap: 
 
 
 def anywhere(dice: Dice, reach: float) -> Point:
-    """Uniform in a disk around the origin."""
     length, angle = reach * math.sqrt(dice.uniform(0.0, 1.0)), dice.uniform(-math.pi, math.pi)
     return length * math.cos(angle), length * math.sin(angle)
 
@@ -229,15 +228,11 @@ def _polygon(dice: Dice, centre: Point, size: float, turn: float) -> tuple[Point
 
 
 def loads(
-    dice: Dice, robots: Sequence[RobotSpec], standing: Iterable[Obstacle], room: Shape, some: float = 0.4
+    dice: Dice, robots: Sequence[RobotSpec], standing: Iterable[Obstacle], room: Shape
 ) -> tuple[tuple[Part, ...], Carrying]:
-    """None in most scenarios; else a few, many of them larger than robots, and how far these reach.
-
-    Args:
-        some: probability of any.
-    """
+    """None in most scenarios; else a few, many of them larger than robots, and how far these reach."""
     smallest = min(robot.radius for robot in robots)
-    if not dice.chance(some) or smallest < _SMALLEST * room.around.radius:
+    if not dice.chance(0.4) or smallest < _SMALLEST * room.around.radius:
         return (), Carrying()
     carrying = Carrying(smallest * dice.pick((0.1, 0.3, dice.log_uniform(0.03, 2.0))))
     obstacles = [obstacle.shape for obstacle in standing]
@@ -266,7 +261,6 @@ def by_points(scenario: Scenario) -> Scenario:
 def _start(
     dice: Dice, robots: Sequence[RobotSpec], parts: Sequence[Part], radius: float, reach: float, room: Shape
 ) -> Point:
-    """Beside a robot or another part, or anywhere."""
     point = _somewhere(dice, room)
     if dice.chance(0.2):
         return point

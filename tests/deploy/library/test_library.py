@@ -22,7 +22,6 @@ NUMBERED = ["swap-2", "swap-3", "swap-10", "swap-60", "random-1", "random-2", "r
 
 
 def gap(scenario: Scenario, start: bool) -> float:
-    """Smallest clearance of starts or goals, m."""
     disks = [(robot.start if start else robot.goal, robot.radius) for robot in scenario.robots]
     wall = min(-scenario.workspace.shape.distance(*p) - r for p, r in disks)
     pairs = [math.dist(p, q) - r - s for n, (p, r) in enumerate(disks) for q, s in disks[:n]]
@@ -45,11 +44,6 @@ def test_goal_sets_have_the_papers_tightness(letter: str, tight: float) -> None:
     scenario = figure_3(letter)
     assert scenario.workspace.radius == 0.30
     assert [robot.goal for robot in scenario.robots] == list(GOAL_SETS[letter])
-
-
-def test_tightness_is_what_the_definition_says() -> None:
-    """Two robots 20 cm apart with a contact distance of 8 cm: 100 / log10(400 - 64)."""
-    assert tightness([(0.0, 0.0), (0.20, 0.0)], [0.04, 0.04]) == pytest.approx(100 / math.log10(336))
 
 
 def test_seeds_determine_starts() -> None:

@@ -49,7 +49,6 @@ def command(*arguments: str | Path) -> list[str]:
 def podman(
     *arguments: str | Path, check: bool = True, timeout: float = 60.0
 ) -> subprocess.CompletedProcess[str]:
-    """Run podman to its end."""
     done = subprocess.run(
         command(*arguments), capture_output=True, text=True, timeout=timeout, check=False, env=environment()
     )
@@ -70,7 +69,6 @@ needs_engine = pytest.mark.skipif(bool(unable()), reason=unable())
 
 
 def _fill() -> None:
-    """Make the images, saying what happens."""
     archive = STORE / "debian.tar"
     if podman("image", "exists", _DEBIAN, check=False).returncode:
         making = ["mmdebstrap", "--variant=minbase", f"--include={_PACKAGES}", "bookworm", str(archive)]

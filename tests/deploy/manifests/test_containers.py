@@ -36,7 +36,6 @@ def written(tmp_path: Path, orchestrator: Any, plan: Plan) -> Path:
 
 
 def documents(path: Path) -> list[dict[str, Any]]:
-    """The objects of a file."""
     return list(yaml.safe_load_all(path.read_text()))
 
 
@@ -99,10 +98,7 @@ def deployed(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("orchestrator", THIRD)
-def test_a_robot_that_orders_add_is_started_with_the_others(
-    disknav: Forks, tmp_path: Path, orchestrator: str
-) -> None:
-    """It waits for its disk."""
+def test_a_robot_that_orders_add_is_started_too(disknav: Forks, tmp_path: Path, orchestrator: str) -> None:
     assert deployed(disknav, tmp_path, orchestrator, GUEST).returncode == 0
     assert (tmp_path / "fleet" / "keys" / "robot-3.key").is_file()
     name, words = THIRD[orchestrator]

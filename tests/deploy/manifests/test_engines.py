@@ -30,13 +30,10 @@ def plan(run: str) -> Plan:
 
 def report(text: str) -> dict[str, Any]:
     """The world's report, out of what it and others printed."""
-    found, _ = json.JSONDecoder().raw_decode(text[text.index("{\n") :])
-    assert isinstance(found, dict)
-    return found
+    return json.JSONDecoder().raw_decode(text[text.index("{\n") :])[0]
 
 
 def all_arrived(text: str) -> bool:
-    """Whether the world's report says so, of the robot that came later, too."""
     found = report(text)
     return (found["verdict"], found["robots"]) == ("arrived", list(ROBOTS))
 

@@ -19,7 +19,6 @@ from protocol.bus.bus import Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.keys import world_key
-from protocol.messages import Result
 from protocol.scenario.file import write_toml
 from tests.deploy.manifests.guested import ROBOTS, guested
 from tests.deploy.processes.ports import free_ports
@@ -140,7 +139,5 @@ def result(bus: ZenohBus) -> str:
     while time.monotonic() < deadline:
         event = bus.receive(0.1)
         if isinstance(event, Sample):
-            message = decode(event.key, event.payload)
-            assert isinstance(message, Result)
-            return message.report
+            return decode(event.key, event.payload).report
     raise AssertionError("no result")

@@ -21,14 +21,12 @@ def row(name: str, function: Callable[..., object], *arguments: object, **option
 
 
 def spawner() -> Spawner:
-    """A fork server that has imported this module."""
     return Spawner(
         ("numpy", "protocol.bus.zenoh", "deploy.processes.router", "tests.deploy.processes.children")
     )
 
 
 def announce(connection: Connection, key: str) -> int:
-    """Hold a liveliness token until told to stop."""
     with closing(ZenohBus(connection)) as bus:
         bus.announce(key)
         STOP.wait()
@@ -36,7 +34,6 @@ def announce(connection: Connection, key: str) -> int:
 
 
 def wait(report: Callable[[str], None] | None = None) -> int:
-    """Do nothing until a signal ends this process."""
     if report is not None:
         report("waiting")
     STOP.wait()
@@ -51,22 +48,18 @@ def wait_stubbornly(report: Callable[[str], None]) -> NoReturn:
 
 
 def give(code: int) -> int:
-    """End with an exit status."""
     return code
 
 
 def divide_by_zero() -> float:
-    """Fail with a traceback."""
     return 1 / 0
 
 
 def fail_politely() -> int:
-    """Fail with an error of this software's own."""
     raise BusError("the cable is unplugged")
 
 
 def print_and_report(report: Callable[[str], None]) -> int:
-    """Print, and report."""
     print("printed")
     report("reported")
     return 0

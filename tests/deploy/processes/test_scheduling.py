@@ -22,7 +22,6 @@ def test_robots_are_dealt_out_among_the_cores_there_are(monkeypatch: pytest.Monk
 
 
 def policies(pid: int) -> set[int]:
-    """Of all threads of a process."""
     return {os.sched_getscheduler(int(task.name)) for task in Path(f"/proc/{pid}/task").iterdir()}
 
 

@@ -13,7 +13,7 @@ import psutil
 import pytest
 
 from deploy.processes.fork_server import FAULT, end_with_pipe
-from deploy.processes.spawn import Exited, News, Process, ProcessReport, Spawner, Started
+from deploy.processes.spawn import Exited, News, Process, ProcessReport, Spawner
 from protocol.errors import ProcessError
 from tests.deploy.processes import children
 
@@ -29,7 +29,6 @@ def spawner() -> Iterator[Spawner]:
 
 
 def until_exit(spawner: Spawner) -> list[News]:
-    """News of the one process, up to its end."""
     heard: list[News] = []
     deadline = time.monotonic() + PATIENCE
     while not any(isinstance(news, Exited) for news in heard):
@@ -39,10 +38,7 @@ def until_exit(spawner: Spawner) -> list[News]:
 
 
 def exit_code(spawner: Spawner) -> int:
-    """Exit code of the one process, once it has ended."""
-    last = until_exit(spawner)[-1]
-    assert isinstance(last, Exited)
-    return last.code
+    return until_exit(spawner)[-1].code
 
 
 def gone(pid: int) -> bool:
@@ -61,8 +57,6 @@ def gone(pid: int) -> bool:
 def test_the_exit_status_is_what_the_function_returns(spawner: Spawner) -> None:
     life = spawner.start(Process("one", "tests.deploy.processes.children:give", (7,)))
     started, exited = until_exit(spawner)
-    assert isinstance(started, Started)
-    assert isinstance(exited, Exited)
     assert (started.life, exited.life, exited.code) == (life, life, 7)
     assert exited.max_rss_mb > 1.0
 
@@ -83,9 +77,7 @@ def test_an_error_of_our_own_is_one_line(capfd: pytest.CaptureFixture[str]) -> N
         assert capfd.readouterr().err == "radio: the cable is unplugged\n"
 
 
-def test_a_process_reports_and_all_its_output_goes_to_standard_error(
-    capfd: pytest.CaptureFixture[str],
-) -> None:
+def test_a_process_reports_and_its_output_goes_to_standard_error(capfd: pytest.CaptureFixture[str]) -> None:
     with closing(children.spawner()) as spawner:  # whose standard error is that of this test
         spawner.start(Process("one", "tests.deploy.processes.children:print_and_report", reports=True))
         texts = [news.text for news in until_exit(spawner) if isinstance(news, ProcessReport)]
@@ -94,18 +86,10 @@ def test_a_process_reports_and_all_its_output_goes_to_standard_error(
         assert (printed.out, printed.err) == ("", "printed\n")
 
 
-def test_a_signal_shows_as_a_negative_exit_status(spawner: Spawner) -> None:
-    life = spawner.start(Process("one", "tests.deploy.processes.children:wait"))
-    spawner.signal(life, signal.SIGKILL)
-    assert exit_code(spawner) == -signal.SIGKILL
-    spawner.signal(life, signal.SIGKILL)  # no process gets it
-
-
 def test_a_dead_fork_server_takes_all_with_it_and_is_named() -> None:
     with closing(children.spawner()) as spawner:
         life = spawner.start(Process("one", "tests.deploy.processes.children:wait"))
         (started,) = spawner.news(PATIENCE)
-        assert isinstance(started, Started)
         os.kill(psutil.Process(started.pid).ppid(), signal.SIGKILL)
         assert gone(started.pid)
         with pytest.raises(ProcessError, match="fork server"):

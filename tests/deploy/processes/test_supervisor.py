@@ -35,7 +35,6 @@ def waiting(name: str) -> Process:
 
 
 def exits(supervisor: Supervisor, number: int) -> list[Exit]:
-    """Poll until that many have ended."""
     heard: list[Exit] = []
     deadline = time.monotonic() + PATIENCE
     while len(heard) < number:

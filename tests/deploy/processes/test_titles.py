@@ -35,7 +35,6 @@ def short(pid: int) -> str:
 
 
 def found(pattern: str) -> list[int]:
-    """The processes that `pgrep -f` finds."""
     done = subprocess.run(["pgrep", "-f", pattern], capture_output=True, text=True, check=False)
     return [int(pid) for pid in done.stdout.split()]
 
@@ -57,7 +56,6 @@ def test_a_fleet_is_told_apart_and_the_one_that_is_meant_is_killed(tmp_path: Pat
         assert short(seen["robot-1"]) == f"robot 1 {run}"[:15]
         assert short(seen["robot-12"]) == f"robot 12 {run}"[:15]
         server = psutil.Process(seen["world"]).parent()
-        assert server is not None
         titles.update(title(each.pid) for each in [server, *server.children(recursive=True)])
         hit = found(rf"disknav robot 1 \(run {run}\)")
         assert hit == [seen["robot-1"]]

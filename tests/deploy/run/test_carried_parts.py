@@ -24,7 +24,6 @@ def carriers(fleet: LocalFleet) -> list[int]:
 
 
 def carrying() -> tuple[LocalFleet, int]:
-    """A fleet in which a robot has just taken up a part, and that robot."""
     fleet = LocalFleet(SCENARIO)
     while not carriers(fleet):
         assert fleet.step()

@@ -1,11 +1,10 @@
 """Real processes on real zenoh: one trajectory on every transport, in every run; and refused processes."""
 
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -21,14 +20,12 @@ from deploy.run.options import RunOptions, fresh_run_name
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.scenario.model import ProcessFault, Scenario
+from tests.forks import Forks
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
 
-DISKNAV = [sys.executable, "-m", "disknav"]
-
 
 def run_fleet(scenario: Scenario, options: RunOptions) -> dict[str, Any]:
-    """The report of one run, and its processes."""
     with Fleet(scenario, options) as fleet:
         return fleet.execute() | {"processes": fleet.processes()}
 
@@ -51,13 +48,8 @@ def test_the_same_run_on_every_transport() -> None:
 
 def test_scheduled_faults_are_the_same_on_real_processes() -> None:
     scenario = load("figure-3b", ["link.delay=[0.0, 0.2]", "link.loss=0.3", "sensing.noise=0.001"], 5)
-    events = (
-        (2, 0.5, "pause"),
-        (2, 2.5, "resume"),
-        (4, 0.7, "restart"),
-        (5, 0.4, "pause"),
-        (5, 0.6, "resume"),
-    )
+    events = ((2, 0.5, "pause"), (2, 2.5, "resume"), (4, 0.7, "restart"), (5, 0.4, "pause"))
+    events += ((5, 0.6, "resume"),)
     scenario = replace(scenario, process=tuple(ProcessFault(*event) for event in events))  # type: ignore[arg-type]
     local = LocalFleet(scenario).execute()
     routed = run_fleet(scenario, RunOptions("routed"))
@@ -84,14 +76,12 @@ def test_a_second_robot_with_the_same_id_is_refused() -> None:
     assert [(exit_.process.name, exit_.code) for exit_ in exits] == [("twin", REFUSED)]
 
 
-def test_a_malformed_scenario_starts_nothing(tmp_path: Any) -> None:
+def test_a_malformed_scenario_starts_nothing(disknav: Forks, tmp_path: Path) -> None:
     path = tmp_path / "bad.toml"
     path.write_text(
         "[[robots]]\nid = 1\nradius = 0.04\nstart = [0, 0]\ngoal = [9, 0]\n[wrkspace]\nradius = 1\n"
     )
-    done = subprocess.run(
-        [*DISKNAV, "run", str(path)], capture_output=True, text=True, timeout=30, check=False
-    )
+    done = disknav("run", path)
     assert done.returncode == EXIT_INVALID
     assert "robots[0].goal" in done.stderr
     assert "workspace" in done.stderr

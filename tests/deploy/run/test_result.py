@@ -17,9 +17,7 @@ def test_a_launcher_takes_no_report_that_is_none(report: str) -> None:
 
 
 @pytest.mark.parametrize(("verdict", "collisions", "status"), [("aborted", 0, 3), ("collision", 1, 1)])
-def test_a_fleet_that_is_to_stay_up_does_not_end_well_by_itself(
-    verdict: str, collisions: int, status: int
-) -> None:
+def test_a_kept_fleet_does_not_end_well_by_itself(verdict: str, collisions: int, status: int) -> None:
     assert kept_status({"verdict": verdict, "collisions": collisions}) == status
 
 

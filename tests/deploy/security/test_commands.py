@@ -62,21 +62,16 @@ def test_an_endpoint_need_not_say_the_protocol_of_its_network(tmp_path: Path) ->
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "words",
+    "line",
     [
-        ("fleet", "goal", "yard", "1", "--router"),
-        ("node", "router", "--listen"),
-        ("node", "router", "--connect"),
-        ("run", "figure-1", "--keep", "-q", "--listen"),
-        ("run", "figure-1", "-q", "--router"),
-        ("monitor", "yard", "--router"),
-        ("node", "robot", "1", "--run", "yard", "--router"),
-        ("node", "world", "figure-1", "--run", "yard", "--router"),
-        ("fleet", "probe", "yard", "world", "--router"),
+        *("fleet goal yard 1 --router", "node router --listen", "node router --connect"),
+        *("run figure-1 --keep -q --listen", "run figure-1 -q --router", "monitor yard --router"),
+        *("node robot 1 --run yard --router", "node world figure-1 --run yard --router"),
+        "fleet probe yard world --router",
     ],
 )
-def test_what_is_no_endpoint_ends_every_command_in_one_line(disknav: Forks, words: tuple[str, ...]) -> None:
-    ended = disknav(*words, "tcp//localhost")
+def test_what_is_no_endpoint_ends_every_command_in_one_line(disknav: Forks, line: str) -> None:
+    ended = disknav(*line.split(), "tcp//localhost")
     assert ended.returncode == 2
     assert "'tcp//localhost' is no endpoint" in ended.stderr
     assert len(ended.stderr.splitlines()) == 1

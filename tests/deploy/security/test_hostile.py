@@ -131,7 +131,7 @@ def test_half_open_links_keep_no_client_out(keys: Path) -> None:
 
 
 @pytest.mark.long(12)
-def test_certificates_that_expire_during_the_run_end_it_standing(
+def test_certificates_that_expire_end_the_run_standing(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     slow = load("swap-4", ["control.speed=0.002"])

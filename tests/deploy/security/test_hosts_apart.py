@@ -45,7 +45,6 @@ def keys_of(name: str) -> list[str]:
 
 
 def every_key() -> Iterator[tuple[str, str]]:
-    """Each stream of every role, with its key."""
     for name, stream in STREAMS.items():
         yield from ((stream.name, key) for key in keys_of(name))
 
@@ -93,7 +92,6 @@ class Field:
         raise AssertionError("nothing gets through")
 
     def client(self, role: str, host: str) -> ZenohBus:
-        """A session with a role's credentials at a host's router."""
         return self._open(KeyRing(self._keys).client(role, (self.endpoints[host],), timeout=5.0))
 
     def _router(self, host: str, before: tuple[str, ...]) -> Connection:
@@ -105,7 +103,6 @@ class Field:
 
     @contextmanager
     def answering(self) -> Iterator[None]:
-        """The world answers every request."""
         done = threading.Event()
 
         def answer() -> None:

@@ -45,9 +45,8 @@ def endpoint(keys: Path) -> Iterator[str]:
         yield supervisor.report("router", 20.0)
 
 
-def member(keys: Path, role: str, endpoint: str, timeout: float = 5.0) -> ZenohBus:
-    """A session with a role's own credentials."""
-    return ZenohBus(KeyRing(keys).client(role, (endpoint,), timeout=timeout))
+def member(keys: Path, role: str, endpoint: str) -> ZenohBus:
+    return ZenohBus(KeyRing(keys).client(role, (endpoint,), timeout=5.0))
 
 
 def stranger(endpoint: str, proof: Credentials | None, timeout: float = 5.0) -> ZenohBus:
@@ -55,9 +54,7 @@ def stranger(endpoint: str, proof: Credentials | None, timeout: float = 5.0) -> 
     return ZenohBus(Connection(connect=(endpoint,), timeout=timeout, credentials=proof))
 
 
-def test_certificates_of_another_authority_and_of_an_older_run(
-    keys: Path, endpoint: str, tmp_path: Path
-) -> None:
+def test_certificates_of_other_authorities_and_older_runs(keys: Path, endpoint: str, tmp_path: Path) -> None:
     create(tmp_path / "before", ROSTER)  # same run, same roles, other keys
     with pytest.raises(CertificateError, match=r"certificate of the router .* is not accepted here"):
         member(tmp_path / "before", "robot-1", endpoint)

@@ -110,21 +110,11 @@ def test_a_worker_leaves_the_signals_of_a_terminal_to_its_parent(monkeypatch: py
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
-def test_a_study_that_was_stopped_leaves_no_process_and_goes_on(
-    tmp_path: Path, number: signal.Signals
-) -> None:
+def test_a_stopped_study_leaves_no_process_and_goes_on(tmp_path: Path, number: signal.Signals) -> None:
     log = tmp_path / "rows.json.runs.jsonl"
     options = ["--runs", "200", "--transport", "local", "--jobs", "2", "--quiet", "--set", *COARSE]
-    call = [
-        sys.executable,
-        "-m",
-        "disknav",
-        "study",
-        "tightness",
-        *options,
-        "--json",
-        str(tmp_path / "rows.json"),
-    ]
+    options += ["--json", str(tmp_path / "rows.json")]
+    call = [sys.executable, "-m", "disknav", "study", "tightness", *options]
     process = subprocess.Popen(call, stderr=subprocess.PIPE, text=True, start_new_session=True)
     until(lambda: process.poll() is not None or (log.exists() and log.read_text().count("\n") >= 2), 60.0)
     workers = psutil.Process(process.pid).children(recursive=True)

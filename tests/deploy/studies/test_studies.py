@@ -42,18 +42,8 @@ def test_a_small_study_from_runs_to_table(name: str) -> None:
 
 
 def _request(**changes: object) -> StudyRequest:
-    usual = {
-        "name": "tightness",
-        "runs": 1,
-        "jobs": 2,
-        "seed": 0,
-        "settings": ("time.step=0.05",),
-        "transport": "local",
-        "shard": Shard(),
-        "target": None,
-        "fresh": False,
-        "quiet": True,
-    }
+    usual = {"name": "tightness", "runs": 1, "jobs": 2, "seed": 0, "settings": ("time.step=0.05",)}
+    usual |= {"transport": "local", "shard": Shard(), "target": None, "fresh": False, "quiet": True}
     return StudyRequest(**{**usual, **changes})  # type: ignore[arg-type]
 
 
@@ -79,12 +69,8 @@ def test_invalid_requests_start_nothing(tmp_path: Path) -> None:
 def test_the_papers_flow_is_bare() -> None:
     scenario = paper_flow("d", 20.0, 3)
     control, time = scenario.control, scenario.time
-    assert (control.law, control.k, control.additions, control.filter) == (
-        "gradient",
-        20.0,
-        ("pace",),
-        "none",
-    )
+    found = control.law, control.k, control.additions, control.filter
+    assert found == ("gradient", 20.0, ("pace",), "none")
     assert (time.step, time.tolerance) == (PERIOD, TOLERANCE)
     assert [cell.labels["k"] for cell in tuning(1).cells][4:] == [20.0, 30.0, 40.0, 60.0, 100.0, 300.0]
 

@@ -108,7 +108,6 @@ def drawn_robots(scene: FleetScene) -> list[str]:
 
 
 def frames(scene: FleetScene) -> dict[str, float]:
-    """Where frames are in x, m."""
     read: Any = STORE.deserialize_cdr(scene.picture("/tf").data, TF)
     return {each.child_frame_id: each.transform.translation.x for each in read.transforms}
 

@@ -37,17 +37,14 @@ CASES = [(p, unequal) for p in SIZES for unequal in (False, True)]
 def test_wide_goals_are_admissible_and_bounded(p: int, unequal: bool) -> None:
     problem = admissible(p, unequal, 60.0)
     limit = largest_eps(problem)
-    assert limit is not None
     assert margins(problem, 0.999 * limit).hold
     assert not margins(problem, 1.001 * limit).hold
     best = best_bounds(problem)
-    assert best is not None
     assert 0.0 < best.eps < limit
     assert best.k1.low <= best.k1.high <= best.polar < np.inf
     assert best.n1 == p + p * (p - 1) // 2
     for factor in (0.9, 0.999, 1.001, 1.1):
         other = bounds(problem, min(factor * best.eps, 0.9999 * limit))
-        assert other is not None
         assert other.polar >= best.polar * (1 - 1e-9)
 
 
@@ -56,7 +53,6 @@ def test_above_the_bound_every_equilibrium_is_where_the_proof_says(p: int, unequ
     """Propositions C.3 to C.5 just above K: other critical points lie in F1(eps), and circling descends."""
     problem = admissible(p, unequal, 60.0)
     best = best_bounds(problem)
-    assert best is not None
     problem = replace(problem, k=1.01 * best.polar)
     points = equilibria(problem, swapped_pairs(problem) + [free(problem, seed) for seed in range(5)])
     assert len(points) > 1
@@ -121,13 +117,11 @@ def test_bounding_rows_are_never_more_optimistic_than_all_subsets(unequal: bool)
 
 def test_a_lone_robot_is_polar_for_every_k_above_one_and_a_half() -> None:
     best = best_bounds(FleetProblem(np.array([[10.0, 0.0]]), np.array([4.0]), 20.0, 60.0))
-    assert best is not None
     assert best.polar < 1.5
     assert best.k2 == best.k3 == 0.0
 
 
 def everyone(clusters: Family) -> int:
-    """Row of the cluster of all robots."""
     return int(np.argmax(clusters.sizes))
 
 

@@ -28,7 +28,6 @@ def words(found: CheckReport) -> str:
 
 @cache
 def checked(name: str) -> CheckReport:
-    """A scenario of the library."""
     return report(read(name))
 
 
@@ -39,7 +38,6 @@ def checked_ring() -> CheckReport:
 
 
 def ring(count: int, circle: float, workspace: float, k: float) -> Scenario:
-    """Robots on a circle that exchange places with their neighbours."""
     angle = 2 * np.pi * np.arange(count) / count
     places = [(float(circle * np.cos(a)), float(circle * np.sin(a))) for a in angle]
     robots = tuple(
@@ -67,7 +65,6 @@ def test_figure_2_names_the_violated_clusters_and_by_how_much() -> None:
 def test_an_admissible_scenario_prints_its_bound_and_says_whether_k_reaches_it() -> None:
     low = checked_ring()
     assert low.assumption_1.status == low.assumption_2.status == "holds"
-    assert low.bounds is not None
     assert not low.guaranteed
     assert f"for k > {low.bounds.polar:.4g}" in words(low)
     high = report(ring(3, 0.30, 0.90, k=1.1 * low.bounds.polar))
@@ -77,7 +74,6 @@ def test_an_admissible_scenario_prints_its_bound_and_says_whether_k_reaches_it()
 
 def test_what_is_seen_in_practice_is_reported() -> None:
     seen = checked_ring().practice
-    assert seen is not None
     assert seen.arrived
     assert seen.random_arrived == seen.random_starts == 10
     assert seen.other_minima == 0
@@ -88,7 +84,6 @@ def test_what_is_seen_in_practice_is_reported() -> None:
 def test_too_small_a_k_shows_another_minimum() -> None:
     scenario = read("figure-3e")
     found = report(replace(scenario, control=Control(k=3.0)))
-    assert found.practice is not None
     assert found.practice.random_arrived < found.practice.random_starts
     assert found.practice.other_minima >= 1
     assert "Raise k" in words(found)
@@ -96,7 +91,6 @@ def test_too_small_a_k_shows_another_minimum() -> None:
 
 def test_a_head_on_start_is_told_apart_from_a_trap() -> None:
     found = checked("head-on")
-    assert found.practice is not None
     assert found.practice.rest == "saddle of index 1"
     assert "measure zero" in words(found)
 
@@ -162,9 +156,7 @@ def test_a_single_robot_with_parts_is_in_no_sphere_world() -> None:
 
 @settings(max_examples=100, deadline=None)
 @given(st.lists(st.floats(0.5, 5.0), min_size=3, max_size=7), st.floats(3.0, 14.0))
-def test_a_mirror_image_is_unreachable_for_exactly_the_wide_triples(
-    radii: list[float], workspace: float
-) -> None:
+def test_a_mirror_image_is_unreachable_for_the_wide_triples(radii: list[float], workspace: float) -> None:
     angle = 2.4 * np.arange(len(radii))
     start = np.stack([np.cos(angle), np.sin(angle)], axis=1) * workspace
     problem = FleetProblem(start * (1.0, -1.0), np.array(radii), workspace, 60.0)

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from deploy.theory.check import mirrored_triples
 from deploy.theory.exact_flow import classify, find_equilibrium, integrate
 from deploy.theory.function import Array, FleetProblem, obstacle_functions, reduced_jacobian
 from deploy.theory.tuning import automatic_k
@@ -46,18 +45,6 @@ def test_small_k_has_other_minima_and_large_k_has_none_on_the_way() -> None:
     v = circulation(b, (0, 1)).ravel()
     assert v @ reduced_jacobian(problem, b) @ v > 0.0
     assert stuck(replace(problem, k=60.0)) is None
-
-
-def test_three_disks_that_cannot_line_up_keep_their_order() -> None:
-    angle = 2.0 * np.pi * np.arange(3) / 3
-    ring = 6.0 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    problem = FleetProblem(ring[::-1].copy(), np.full(3, 3.5), 10.0, 200.0)
-    assert mirrored_triples(problem, ring) == [(0, 1, 2)]
-    assert not integrate(problem, ring + 0.01).arrived
-    turned = FleetProblem(np.roll(ring, 1, axis=0), np.full(3, 3.5), 10.0, 200.0)
-    assert mirrored_triples(turned, ring) == []
-    roomy = FleetProblem(problem.goals, np.full(3, 3.3), 10.0, 200.0)
-    assert mirrored_triples(roomy, ring) == []
 
 
 def test_automatic_k_grows_with_robots_and_with_crowding_and_ignores_units() -> None:

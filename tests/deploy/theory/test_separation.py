@@ -30,7 +30,7 @@ def disk(draw: random.Random) -> Disk:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_a_chain_of_gaps_separates_what_flood_filling_separates(seed: int) -> None:
     draw = random.Random(seed)
     room = ROOMS[seed % 2]
@@ -59,13 +59,11 @@ def test_a_chain_of_gaps_separates_what_flood_filling_separates(seed: int) -> No
 
 
 def test_the_gap_that_closes_the_last_way_is_the_narrowest_of_the_widest_one() -> None:
-    """A wall across a room with two doors."""
     room = ConvexPolygon([(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)])
     wall = [(0.0, 1.0), (1.4, 2.0), (2.6, 4.0)]  # doors of 0.4 m and 0.6 m
     obstacles = [ConvexPolygon([(2.0, a), (2.1, a), (2.1, b), (2.0, b)]) for a, b in wall]
     ends = (1.0, 1.0), (3.0, 3.0)
     assert separating(obstacles, gaps(room, obstacles, 0.59), *ends) is None
     last = separating(obstacles, gaps(room, obstacles, 0.61), *ends)
-    assert last is not None
     assert last.width == pytest.approx(0.6)
     assert separating(obstacles, gaps(room, obstacles, 0.61), ends[0], (1.0, 3.0)) is None

@@ -39,8 +39,6 @@ Rows = dict[str, dict[str, Any]]
 
 
 class Killer:
-    """Kills processes at ticks, or as soon after them as can be."""
-
     def __init__(self, deaths: Sequence[tuple[int, str]]) -> None:
         self.due = sorted(deaths)
         self._killed: set[int] = set()
@@ -134,7 +132,7 @@ def test_a_robot_that_dies_more_often_stays_down_and_is_flowed_around() -> None:
     assert {name: row["restarts"] for name, row in rows.items() if row["restarts"]} == {"robot-2": 1}
 
 
-def test_a_world_without_its_checkpoint_begins_nothing_anew(
+def test_no_world_begins_without_its_checkpoint(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     checkpoints: list[Path] = []
@@ -171,7 +169,6 @@ def test_a_world_under_another_launcher(tmp_path: Path) -> None:
 
 
 def _steer(connection: Connection, run: str, steer: Steer) -> None:
-    """Have a world that is just started keep this pace."""
     with closing(ZenohBus(connection)) as bus:
         for _ in range(60):
             try:

@@ -36,7 +36,7 @@ def hang(connection: Connection, run: str, robot: int) -> int:
 @pytest.mark.process
 @pytest.mark.timeout(150)
 @pytest.mark.long(10)
-def test_one_that_hangs_is_given_up_alone_and_named(
+def test_one_that_hangs_is_given_up_alone(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     row = table.robot

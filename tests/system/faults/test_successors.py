@@ -33,7 +33,6 @@ AGAIN = RobotSpec(2, 0.02, (0.0, -0.2), (0.1, -0.2))
 
 
 def overhear(fleet: LocalFleet, when: Callable[[], bool], then: Callable[[], object]) -> None:
-    """Once `when` holds after an event of the world's, do `then`."""
     done: list[bool] = []
 
     def handle(event: Event) -> None:
@@ -84,7 +83,6 @@ def deafened(fleet: LocalFleet, then: Callable[[], object]) -> tuple[LocalBus, R
     """Robot 2's process, which hears nothing any more from the moment on in which it has commanded."""
     world, bus = fleet.world.world, fleet.robots[2]
     node = bus.node
-    assert isinstance(node, RobotNode)
 
     def deafen() -> None:
         bus.node = None
@@ -148,7 +146,6 @@ def test_a_process_to_be_restarted_is_not_its_own_successor_when_a_router_goes(t
     for alive in (False, True):  # with the router all tokens go, and come back
         for robot, bus in fleet.robots.items():
             fleet.world.handle(Presence(token(fleet.network, robot), alive))
-            assert bus.node is not None
             bus.node.handle(Presence(token(fleet.network), alive))
     go(fleet, 1, seconds=0.5)
     assert (fleet.world.world.tick, life(fleet).incarnation) == (10, 1)
@@ -175,7 +172,6 @@ def test_a_successor_that_is_heard_before_the_world_is_itself_again_is_no_victim
     deadline = time.monotonic() + 10.0
     fleet.network.run(lambda: fleet.world.finished or time.monotonic() > deadline)
     report = fleet.world.report
-    assert report is not None
     assert (report["verdict"], report["faults"]["given_up"], report["worlds"]) == ("arrived", [], [10])
 
 
@@ -185,7 +181,6 @@ def test_no_process_takes_the_seat_of_one_that_is_there_when_the_world_comes_bac
     fleet.world.world.lost(2, "hangs")
     assert not life(fleet).goes_on
     node = fleet.robots[2].node
-    assert isinstance(node, RobotNode)
     assert isinstance(answer(fleet, "stranger"), Refusal)
     fleet.kill_world()
     fleet.start_world()

@@ -30,8 +30,6 @@ def test_a_cable_pulled_for_seconds(tmp_path: Path) -> None:
             elif told["tick"] >= mended and back is None:
                 hosts.mend(3)
                 back = told["tick"]
-    assert silent is not None
-    assert back is not None
     during = [positions for tick, positions in truth.items() if silent <= tick <= back]
     assert len(during) > SCENARIO.ticks(1.5)
     moved = {robot: any(each[robot] != during[0][robot] for each in during) for robot in during[0]}

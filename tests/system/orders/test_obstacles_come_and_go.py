@@ -1,4 +1,4 @@
-"""Things that come and go while a fleet runs: acknowledged, refused by reason, remembered, drawn."""
+"""Obstacles that come and go while a fleet runs: acknowledged, refused by reason, remembered, drawn."""
 
 import json
 import math
@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import msgspec
 import pytest
 
 from deploy.library.load import load
@@ -20,39 +19,16 @@ from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.scenario.model import Obstacle
 from tests.forks import Forks
-from tests.system.orders.turnover import step
 
 SWAP = load("swap-4")
 LISTED = replace(SWAP, obstacles=(Obstacle(center=(0.2, 0.2), radius=0.02),))
 BAR = {"place": {"points": [[-0.02, -0.01], [0.02, -0.01], [0.02, 0.01], [-0.02, 0.01]]}}
 
 
-def asked(fleet: LocalFleet, change: object = None) -> dict[str, Any]:
-    """What the world answers to a change in JSON, or to the question what is there."""
+def asked(fleet: LocalFleet, change: object) -> dict[str, Any]:
     replies: list[bytes] = []
-    payload = b"" if change is None else json.dumps(change).encode()
-    fleet.world.handle(Query(world_key(fleet.run, "operation"), payload, replies.append))
-    read_as = json.loads if payload else msgspec.msgpack.decode
-    told: dict[str, Any] = read_as(replies[0])
-    return told
-
-
-@pytest.mark.slow
-def test_a_obstacle_that_is_placed_is_kept_clear_of_until_it_is_taken() -> None:
-    fleet = LocalFleet(LISTED)
-    step(fleet, 5)
-    reply = asked(fleet, BAR)
-    assert (reply["accepted"], reply["number"]) == (True, 2)
-    assert [(obstacle[0], obstacle[1]) for obstacle in reply["obstacles"]] == [
-        (1, "standing"),
-        (2, "appearing"),
-    ]
-    step(fleet, 3)
-    assert [obstacle[1] for obstacle in asked(fleet)["obstacles"]] == ["standing", "standing"]
-    assert asked(fleet, {"take": 1})["accepted"]
-    assert [obstacle[0] for obstacle in asked(fleet)["obstacles"]] == [2]
-    report = fleet.execute()
-    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
+    fleet.world.handle(Query(world_key(fleet.run, "operation"), json.dumps(change).encode(), replies.append))
+    return json.loads(replies[0])
 
 
 def test_a_recording_says_from_when_until_when(tmp_path: Path) -> None:

@@ -98,5 +98,4 @@ def test_a_later_life_of_one_process_hears_peers_that_the_first_did_not_know() -
     )
     seen = observe(resolved(scenario))
     assert seen.violations == []
-    assert seen.report is not None
     assert (seen.report["verdict"], seen.report["faults"]["given_up"]) == ("arrived", [])

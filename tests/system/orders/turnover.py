@@ -39,7 +39,6 @@ def faulty(seed: int, seconds: float) -> Scenario:
 
 
 def asked(fleet: LocalFleet, change: dict[str, Any] | None = None) -> Reply:
-    """The world's reply to a change, or to a request for the state."""
     replies: list[bytes] = []
     payload = b"" if change is None else msgspec.msgpack.encode(change)
     fleet.world.handle(Query(world_key(fleet.run, "operation"), payload, replies.append))
@@ -52,7 +51,6 @@ def status(fleet: LocalFleet, robot: int) -> str:
 
 
 def step(fleet: LocalFleet, ticks: int) -> None:
-    """Go on for some ticks."""
     for _ in range(ticks):
         assert fleet.step()
 
@@ -81,7 +79,6 @@ class Turnover:
         self._every = every
 
     def run(self, ticks: int) -> None:
-        """Change something now and then."""
         for tick in range(ticks):
             assert self.fleet.step()
             if tick % self._every == 0:
@@ -127,7 +124,6 @@ class Turnover:
         return bool(live) and self._send(draw.choice(live), [self._place()])
 
     def _revive(self) -> None:
-        """Restart robots that are down."""
         for member in asked(self.fleet).roster.members:
             if member.status == "standing" and member.incarnation:
                 self.fleet.kill(member.robot)

@@ -26,8 +26,6 @@ _GONE = 5.0  # s that the kernel and the fork server may take to end the others
 
 
 class Outcome(NamedTuple):
-    """What was left of a command, and what is wrong with that."""
-
     status: int
     faults: list[str]
 
@@ -74,7 +72,6 @@ class Victim:
             time.sleep(0.001)
 
     def await_life(self, seconds: float) -> None:
-        """Wait until it has lived so long."""
         self.await_begin()
         try:
             self.process.wait(max(0.0, seconds))
@@ -82,7 +79,6 @@ class Victim:
             return
 
     def signal(self, number: int) -> None:
-        """Send it a signal."""
         self.process.send_signal(number)
 
     def family(self) -> list[int]:
@@ -141,7 +137,6 @@ def life(folder: Path, transport: str) -> float:
 
 
 def fresh_name() -> str:
-    """A name that no other run has."""
     return f"moment-{uuid4().hex[:12]}"
 
 

@@ -108,9 +108,7 @@ except KeyboardInterrupt: print("theirs")
     ],
     ids=["a law", "a law that is stuck"],
 )
-def test_in_a_program_of_the_users_ctrl_c_ends_the_run_and_then_is_theirs_again(
-    meanwhile: str, said: str
-) -> None:
+def test_in_a_users_program_ctrl_c_ends_the_run_and_then_is_theirs(meanwhile: str, said: str) -> None:
     program = ended(PROGRAM.format(meanwhile=meanwhile), timeout=100.0)
     assert (program.stdout, program.stderr) == (said, "")
 

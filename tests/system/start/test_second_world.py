@@ -51,9 +51,7 @@ def begun(operator: Operator) -> bool:
         return False
 
 
-def test_a_second_world_is_refused_and_every_stop_reaches_the_first(
-    capfd: pytest.CaptureFixture[str],
-) -> None:
+def test_a_second_world_is_refused_and_stops_reach_the_first(capfd: pytest.CaptureFixture[str]) -> None:
     run = fresh_run_name()
     with Supervisor() as supervisor, Supervisor() as others:
         connection = router(supervisor)
@@ -81,9 +79,7 @@ def test_a_run_beside_a_world_of_the_same_run_ends_with_one_line(disknav: Forks)
     assert f"another world of run {run!r} is on this network" in done.stderr
 
 
-def test_fleets_on_networks_that_are_joined_stand_until_one_has_left(
-    caplog: pytest.LogCaptureFixture,
-) -> None:
+def test_fleets_on_joined_networks_stand_until_one_has_left(caplog: pytest.LogCaptureFixture) -> None:
     run = fresh_run_name()
     with Supervisor() as first, Supervisor() as second, Supervisor() as link:
         here, there = router(first), router(second)

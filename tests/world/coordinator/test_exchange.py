@@ -123,7 +123,6 @@ def test_the_summary_says_where_everybody_was_sensed() -> None:
     interest.open(0, setting, sensed(at), nowhere)
     for tick in range(1, period(setting)):
         interest.open(tick, setting, sensed([(0.2, 0.2)] * 4), nowhere)
-    assert interest.summary is not None
     assert interest.summary.tick == 0
     assert interest.summary.robots == runs((1, 2, 3, 4))
     assert np.allclose(np.frombuffer(interest.summary.positions, "<f4").reshape(-1, 2), at)
@@ -164,7 +163,6 @@ def test_a_summary_has_the_slices_as_last_commanded_and_else_the_attraction() ->
     interest.accept(Command(3, 1, 4, (0.0, 0.0), slice=0.75))
     interest.accept(Command(3, 1, 5, (0.0, 0.0)))  # says nothing of it, so that it stays
     interest.open(0, setting, {}, nowhere)
-    assert interest.summary is not None
     gammas = np.frombuffer(interest.summary.gammas, dtype="<f4")
     attraction = (2.0 * np.sqrt(gammas)).tolist()
     slices = np.frombuffer(interest.summary.slices, dtype="<f4").tolist()

@@ -52,7 +52,6 @@ class Ward:
         self._publisher = self._bus.publisher
         self._bus.publisher = self._speaking  # type: ignore[method-assign]
         node = self._bus.node
-        assert node is not None
 
         def handle(event: Event) -> None:
             if not self.is_faulty or hears(event):

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from deploy.processes.spawn import News, Process, ProcessReport, Start, Started, Store, decode_news
+from deploy.processes.spawn import News, Process, ProcessReport, Start, Store, decode_news
 from deploy.software import SOFTWARE, code_digest
 from tests.deploy.processes.test_spawn import gone
 from tests.system.hosts.testbed.ssh_server import ROOT
@@ -38,10 +38,8 @@ class FarEnd(NamedTuple):
         return decode_news(self.answers.recv_bytes())
 
     def start(self, function: str, *arguments: object) -> int:
-        """Start a process that reports; its pid, once it has."""
         self.requests.send(Start(1, Process("one", f"{_CHILDREN}:{function}", arguments, reports=True)))
         started, report = self.news(), self.news()
-        assert isinstance(started, Started)
         assert isinstance(report, ProcessReport)
         return started.pid
 
@@ -58,8 +56,6 @@ def far_end(patience: float = 60.0) -> Iterator[FarEnd]:
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         bufsize=0,
     )
-    assert process.stdin is not None
-    assert process.stdout is not None
     greeting = process.stdout.readline().decode().split()
     assert greeting[:2] == ["disknav-host", code_digest(SOFTWARE)]
     requests: Channel[Any, Any] = Channel(os.dup(process.stdin.fileno()), readable=False)

@@ -2,12 +2,12 @@
 
 import io
 import json
+import math
 import os
 import struct
 from collections.abc import Iterator
 from contextlib import suppress
 from itertools import pairwise
-from math import inf
 from multiprocessing.connection import Connection as Channel
 from pathlib import Path
 from typing import Any
@@ -17,18 +17,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from deploy.processes.hosts.ssh import FramedMessages, Relay, SshSpawner
-from deploy.processes.hosts.table import Host
-from deploy.processes.spawn import MAX_NEWS, Exited, Started, decode_news, encode_news
+from deploy.processes.hosts.ssh import FramedMessages, Relay
+from deploy.processes.spawn import Exited, Started, decode_news, encode_news
 from protocol.errors import ProcessError
+from tests.campaigns.fuzz.hosts import HostOnPipe
 from tests.world.driving import Stopwatch
 
 PATIENCE = 5.0
 
 
 class Line:
-    """One way from a host to this process."""
-
     def __init__(self) -> None:
         self.reading, self.writing = os.pipe()
         self.clock = Stopwatch()
@@ -96,14 +94,7 @@ def test_a_host_that_never_stops_talking_leaves_time_for_others(line: Line) -> N
 
 
 @pytest.mark.parametrize(
-    "lie",
-    [
-        {"code": -65},
-        {"code": 1 << 40},
-        {"cpu_s": float("nan")},
-        {"cpu_s": -1.0},
-        {"max_rss_mb": float("inf")},
-    ],
+    "lie", [{"code": -65}, {"code": 1 << 40}, {"cpu_s": math.nan}, {"cpu_s": -1.0}, {"max_rss_mb": math.inf}]
 )
 def test_news_that_cannot_be_are_refused(lie: dict[str, Any]) -> None:
     true: dict[str, Any] = {"code": 0, "cpu_s": 1.0, "max_rss_mb": 50.0}
@@ -112,20 +103,12 @@ def test_news_that_cannot_be_are_refused(lie: dict[str, Any]) -> None:
         decode_news(encode_news(Exited(1, **{**true, **lie})))
 
 
-class Heard(SshSpawner):
-    """A host that is a pipe."""
-
-    def __init__(self, descriptor: int) -> None:
-        self.host, self._beat = Host("left", "127.0.0.1", ssh="left"), inf
-        self._frames = FramedMessages(descriptor, MAX_NEWS, 5.0)
-
-
 def test_why_a_process_ended_is_for_the_launcher_to_say() -> None:
     reading, writing = os.pipe()
     true, lie = Started(1, 4711), Exited(1, 3, 0.0, 0.0, "\x1b[2J all is well")
     for news in (true, lie):
         os.write(writing, struct.pack("!i", len(encode_news(news))) + encode_news(news))
-    heard = Heard(reading).news(1.0)
+    heard = HostOnPipe(reading).news(1.0)
     assert next(heard) == true
     with pytest.raises(
         ProcessError,
@@ -137,14 +120,9 @@ def test_why_a_process_ended_is_for_the_launcher_to_say() -> None:
 
 
 SAID = {
-    "time": "2026-11-22T13:56:23.671691Z",
-    "level": "warning",
-    "run": "yard",
-    "host": "base",
-    "role": "robot",
-    "robot": 3,
-    "text": "stands \x1b[2J still",
-}
+    "time": "2026-11-22T13:56:23.671691Z", "level": "warning", "run": "yard", "host": "base", "role": "robot",
+    "robot": 3, "text": "stands \x1b[2J still",
+}  # fmt: skip
 LINES = (
     json.dumps(SAID),
     json.dumps({**SAID, "level": "info", "text": "life 2 begins"}),

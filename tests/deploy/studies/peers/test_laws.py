@@ -36,7 +36,6 @@ def run(scenario: Scenario) -> dict[str, Any]:
 
 
 def heard(x: float, y: float, velocity: Vector = STILL, tick: int = 0) -> Neighbours:
-    """Robot 2 as robot 1 last heard it."""
     known = Neighbours({2: 0.04})
     known.on_state(PeerState(2, 1, tick, True, x, y, 0.0, 0.0, 0.0, *velocity, radius=0.04), tick)
     return known
@@ -60,9 +59,7 @@ def test_two_that_hear_each_other_at_once_pass_in_equal_runs(law: str) -> None:
 
 
 @pytest.mark.parametrize(("law", "library"), [("Orca", "pyrvo"), ("Barrier", "daqp")])
-def test_a_missing_library_is_named_before_anything_starts(
-    law: str, library: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_missing_library_is_named_first(law: str, library: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("deploy.studies.peers.laws.find_spec", lambda _: None)
     with pytest.raises(UsageError, match=rf"{law}.*{library}.*pip install .*\[peers\]"):
         load("head-on", [f"control.law={named(law)}"])

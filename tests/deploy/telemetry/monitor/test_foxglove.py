@@ -38,7 +38,6 @@ def viewer(server: FoxgloveServer) -> Iterator[tuple[ClientConnection, dict[str,
 
 
 def subscribed(client: ClientConnection, channel: dict[str, Any]) -> Iterator[tuple[int, bytes]]:
-    """Times, ns, and payloads of a channel."""
     wish = {"op": "subscribe", "subscriptions": [{"id": 5, "channelId": channel["id"]}]}
     client.send(json.dumps(wish))
     while True:

@@ -56,8 +56,8 @@ def statuses(it: FleetView, now: float) -> list[object]:
     return [row["status"] for row in rows(it, now).values()]
 
 
-def run_to(it: FleetView, tick: int, now: float, active: tuple[int, ...] = (1, 2, 3)) -> None:
-    it.on_message(clock(tick - 1, active), now)
+def run_to(it: FleetView, tick: int, now: float) -> None:
+    it.on_message(clock(tick - 1), now)
     it.on_message(truth(tick, y=0.001 * tick), now)
 
 

@@ -60,7 +60,6 @@ class Shown:
         self.wait_until(lambda: self.frames >= enough)
 
     def sees(self, selector: str, text: str = "") -> None:
-        """Wait until an element is there that has the text."""
         self.page.wait_for_selector(f"{selector}:has-text('{text}')" if text else selector)
 
     def other_page(self, address: str) -> Page:
@@ -70,7 +69,6 @@ class Shown:
         return page
 
     def spot(self, x: float, y: float) -> tuple[float, float]:
-        """Where on the screen a place of the workspace is drawn."""
         box = self.page.locator("#workspace").bounding_box()
         scale = (min(box["width"], box["height"]) / 2 - MARGIN) / self.radius
         return box["x"] + box["width"] / 2 + scale * x, box["y"] + box["height"] / 2 - scale * y
@@ -85,11 +83,9 @@ class Shown:
         self.wait_until(lambda: self.tick() == self.watcher.snapshot()["tick"])
 
     def go(self) -> None:
-        """On, after it was held."""
         self.watcher.steer(Steer(pause=False))
 
     def place(self, robot: int) -> tuple[float, float]:
-        """Where on the screen a robot is, in a run that is held."""
         return self.spot(*self.watcher.snapshot()["samples"][-1][4][robot - 1])
 
     def goal(self, robot: int) -> list[float]:

@@ -28,12 +28,10 @@ pytestmark = pytest.mark.slow
 
 
 def live(server: Server, **options: Any) -> ClientConnection:
-    """A viewer with the token."""
     return connect(server.link.replace("http", "ws").replace("/#", "/live?token="), **options)
 
 
 def news(socket_: ClientConnection, kind: str, condition: Callable[[Any], Any] = lambda _: True) -> Any:
-    """The next message of a kind that fulfils a condition."""
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
         message = json.loads(socket_.recv(timeout=PATIENCE))

@@ -27,7 +27,6 @@ def ring(robots: int = 4, limit: float = 60.0, kill: int | None = None, at: floa
 
 
 def until(condition: Callable[[], Any], patience: float = PATIENCE) -> Any:
-    """Wait for something to become true; returns it."""
     deadline = time.monotonic() + patience
     while not (found := condition()):
         assert time.monotonic() < deadline, "waited in vain"
@@ -52,7 +51,6 @@ def running(fleet: LocalFleet) -> Iterator[None]:
 
 @contextmanager
 def served(source: Steerable) -> Iterator[Server]:
-    """The live page of a source."""
     with closing(serve_in_thread(source)) as server:
         yield server
 

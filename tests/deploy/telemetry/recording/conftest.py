@@ -10,6 +10,5 @@ from tests.deploy.telemetry.recording.recorded import record
 
 @pytest.fixture(scope="package")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
-    """A recording and the report of its run."""
     path = tmp_path_factory.mktemp("recording") / "three.mcap"
     return path, record(path)

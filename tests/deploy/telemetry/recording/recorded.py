@@ -18,7 +18,6 @@ ROBOTS = (
 
 
 def scenario(**changes: Any) -> Scenario:
-    """Three robots, at most a hundred ticks."""
     return Scenario(
         **({"robots": ROBOTS, "name": "three", "control": Control(k=4.0), "time": Time(limit=5.0)} | changes)
     )
@@ -31,7 +30,6 @@ def record(path: Path, **changes: Any) -> dict[str, Any]:
 
 
 def said_by(recording: RecordedRun, kind: type[Any], robot: int) -> list[Any]:
-    """What one robot said, or was told, in messages of a kind."""
     return [message for message in recording.said(kind) if message.robot == robot]
 
 

@@ -28,7 +28,6 @@ from tests.deploy.telemetry.recording.recorded import ROBOTS, said_by, scenario
 
 
 def edges(data: bytes) -> list[tuple[int, bool]]:
-    """Where each record ends, and whether it is a chunk."""
     stream = BytesIO(data)
     records = StreamReader(stream, emit_chunks=True).records
     return [(stream.tell(), isinstance(record, Chunk)) for record in records]
@@ -134,7 +133,6 @@ def test_messages_come_in_the_order_of_time_however_late_they_were_written(tmp_p
 
 
 def own(summary):
-    """The channels of the run, without those that draw it."""
     return [channel for channel in summary.channels.values() if channel.topic not in TOPICS]
 
 

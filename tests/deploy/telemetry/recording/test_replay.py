@@ -38,7 +38,6 @@ def recording(path) -> RecordedRun:
 
 
 def _altered(path: Path, target: Path, old: bytes, new: bytes) -> Path:
-    """The same recording but for one change in its messages."""
     found = Contents(path)
     with target.open("wb") as file:
         writer = Writer(file)
@@ -173,7 +172,6 @@ def guested(tmp_path_factory: pytest.TempPathFactory) -> RecordedRun:
 
 
 def there(recording: RecordedRun, robot: int) -> list[int]:
-    """Ticks in which its disk was there."""
     index = recording.truths.robots.tolist().index(robot)
     return recording.truths.ticks[~np.isnan(recording.truths.positions[:, index, 0])].tolist()
 
@@ -190,7 +188,6 @@ def test_each_is_where_it_was_while_it_was_there(guested: RecordedRun) -> None:
 
 def test_a_lost_truth_is_worked_out_unless_somebody_came_or_went(guested: RecordedRun) -> None:
     found = verify(_without_truths(guested, {30}))
-    assert found is not None
     assert (found.sha256, found.restored) == (guested.result["trajectory_sha256"], 1)
     with pytest.raises(RecordingError, match="robots appeared or left before tick 22"):
         verify(_without_truths(guested, {21}))

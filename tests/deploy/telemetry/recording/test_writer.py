@@ -33,7 +33,6 @@ def said(tick: int) -> Said:
 
 
 def write(file: RecordingWriter, ticks: range) -> None:
-    """As a recorder does."""
     for tick in ticks:
         file.write(said(tick))
         file.flush()
@@ -133,7 +132,6 @@ def test_one_that_is_old_enough_is_followed_by_another(tmp_path: Path) -> None:
 
 @pytest.fixture
 def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A file system of 2 MB."""
     folder = tmp_path / "small"
     folder.mkdir()
     mount = ["mount", "-t", "tmpfs", "-o", "size=2m", "disknav-test", str(folder)]

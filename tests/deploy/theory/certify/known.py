@@ -25,8 +25,6 @@ FIGURE_2 = np.array([(0.0, 0.049), (-0.0425, -0.0245), (0.0425, -0.0245)])
 
 @dataclass(frozen=True)
 class Known:
-    """A critical point other than the goal."""
-
     problem: FleetProblem
     point: CriticalPoint
 
@@ -107,7 +105,6 @@ def boxes(known: Known, count: int, seed: int) -> Iterator[Array]:
 
 
 def holds(box: Array, row: Array) -> bool:
-    """Whether a box holds the point, up to the accuracy to which that was found."""
     slack = 1e-8 * np.maximum(1.0, np.abs(row))
     return bool(((box[:, 0] - slack <= row) & (row <= box[:, 1] + slack)).all())
 

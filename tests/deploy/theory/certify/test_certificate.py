@@ -1,7 +1,6 @@
 """The certificate's file, stopping and going on, and what a second opinion says of it."""
 
 import base64
-import json
 import zlib
 from dataclasses import replace
 from pathlib import Path
@@ -10,10 +9,9 @@ import pytest
 
 from deploy.library.load import read
 from deploy.theory.certify.certificate import Certificate, GoalSet, ProofError, Slab, fetch, path_for, store
-from deploy.theory.certify.prove import ladder, prove
+from deploy.theory.certify.prove import prove
 from deploy.theory.certify.replay import replay
 from protocol.errors import UsageError
-from protocol.scenario.model import Scenario
 
 pytestmark = pytest.mark.slow
 
@@ -61,13 +59,6 @@ def test_what_is_told_stops_it_and_it_goes_on() -> None:
     assert certificate.proven == 300.0
 
 
-def test_the_ladder_ends_where_it_is_told() -> None:
-    assert list(ladder(None, 100.0)) == [1000.0, 300.0, 100.0]
-    assert list(ladder(40.0, 17.0)) == [30.0, 20.0, 17.0]
-    assert list(ladder(None, 50_000.0)) == [50_000.0]
-    assert min(ladder(None, None)) > 1.0
-
-
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [
@@ -111,7 +102,6 @@ def test_forged_claims_do_not_survive_a_second_opinion(pair: Certificate) -> Non
 
 
 def _with(certificate: Certificate, nodes: bytes) -> Certificate:
-    """With this branching in its second slab."""
     first, slab, *others = certificate.slabs
     text = base64.b64encode(zlib.compress(nodes)).decode()
     return replace(certificate, slabs=[first, Slab(slab.k, len(nodes), 0.0, text), *others])
@@ -126,16 +116,3 @@ def test_a_certificate_lies_beside_its_scenario(tmp_path: Path) -> None:
     (tmp_path / "here.toml").write_text("")
     assert path_for(str(tmp_path / "here.toml")) == tmp_path / "here.certificate.json"
     assert path_for("figure-2") == Path("figure-2.certificate.json")
-
-
-def test_goals_are_told_apart_by_what_they_are() -> None:
-    scenario: Scenario = read("figure-2")
-    assert GoalSet.of(scenario).digest == GoalSet.of(replace(scenario, name="other", seed=5)).digest
-    assert GoalSet.of(scenario).digest != PAIR.digest
-
-
-def test_the_file_is_json_for_anybody(pair: Certificate, tmp_path: Path) -> None:
-    store(pair, tmp_path / "pair.json")
-    data = json.loads((tmp_path / "pair.json").read_text())
-    assert [slab["k"] for slab in data["slabs"]] == [1000.0, 300.0, 100.0]
-    assert data["goals"]["radii"] == [0.04, 0.05]

@@ -11,7 +11,6 @@ from tests.deploy.theory.certify.known import J, Known, half_form, known
 
 
 def points() -> list[Known]:
-    """Of twenty problems."""
     return [found for seed in range(20) for found in known(seed)]
 
 

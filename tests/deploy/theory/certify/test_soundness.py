@@ -112,7 +112,6 @@ def points() -> list[Known]:
 
 
 def around(found: Known, width: float) -> tuple[Scene, Array, Derived]:
-    """A box about the point, of this relative width, with all that is derived from it."""
     scene, row = scene_of(found.problem), found.row
     n = 2 * found.problem.p
     margin = width * np.where(np.arange(len(row)) < n, 0.1, np.abs(row))
@@ -162,7 +161,6 @@ def test_the_quadratic_form_is_bounded_from_above_and_closely() -> None:
 
 
 def gradient(scene: Scene, b: Array, q: int) -> Array:
-    """grad beta_q / 2."""
     row, i, j = np.zeros_like(b), scene.first[q], scene.second[q]
     apart = b[2 * i : 2 * i + 2] - (b[2 * j : 2 * j + 2] if j >= 0 else 0.0)
     row[2 * i : 2 * i + 2] = -apart if j < 0 else apart

@@ -17,7 +17,6 @@ def main(*command: str) -> int:
     told, telling = os.pipe()
     signal.signal(signal.SIGUSR1, lambda *_: os.write(telling, b"!"))
     with subprocess.Popen(command, stdout=subprocess.PIPE, bufsize=0) as host:
-        assert host.stdout is not None
         while told not in (ready := select.select([host.stdout, told], [], [])[0]):
             said = os.read(host.stdout.fileno(), 1 << 16) if ready else b""
             if not said:

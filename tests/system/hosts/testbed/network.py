@@ -74,11 +74,9 @@ class Hosts:
         self._remove()
 
     def address(self, host: int) -> str:
-        """IPv4 address of a host."""
         return f"10.77.0.{host}"
 
     def start(self, host: int, command: Sequence[str]) -> subprocess.Popen[str]:
-        """Run a command on a host; what it says to standard error goes to the log."""
         file = self._log.open("a")
         self._files.append(file)
         process = subprocess.Popen(
@@ -113,9 +111,7 @@ class Hosts:
             if host == 1:
                 observer = [sys.executable, "-m", f"{_HERE}.observer", self._router(1), run]
                 told = self.start(1, observer).stdout
-            assert starter.stdout is not None
             assert starter.stdout.readline() == "ready\n", self._log.read_text()
-        assert told is not None
         return map(json.loads, told)
 
     def _router(self, host: int) -> str:

@@ -7,11 +7,10 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from types import MappingProxyType
 
 import pytest
 
@@ -55,8 +54,8 @@ class Server:
 
 
 @contextmanager
-def ssh_server(folder: Path, environment: Mapping[str, str] = MappingProxyType({})) -> Iterator[Server]:
-    """Serve this user on 127.0.0.1, to clients with the key in `folder`; shells there have `environment`."""
+def ssh_server(folder: Path) -> Iterator[Server]:
+    """Serve this user on 127.0.0.1, to clients with the key in `folder`."""
     assert SSHD is not None
     if os.geteuid() == 0:
         _SEPARATION.mkdir(mode=0o755, exist_ok=True)
@@ -64,7 +63,7 @@ def ssh_server(folder: Path, environment: Mapping[str, str] = MappingProxyType({
         subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", str(folder / name)], check=True)
     (port,) = free_ports(1)
     config = folder / "sshd_config"
-    config.write_text(_config(folder, port) + _set(environment))
+    config.write_text(_config(folder, port))
     log = (folder / "sshd.log").open("w")
     process = subprocess.Popen([SSHD, "-D", "-e", "-f", str(config)], stderr=log)
     known = folder / "known_hosts"
@@ -95,11 +94,6 @@ PasswordAuthentication no
 PermitRootLogin yes
 MaxStartups 100
 """
-
-
-def _set(environment: Mapping[str, str]) -> str:
-    pairs = " ".join(f"{name}={value}" for name, value in environment.items())
-    return f"SetEnv {pairs}\n" if pairs else ""
 
 
 def _await(port: int, process: subprocess.Popen[bytes]) -> None:
