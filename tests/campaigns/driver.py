@@ -116,7 +116,7 @@ def attempt(campaign: Campaign, dice: Dice) -> Outcome:
     except Exception as error:  # noqa: BLE001  any exception is what the campaign searches for
         place = traceback.extract_tb(error.__traceback__)[-1].name
         text = traceback.format_exc(limit=-12)
-        return Outcome(f"{type(error).__name__} in {place}", str(error), text)
+        return Outcome(f"{type(error).__name__} in {place}", str(error) or repr(error), text)
 
 
 def hunted(name: str, jobs: int) -> Iterator[tuple[str, int, str]]:

@@ -38,7 +38,7 @@ def read(dice: Dice) -> Outcome:
     except Exception as error:  # noqa: BLE001  any exception is what the campaign searches for
         where = traceback.extract_tb(error.__traceback__)[-1]
         said = f"{name}, {type(error).__name__} at {where.filename}:{where.lineno}"
-        return Outcome(said, str(error), f"{given!r}\n\n{traceback.format_exc(limit=-12)}")
+        return Outcome(said, str(error) or repr(error), f"{given!r}\n\n{traceback.format_exc(limit=-12)}")
     return Outcome(f"{name}, accepted")
 
 

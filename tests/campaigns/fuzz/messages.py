@@ -84,7 +84,7 @@ def _read_message(drawn: tuple[str, bytes]) -> bool:
         assert str(error)
         raise
     assert decode(key, encode(message)) == message
-    if isinstance(message, State):
+    if isinstance(message, State) and message.epoch == EPOCH:  # a robot hears no other coordinator's
         assert (heard.tick, heard.position, heard.desired) == (
             message.tick,
             message.position,
@@ -102,7 +102,7 @@ def _heard(key: str, payload: bytes) -> PeerState | None:
     if address.stream != "state" or address.robot is None:
         return None
     try:
-        return PeerReader(address.robot + 1, address.robot).read(payload)
+        return PeerReader(address.robot + 1, address.robot, EPOCH).read(payload)
     except MessageError as error:
         assert error.reason in REASONS, error.reason
         return None
