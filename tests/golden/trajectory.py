@@ -33,7 +33,6 @@ class Trajectory:
 
 
 def run(scenario: Scenario) -> Trajectory:
-    """Run it to its end."""
     fleet = LocalFleet(scenario)
     bus = fleet.network.connect()
     bus.subscribe(world_key(fleet.run, "truth"))
@@ -47,8 +46,6 @@ def run(scenario: Scenario) -> Trajectory:
 
 @dataclass
 class _Listener:
-    """Hears every truth."""
-
     finished: bool = False
     deadline: float = math.inf
     positions: dict[int, tuple[Vector, ...]] = field(default_factory=dict)

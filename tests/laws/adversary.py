@@ -28,7 +28,6 @@ class Adversary:
         self._kind, self._share, self._left, self._last = "greedy", 1.0, 0, (0.0, 0.0)
 
     def velocity(self, view: View) -> Vector:
-        """Desired velocity, m/s."""
         rng = self._rng
         if self._left == 0:
             self._kind, self._share = rng.choice(_KINDS), rng.choice(_SPEEDS)
@@ -48,7 +47,6 @@ class Adversary:
         return speed * self._last[0], speed * self._last[1]
 
     def _to_nearest(self, view: View) -> Vector:
-        """At the nearest disk."""
         x, y = view.position
         peers = view.neighbours.disks()
         if not peers:
@@ -57,7 +55,6 @@ class Adversary:
         return _unit(nearest.x - x, nearest.y - y)
 
     def _greed(self, view: View) -> Vector:
-        """To where clearance is least."""
         first = self._rng.uniform(-math.pi, math.pi)
         directions = [_towards(first + math.tau * n / _DIRECTIONS) for n in range(_DIRECTIONS)]
         return min(directions, key=lambda towards: self._clearance(view, towards))

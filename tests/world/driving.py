@@ -25,12 +25,10 @@ def scenario(*robots: tuple[Vector, Vector], radius: float = 0.04, **settings: o
 
 
 def two(**settings: object) -> Scenario:
-    """Two robots far apart, each with some way to go."""
     return scenario(((-0.1, 0.1), (0.1, 0.1)), ((-0.1, -0.1), (0.1, -0.1)), **settings)
 
 
 def joined(setting: Scenario, robots: Iterable[int] | None = None) -> WorldCore:
-    """A world that these robots, or all, have joined."""
     world = WorldCore(setting)
     for robot in setting.ids if robots is None else robots:
         world.join(robot)
@@ -85,8 +83,6 @@ def token(network: LocalNetwork, robot: int | None = None) -> str:
 
 @dataclass
 class Stopwatch:
-    """A clock that tests set."""
-
     now: float = 0.0
 
     def __call__(self) -> float:

@@ -25,7 +25,6 @@ class Found(NamedTuple):
 
 
 def hunt(mutant: Mutant) -> Found:
-    """Look for what goes wrong without the rule."""
     product = Product(mutant.edits)
     worst = -float("inf")
     for seed in range(_RIDES):

@@ -76,8 +76,6 @@ def excess_of(
 
 
 class Ride:
-    """One run, all of it drawn from its seed."""
-
     def __init__(self, seed: int, kind: str, product: Product, period: float | None = None) -> None:
         rng = self.rng = Random(f"{kind} {seed}")
         self.product = product
@@ -186,7 +184,6 @@ class Ride:
         return speed * math.cos(self.angle), speed * math.sin(self.angle)
 
     def _moved(self, velocity: Vector | None) -> float:
-        """Execute a tick."""
         worst = -math.inf
         sides = [side for bond in self.lines._each for side in bond.half_planes]
         for dx, dy in self.base.move(velocity, self.now):

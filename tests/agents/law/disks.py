@@ -4,7 +4,6 @@ import numpy as np
 
 
 def scattered(rng: np.random.Generator, n: int, radius: float, workspace: float) -> np.ndarray:
-    """Centres of n equal disks in a workspace of this radius, m."""
     while True:
         placed: list[np.ndarray] = []
         for _ in range(200 * n):

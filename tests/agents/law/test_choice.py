@@ -38,7 +38,6 @@ def write(tmp_path: Path) -> Write:
 
 
 def example(folder: Path) -> str:
-    """The law of the page, as a file."""
     (code,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
     (folder / "courtesy.py").write_text(code)
     return f"{folder / 'courtesy.py'}:Courtesy"

@@ -18,7 +18,6 @@ BOX = ConvexPolygon([(-0.1, -0.2), (0.1, -0.2), (0.1, 0.2), (-0.1, 0.2)])
 
 
 def way(route: Route, start: tuple[float, float], goal: tuple[float, float]) -> list[tuple[float, float]]:
-    """The corners of a way, from start to goal."""
     corners = [start]
     while corners[-1] != goal:
         found = route.ahead(corners[-1], goal)

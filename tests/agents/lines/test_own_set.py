@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from msgspec import structs
 
 from agents.lines.own_set import DIRECTIONS, SIDES, around
-from agents.shell.node import RobotNode
 from deploy.run.local import LocalFleet
 from protocol.bus.bus import Event, Sample
 from protocol.codec import decode, encode
@@ -80,7 +79,6 @@ def lied_to(policy: str, caplog: pytest.LogCaptureFixture) -> tuple[dict, str]:
     )
     fleet = LocalFleet(scenario)
     node = fleet.robots[1].node
-    assert isinstance(node, RobotNode)
 
     def handle(event: Event) -> None:
         if isinstance(event, Sample) and event.key.endswith("tick"):

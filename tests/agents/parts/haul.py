@@ -45,7 +45,6 @@ class Haul(skirmish.Skirmish):
         )
 
     def tick(self) -> None:
-        """All that happens in one."""
         parts = self.world.parts
         before = parts.places
         super().tick()
@@ -72,7 +71,6 @@ class _Porter:
         self.radius, self.handles, self.held = 0.0, None, 0
 
     def look(self, _: int, position: Vector, roster: KnownRoster, *__: Any) -> None:
-        """Ask for something, or for nothing."""
         self.radius, self.claim, self.held = self._scenario.spec(self._robot).radius, None, 0
         self.handles: Handling | None = None
         carried = next((each.part for each in roster.parts if each.carrier == self._robot), 0)

@@ -50,8 +50,6 @@ class Person:
 
 
 class Stage:
-    """A world, two robots, and a person at RViz."""
-
     def __init__(self, *settings: str) -> None:
         scenario = load("turtlebots-2", [*SETTINGS, *settings], 1)
         self.fleet = LocalFleet(scenario)

@@ -23,7 +23,6 @@ THIRD = "[[robots]]\nid = 3\nradius = 0.04\nstart = [0.067, 0.0]\ngoal = [0.0, 0
 
 
 def problems(text: str) -> dict[str, str]:
-    """Path to text of everything that is wrong."""
     with pytest.raises(ScenarioError) as caught:
         parse_toml(text)
     found = {problem.path: problem.text for problem in caught.value.problems}

@@ -21,7 +21,6 @@ robots = st.frozensets(st.integers(1, 8), min_size=1)
 
 
 def among(active: frozenset[int]) -> dict[int, int]:
-    """Every robot receives all States."""
     return dict.fromkeys(sorted(active), len(active))
 
 

@@ -93,7 +93,6 @@ class _Driver:
         self._ways: list[_Way] = []
 
     def command(self, velocity: Vector, heading: float) -> Vector | None:
-        """A velocity, m/s, or none at all."""
         rng = self._rng
         if rng.random() < self._often:
             angle, speed = rng.uniform(0.0, math.tau), rng.choice((1.0, 1.0, 1.0, 0.3, 0.1)) * self._most

@@ -25,8 +25,6 @@ TOLERANCE = 0.02  # m
 
 @dataclass(frozen=True)
 class Setting:
-    """What one run is about."""
-
     robots: int = 6
     plant: str = "mujoco"
     body: Preset | Body = "turtlebot3-burger"
@@ -118,7 +116,6 @@ class TowardsTheNearest:
         self._rng, self._rim = Random(index), scenario.workspace.shape.around.radius
 
     def at(self, tick: int) -> Vector:
-        """The error of a command."""
         luck, turn = self._rng.random(), self._rng.uniform(-math.pi, math.pi)
         if luck < 0.1:
             return 0.0, 0.0

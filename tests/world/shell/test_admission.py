@@ -32,7 +32,6 @@ class Desk:
         return self.admissions.refusal(join) or self.admissions.enlist(join)
 
     def arrive(self, session: str) -> None:
-        """The token of a process of robot 1 is there."""
         self.admissions.arrive(1, session)
 
     def leave(self) -> None:

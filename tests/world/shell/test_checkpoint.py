@@ -28,7 +28,6 @@ def _small_files() -> object:
 
 
 def states(count: int) -> list[SavedRun]:
-    """Of a run tick by tick."""
     world, found = joined(SCENARIO), []
     for tick in range(count):
         advance(world, {1: (0.02, 0.0)})
@@ -45,7 +44,6 @@ def opened(path: Path, run: str = "yard") -> Checkpoint:
 
 
 def left(path: Path) -> SavedRun:
-    """What a world finds."""
     found = opened(path)
     found.close()
     return found.progress
@@ -85,14 +83,12 @@ def test_what_was_written_last_is_read_again(path: Path) -> None:
 
 
 def torn(before: bytes, after: bytes, data: st.DataObject) -> bytes:
-    """The newest write was cut short."""
     differ = [place for place, (old, new) in enumerate(zip(before, after, strict=False)) if old != new]
     cut = data.draw(st.integers(differ[0], differ[-1]))
     return after[:cut] + before[cut:]
 
 
 def damaged(_: bytes, after: bytes, data: st.DataObject) -> bytes:
-    """A byte of a state is another."""
     place = data.draw(st.sampled_from([at for at, byte in enumerate(after) if byte][len(module._MAGIC) :]))
     return after[:place] + bytes([after[place] ^ data.draw(st.integers(1, 255))]) + after[place + 1 :]
 

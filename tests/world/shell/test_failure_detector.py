@@ -39,13 +39,11 @@ class Watch:
         self.told.append(dict(measurements))
 
     def come(self, robot: int, session: str = "") -> None:
-        """A process of this robot is admitted, and shows its token."""
         session = session or f"session {robot}"
         self.admissions.enlist(Join(robot, session))
         self.failures.arrive(robot, session)
 
     def miss(self, robot: int) -> None:
-        """The token of its process is gone."""
         self.failures.miss(robot, self.admissions.slots[robot].session)
 
     def open(self) -> None:

@@ -20,7 +20,6 @@ class Found(NamedTuple):
 
 
 def hunt(mutant: Mutant, first: int | None = None, runs: int = _RUNS) -> Found:
-    """Look for what goes wrong without the rule, in random runs from `first` on, or the mutant's own."""
     product = Product(mutant.edits)
     begin = mutant.first if first is None else first
     for tried, seed in enumerate(range(begin, begin + runs), 1):

@@ -37,7 +37,6 @@ class Aftermath(skirmish.Skirmish):
         return replace(super()._drawn(seed, rng), sensing=())
 
     def end(self) -> None:
-        """Trouble is over."""
         self._is_over = self.waits = True
         self.trouble = self.loss = 0.0
         self.delay, self.operator, self.former, self.late = 0, None, [], []

@@ -34,8 +34,6 @@ class Attack:
 
 
 class Staying:
-    """Wants to stay."""
-
     failure = ""
 
     def slice_norm(self, *_: Any) -> float:

@@ -38,8 +38,6 @@ def first_violation(run: Skirmish, ticks: int) -> str:
 
 
 class Skirmish:
-    """One run, all of it drawn from its seed."""
-
     def __init__(self, seed: int, product: Product) -> None:
         rng = self.rng = Random(seed)
         self.product, self.scenario = product, self._drawn(seed, rng)
@@ -68,7 +66,6 @@ class Skirmish:
     # -- one tick
 
     def tick(self) -> None:
-        """All that happens in one."""
         world = self.world
         self._begin()
         awake = [each for each in (*self.processes.values(), *self.former) if each.asleep <= 0]
@@ -126,7 +123,6 @@ class Skirmish:
                 process.core.hearing.on_summary(summary)
 
     def _operate(self, rng: Random) -> None:
-        """Something comes or goes."""
         book = self.world.lives.obstacles
         here = [*book.standing, *book.appearing]
         if here and rng.random() < 0.3:
