@@ -12,7 +12,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from deploy.processes.fork_server import FAULT, end_with_pipe
+from deploy.processes.fork_server import FAULT
 from deploy.processes.spawn import Exited, News, Process, ProcessReport, Spawner
 from protocol.errors import ProcessError
 from tests.deploy.processes import children
@@ -116,12 +116,10 @@ def test_no_orphans_when_the_supervisor_is_killed_though_one_is_frozen(tmp_path:
 
 
 def test_without_help_of_the_kernel_a_pipe_ends_a_process() -> None:
+    code = "import sys, time; from deploy.processes.fork_server import end_with_pipe as end"
     reading, writing = os.pipe()
-    pid = os.fork()
-    if pid == 0:
+    call = [sys.executable, "-c", f"{code}; end(int(sys.argv[1])); time.sleep(60.0)", str(reading)]
+    with subprocess.Popen(call, pass_fds=[reading]) as process:
+        os.close(reading)
         os.close(writing)
-        end_with_pipe(reading)
-        children.wait()
-    os.close(reading)
-    os.close(writing)
-    assert os.waitpid(pid, 0)[1] == signal.SIGKILL
+        assert process.wait(PATIENCE) == -signal.SIGKILL
