@@ -3,6 +3,11 @@
 A tick's command becomes several velocities; the last one is held until the next tick, but at most for the
 patience after the tick, and until the end of the lease: then the robot brakes the base. If this process dies
 instead, the base brakes by its own timeout.
+
+A process that is late by more than half of the latency brakes from the last velocity: as the sweep counts it
+for one that died, or before any velocity of the tick in the sweep of the tick before. If the base may have
+begun to brake by itself, it is to rest: on the same circle, no farther. How far is unknown, so ticks have
+no odometry until the base certainly stands, and the odometry is from after that.
 """
 
 from __future__ import annotations
@@ -10,11 +15,13 @@ from __future__ import annotations
 import math
 from collections import deque
 from itertools import groupby
+from typing import Final
 
 from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, turned
 from protocol.messages import BaseMotion, Vector
 from protocol.scenario.body import DECISION, Base, Body
 
+OFTEN: Final = 3.0  # least number of velocities within the base's own timeout
 _STILL: Vector = (0.0, 0.0)
 
 
@@ -69,30 +76,39 @@ class Drive:
         self._hold, self._grace = body.hold, period + base.patience
         self._part = period / self._kinematics.steps
         self._late = base.lateness
+        self._slack = 0.5 * base.latency
+        self._gap = base.timeout / OFTEN + self._slack
+        self._rest = self._late.alone + self._late.window + body.speed / body.acceleration
         self._plan: deque[tuple[float, Vector]] = deque()
         self._past: deque[tuple[float, Vector]] = deque([(-math.inf, _STILL)])
         self._published = -math.inf  # s
         self._until = -math.inf  # s, start of braking without a command
+        self._unknown = -math.inf  # s, end of unknown motion
 
     def advance(self, now: float) -> None:
-        """Advance to `now`, when `told` is published, however late that is."""
+        """Advance to `now`, when `told` is published; if that is late, brake."""
+        self._check(now)
         before, self._published = self.told, now
+        if self._plan and self._plan[0][0] < min(self._until, now - self._slack):
+            self._until = now
+            self._plan = deque(self._brake(now, self.told))
         while self._plan and self._plan[0][0] <= now:
             _, self.told = self._plan.popleft()
         if self.told != before:
             self._past.append((now, self.told))
         self.due = self._plan[0][0] if self._plan else math.inf
 
-    def motion(self, heading: float, now: float) -> BaseMotion:
+    def motion(self, heading: float, now: float) -> BaseMotion | None:
         """The motion that follows from the velocities sent, the last of which is held until the command of
-        the new tick.
+        the new tick; None while it is unknown.
 
         Args:
             heading: in the map, rad.
             now: s.
         """
-        if now - self._published > self._late.alone:  # the base has begun to brake
-            self.advance(now)
+        self._check(now)
+        if now < self._unknown:
+            return None
         if not self._brakes:
             self._plan = deque(self._brake(max(now, self._until), self.told))
         while len(self._past) > 1 and self._past[1][0] <= now - self._late.window:
@@ -126,7 +142,8 @@ class Drive:
             now: s.
             until: end of the lease, s.
         """
-        if velocity == _STILL and self._brakes:
+        self._check(now)
+        if now < self._unknown or (velocity == _STILL and self._brakes):
             return
         motion = Motion(heading, *self.told)
         self._until = max(now, min(now + self._grace, until))
@@ -141,6 +158,14 @@ class Drive:
             self._until = now
         self._plan = deque([*plan, *self._brake(self._until, plan[-1][1] if plan else self.told)])
         self.due = self._plan[0][0] if self._plan else math.inf
+
+    def _check(self, now: float) -> None:
+        """Command rest if the base may have begun to brake by itself."""
+        if self.told == _STILL or now - self._published <= self._gap:
+            return
+        self.told, self._until, self._unknown = _STILL, now, now + self._rest
+        self._plan.clear()
+        self._past.append((now, _STILL))
 
     @property
     def _brakes(self) -> bool:

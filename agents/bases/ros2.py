@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterable
-from typing import Final
 
 from agents.bases import dialects as ros
 from agents.bases.dialects import Topic
-from agents.bases.drive import Drive, Lease
+from agents.bases.drive import OFTEN, Drive, Lease
 from agents.bases.ros_messages import StampedVelocity, Velocity, decode, header_at
 from agents.bases.senses import Senses
 from protocol.bodies.kinematics import turned
@@ -18,7 +17,6 @@ from protocol.messages import LARGEST, Command, Sense, Tick, Vector
 from protocol.scenario.body import DECISION, Base
 from protocol.scenario.model import Scenario
 
-_OFTEN: Final = 3.0  # least number of velocities within the base's own timeout
 _STILL: Vector = (0.0, 0.0)
 
 
@@ -46,7 +44,7 @@ class Ros2Base:
         self.tells = Topic(base.topic(base.velocity), twist)
         self.due = 0.0
         self._base, self._offset = base, body.offset
-        self._every = base.timeout / _OFTEN
+        self._every = base.timeout / OFTEN
         self._senses = Senses(scenario, robot, base)
         self._drive = Drive(body, base, scenario.time.step)
         self._duration = scenario.world.lease
@@ -99,7 +97,8 @@ class Ros2Base:
         self._senses.look(now)
         self._begun = now
         self._heading = self._senses.heading() + self._drive.turning(self._senses.age(now), now)
-        sense = self._senses.read(tick.tick, self._drive.motion(self._heading, now), now)
+        motion = self._drive.motion(self._heading, now)
+        sense = None if motion is None else self._senses.read(tick.tick, motion, now)
         self._blind = sense is None
         return sense
 

@@ -62,6 +62,7 @@ class Told:
         now = self.now / 1000
         heading = self.heading + self.drive.turning((age - decision) / 1000, now)
         said = self.drive.motion(heading, now)
+        assert said is not None
         motion = self.kinematics.motion(said.velocity, said.heading, said.stop, said.before)
         self.now += decision
         if velocity == STILL:
@@ -179,3 +180,30 @@ def test_without_this_term_it_leaves_it(term, monkeypatch):
     assert worst_excess(*case) <= ROUNDING
     monkeypatch.setattr(Tolerance, "__init__", without)
     assert worst_excess(*case) > 1e-3
+
+
+@pytest.mark.parametrize("steps", [0, 2])  # of its acceleration that it has sent
+@pytest.mark.parametrize("pause", [0.02, 0.07, 0.5])  # s, beyond when the next step is due
+def test_a_process_that_goes_on_late_sends_nothing_faster_and_drives_when_its_base_stands(steps, pause):
+    base = Base()
+    drive = Drive(base.carries(BURGER), base, PERIOD)
+    drive.command((0.06, 0.0), 0.0, 0.0, math.inf)
+    for _ in range(steps):
+        drive.advance(now := drive.due)
+    held, now = drive.told[0], drive.due + pause
+    drive.advance(now)
+    assert drive.told[0] < held or held == 0.0
+    begun, fell = now, [held]
+    while drive.told != STILL or drive.motion(0.0, now) is None:
+        assert drive.told[0] <= fell[-1]
+        fell.append(drive.told[0])
+        if drive.motion(0.0, now) is None:
+            assert drive.told == STILL
+            drive.command((0.06, 0.0), 0.0, now, math.inf)
+        drive.advance(now := now + 0.01)
+    is_long = pause > base.timeout / 3.0 + base.latency
+    unknown = base.lateness.alone + base.lateness.window + BURGER.speed / BURGER.acceleration
+    assert (now - begun >= unknown) is (is_long and steps > 0)
+    drive.command((0.06, 0.0), 0.0, now, math.inf)
+    drive.advance(now)
+    assert drive.told[0] > 0.0
