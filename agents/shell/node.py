@@ -16,6 +16,7 @@ from typing import Final
 from msgspec.structs import replace
 
 from agents.bases.base import ros_of
+from agents.peers.far import read_summary
 from agents.robot import Robot
 from agents.shell.attached_base import AttachedBase
 from agents.shell.ros_link import AttachedTools, RosLink
@@ -66,6 +67,7 @@ class RobotNode:
         self._world = WorldSession(bus, run, robot, wait, say, read)
         self._peers = Subscriptions(bus, run, robot)
         self._health_key = robot_key(run, robot, "health")
+        self._summary = world_key(run, "summary")
         self._link: RosLink | None = None
         self._base: AttachedBase | None = None
         self._tools: AttachedTools | None = None
@@ -142,7 +144,7 @@ class RobotNode:
         bus, run, robot = self._bus, self._run, self._robot
         bus.watch(world_tokens(run))
         bus.subscribe(robot_key(run, robot, "tick"))
-        bus.subscribe(world_key(run, "summary"))
+        bus.subscribe(self._summary)
         if core.scenario.control.law == "external":
             bus.subscribe(robot_key(run, robot, "wish"))
         self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
@@ -206,7 +208,9 @@ class RobotNode:
         try:
             peer = self._peers.readers.get(key)
             heard = None if peer is None else peer.read(payload)
-            message = None if peer is not None else decode(key, payload)
+            message = None
+            if peer is None:
+                message = read_summary(key, payload) if key == self._summary else decode(key, payload)
         except MessageError as error:
             self._rejected[error.reason] += 1
             return
