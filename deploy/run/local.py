@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import lru_cache, partial
 from pathlib import Path
-from threading import Lock
 from typing import Any, Final
 
 from agents.shell.node import RobotNode
@@ -35,58 +34,20 @@ from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
 
 _YOUNG: Final = 1_000_000  # objects, instead of 700: messages are many, and freed by reference counts
-_GROWTH: Final = 1.25  # growth of all objects before a full collection, as in Python's own collector
 
 
 @contextmanager
 def seldom_collecting() -> Iterator[None]:
-    """Collect garbage rarely inside, and no objects from before; with 1000 robots that saves a quarter of a
-    tick. Threads may be inside together; the last to leave restores the collector's settings.
-    """
-    _COLLECTOR.enter()
+    """Collect garbage rarely inside; of several threads, the first to enter restores the setting."""
+    before = gc.get_threshold()
+    if before[0] >= _YOUNG:
+        yield
+        return
+    gc.set_threshold(_YOUNG, *before[1:])
     try:
         yield
     finally:
-        _COLLECTOR.leave()
-
-
-class _Collector:
-    """Garbage collection during runs. Existing objects are frozen, since examining all of them takes as long
-    as a short run; all are collected once their number has grown by a quarter.
-    """
-
-    def __init__(self) -> None:
-        self._lock = Lock()
-        self._inside = 0
-        self._before = gc.get_threshold()
-        self._left = 0
-
-    def enter(self) -> None:
-        with self._lock:
-            if not self._inside:
-                self._before = gc.get_threshold()
-                self._put()
-                gc.set_threshold(_YOUNG, *self._before[1:])
-            self._inside += 1
-
-    def leave(self) -> None:
-        with self._lock:
-            self._inside -= 1
-            if not self._inside:
-                gc.set_threshold(*self._before)
-                gc.unfreeze()
-
-    def _put(self) -> None:
-        gc.collect(1)
-        gc.freeze()
-        if gc.get_freeze_count() > _GROWTH * self._left:
-            gc.unfreeze()
-            gc.collect()
-            gc.freeze()
-            self._left = gc.get_freeze_count()
-
-
-_COLLECTOR: Final = _Collector()
+        gc.set_threshold(*before)
 
 
 Watcher = Callable[[Clock], None]
