@@ -211,7 +211,7 @@ def study(
 
     Exit status: 0 done, 1 done, but with contacts that must not happen, 2 invalid, 3 fault, 130 interrupted.
     """
-    from deploy.studies.perform import StudyRequest, perform
+    from deploy.studies.perform import perform
     from deploy.studies.study import Shard
 
     if name != "peers":
@@ -220,18 +220,18 @@ def study(
         options.refuse({"--jobs": jobs}, "study scale measures speed: one run at a time")
     if json_file is None or is_standard_output(json_file):
         options.refuse({"--fresh": fresh}, "no results are kept: add --json FILE")
-    request = StudyRequest(
-        name=name,
+    status = perform(
+        name,
         runs=runs,
         jobs=jobs or os.cpu_count() or 1,
         seed=seed,
-        settings=tuple(setting or ()),
+        settings=setting or (),
         transport=transport,
         shard=Shard() if shard is None else Shard.parse(shard),
         target=json_file,
         fresh=fresh,
         quiet=quiet,
-        laws=tuple(law or ()),
-        only=tuple(only or ()),
+        laws=law or (),
+        only=only or (),
     )
-    raise typer.Exit(perform(request))
+    raise typer.Exit(status)

@@ -22,7 +22,6 @@ from typing import Any
 
 import psutil
 
-from agents.shell.node import RobotNode
 from deploy.output import bar
 from deploy.processes.fork_server import end_with_pipe
 from deploy.run.fleet import Fleet
@@ -31,7 +30,6 @@ from deploy.run.options import RunOptions, Transport
 from deploy.run.result import complete
 from deploy.software import code_digest
 from deploy.studies.study import Build, Result, Row, Shard, Study, StudyRun
-from protocol.bus.bus import Event
 from protocol.errors import ProcessError
 from protocol.process.log import set_process_title
 from protocol.process.signals import STOP, Stopped
@@ -42,8 +40,8 @@ FAILED = "failed"  # verdict of a run that ended with an exception, which is a b
 KEPT = (
     "seed", "verdict", "reason", "arrived", "collisions", "contacts", "min_clearance",
     "nrl", "tight", "k", "robots", "ticks", "sim_time", "wall_time",
-    "ticks_per_second", "missed_commands", "down", "positions", "trajectory_sha256", "cpu_s", "robots_cpu_s",
-    "max_rss_mb", "processes",
+    "ticks_per_second", "missed_commands", "down", "positions", "trajectory_sha256", "cpu_s", "max_rss_mb",
+    "processes",
 )
 # fmt: on
 
@@ -68,13 +66,11 @@ def run_one(build: Build, seed: int, transport: Transport) -> Result:
 def _in_process(build: Build, seed: int) -> Result:
     began = time.thread_time()
     try:
-        fleet = MeteredFleet(build(seed))
-        report = fleet.execute()
+        report = LocalFleet(build(seed)).execute()
     except Exception:  # noqa: BLE001  a failed run must not end the study
         return {"seed": seed, "verdict": FAILED, "reason": traceback.format_exc(limit=-3)}
     result = complete(report, RunOptions("local"), [])
     result["cpu_s"] = time.thread_time() - began
-    result["robots_cpu_s"] = fleet.robots_cpu()
     result["max_rss_mb"] = psutil.Process().memory_info().rss / 2**20
     return result
 
@@ -84,44 +80,6 @@ def _on_processes(build: Build, seed: int, transport: Transport) -> Result:
     with Fleet(build(seed), options) as fleet:
         report = fleet.execute()
         return complete(report, options, fleet.processes())
-
-
-class MeteredNode:
-    """A robot's node with a counter of the CPU time spent on messages."""
-
-    def __init__(self, node: RobotNode) -> None:
-        self._node = node
-        self.cpu_ns = 0
-
-    def handle(self, event: Event) -> None:
-        began = time.thread_time_ns()
-        self._node.handle(event)
-        self.cpu_ns += time.thread_time_ns() - began
-
-    def wake(self, now: float) -> None:
-        self._node.wake(now)
-
-    @property
-    def deadline(self) -> float:
-        return self._node.deadline
-
-    @property
-    def finished(self) -> bool:
-        return self._node.finished
-
-
-class MeteredFleet(LocalFleet):
-    """An in-process fleet of metered nodes."""
-
-    def start(self, robot: int) -> MeteredNode:
-        bus = self.robots[robot] = self.network.connect()
-        node = bus.node = MeteredNode(RobotNode(bus, self.run, robot))
-        return node
-
-    def robots_cpu(self) -> float:
-        """CPU time of all present robots, s, without world and bus."""
-        nodes = [bus.node for bus in self.robots.values()]
-        return 1e-9 * sum(node.cpu_ns for node in nodes if isinstance(node, MeteredNode))
 
 
 _POLL = 0.2  # s between checks for signals

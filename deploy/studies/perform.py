@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -35,28 +34,6 @@ _BUILD: dict[StudyName, Callable[..., Study]] = {
 _ON_PROCESSES = ("tightness", "tuning")  # others use the in-process bus by default
 
 
-def find(
-    name: StudyName,
-    runs: int | None,
-    seed: int,
-    transport: Transport | None,
-    *,
-    laws: Sequence[str] = (),
-    only: Sequence[str] = (),
-) -> Study:
-    """The study, with `runs` runs per cell (default: the study's own) from `seed` on.
-
-    Args:
-        laws, only: arguments of `peers`.
-    """
-    arguments: dict[str, Any] = {"seed": seed} if runs is None else {"seed": seed, "runs": runs}
-    if name == "scale" and transport is not None:
-        arguments["transports"] = (transport,)
-    if name == "peers":
-        arguments |= {"laws": laws, "only": only}
-    return _BUILD[name](**arguments)
-
-
 # column -> title, number format
 _COLUMNS = {
     **{name: (name, "") for name in ("scenario", "law", "setting", "pace", "filter", "transport")},
@@ -84,7 +61,6 @@ _COLUMNS = {
     "cpu_per_robot_tick_us": ("CPU, µs/robot/tick", ".0f"),
     "memory_mb": ("memory, MB", ".0f"),
     "memory_per_robot_mb": ("MB/robot", ".1f"),
-    "step_us": ("step, µs", ".0f"),
 }
 
 
@@ -106,72 +82,59 @@ def _cell(value: object, form: str) -> str:
 _PAPER = 160  # width without a terminal
 
 
-@dataclass(frozen=True)
-class StudyRequest:
-    """Options of the command line."""
+def perform(
+    name: StudyName,
+    *,
+    runs: int | None = None,
+    jobs: int = 1,
+    seed: int = 0,
+    settings: Sequence[str] = (),
+    transport: Transport | None = None,
+    shard: Shard = Shard(),
+    target: Path | None = None,
+    fresh: bool = False,
+    quiet: bool = False,
+    laws: Sequence[str] = (),
+    only: Sequence[str] = (),
+) -> int:
+    """Run a study and print or write its results; returns the exit status.
 
-    name: StudyName
-    runs: int | None
-    jobs: int
-    seed: int
-    settings: tuple[str, ...]
-    transport: Transport | None
-    shard: Shard
-    target: Path | None
-    fresh: bool
-    quiet: bool
-    laws: tuple[str, ...] = ()
-    only: tuple[str, ...] = ()
-
-    @property
-    def file(self) -> Path | None:
-        """File to write, if any."""
-        return None if is_standard_output(self.target) else self.target
-
-
-def perform(request: StudyRequest) -> int:
-    """Run the study and print or write its results; returns the exit status.
+    Args:
+        runs: per cell, from `seed` on; default the study's own.
+        target: of the JSON document.
+        fresh: discard the results of an earlier call.
+        laws, only: arguments of `peers`.
 
     Raises:
         UsageError, ScenarioError: the study, a setting or the file is invalid.
         ProcessError: a worker or a fleet was lost; repeat the call to continue.
     """
-    transport: Transport = request.transport or ("routed" if request.name in _ON_PROCESSES else "local")
-    jobs = 1 if request.name == "scale" else request.jobs  # its figures are speeds
-    study = find(
-        request.name,
-        request.runs,
-        request.seed,
-        request.transport,
-        laws=request.laws,
-        only=request.only,
-    ).adjusted(request.settings)
-    _check(request, study)
-    quiet = request.quiet or is_standard_output(request.target)
-    with RunLog(_log_path(request.file), fresh=request.fresh) as log:
-        outcome = execute(study, transport, log, jobs=jobs, quiet=quiet, shard=request.shard)
+    bus: Transport = transport or ("routed" if name in _ON_PROCESSES else "local")
+    jobs = 1 if name == "scale" else jobs  # its figures are speeds
+    arguments: dict[str, Any] = {"seed": seed} if runs is None else {"seed": seed, "runs": runs}
+    if name == "scale" and transport is not None:
+        arguments["transports"] = (transport,)
+    if name == "peers":
+        arguments |= {"laws": laws, "only": only}
+    study = _BUILD[name](**arguments).adjusted(settings)
+    file = None if is_standard_output(target) else target
+    if file is not None and not file.parent.is_dir():
+        raise UsageError(f"{file}: the folder {file.parent} does not exist")
+    check_json(target)
+    study.cells[0].build(study.cells[0].seeds[0])  # an invalid setting is found before any run
+    quiet = quiet or is_standard_output(target)
+    with RunLog(_log_path(file), fresh=fresh) as log:
+        outcome = execute(study, bus, log, jobs=jobs, quiet=quiet, shard=shard)
+    told = {"shard": str(shard), "settings": list(settings), "complete": outcome.complete}
     document = {
         "study": study.name,
         "rows": outcome.rows,
-        "provenance": provenance(request.seed, transport, jobs)
-        | {
-            "shard": str(request.shard),
-            "settings": list(request.settings),
-            "complete": outcome.complete,
-        },
+        "provenance": provenance(seed, bus, jobs) | told,
     }
-    write_json(document, request.target)
+    write_json(document, target)
     if not quiet:
         Console(width=None if sys.stdout.isatty() else _PAPER).print(table(study, outcome.rows))
-    return _status(study, outcome, request.file)
-
-
-def _check(request: StudyRequest, study: Study) -> None:
-    if request.file is not None and not request.file.parent.is_dir():
-        raise UsageError(f"{request.file}: the folder {request.file.parent} does not exist")
-    check_json(request.target)
-    cell = study.cells[0]
-    cell.build(cell.seeds[0])
+    return _status(study, outcome, file)
 
 
 def _log_path(file: Path | None) -> Path | None:

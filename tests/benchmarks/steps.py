@@ -7,11 +7,14 @@ several runs. ORCA is pyrvo with one simulator a robot, without a filter.
 """
 
 import argparse
+import time
 from dataclasses import replace
 
+from agents.shell.node import RobotNode
 from deploy.library.instances import random_instance
 from deploy.library.load import resolved
-from deploy.studies.execution import MeteredFleet
+from deploy.run.local import LocalFleet
+from protocol.bus.bus import Event
 from protocol.scenario.model import Scenario
 from protocol.scenario.network import Link
 
@@ -20,6 +23,39 @@ LAWS = {
     "gradient": "separating-lines",
     "deploy.studies.peers.laws:Orca": "none",
 }
+
+
+class MeteredNode:
+    """A robot's node with a counter of the processor time spent on messages, ns."""
+
+    def __init__(self, node: RobotNode) -> None:
+        self._node, self.wake = node, node.wake
+        self.cpu = 0
+
+    def handle(self, event: Event) -> None:
+        began = time.thread_time_ns()
+        self._node.handle(event)
+        self.cpu += time.thread_time_ns() - began
+
+    @property
+    def deadline(self) -> float:
+        return self._node.deadline
+
+    @property
+    def finished(self) -> bool:
+        return self._node.finished
+
+
+class MeteredFleet(LocalFleet):
+    def start(self, robot: int) -> MeteredNode:
+        bus = self.robots[robot] = self.network.connect()
+        node = bus.node = MeteredNode(RobotNode(bus, self.run, robot))
+        return node
+
+    def robots_cpu(self) -> float:
+        """Of all robots, s, without world and bus."""
+        nodes = [bus.node for bus in self.robots.values()]
+        return 1e-9 * sum(node.cpu for node in nodes if isinstance(node, MeteredNode))
 
 
 def step(scenario: Scenario, runs: int) -> float:

@@ -1,8 +1,8 @@
 """`study peers`: the same scenarios, starts, faults and speed limit under several laws.
 
 ORCA and the barrier-function program are scanned over their parameters in every scenario. Their row shows
-the best setting, which favours them; a second row shows the best single one. The others have one setting:
-laws of this software and of the user with separating lines, the paper's law also without.
+the best setting, which favours them. The others have one setting: laws of this software and of the user with
+separating lines, the paper's law also without.
 """
 
 from __future__ import annotations
@@ -141,7 +141,7 @@ SCANS: dict[Group, dict[str, Scan]] = {
 }
 COLUMNS = (
     "scenario law setting runs arrived collisions nrl_mean nrl_error time_mean time_error limit_mean "
-    "nrl_ratio time_ratio step_us"
+    "nrl_ratio time_ratio"
 )
 
 

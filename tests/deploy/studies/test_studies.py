@@ -3,6 +3,7 @@
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from io import StringIO
 from pathlib import Path
 
@@ -13,8 +14,8 @@ from deploy.software import provenance
 from deploy.studies.conditions import LinkConditions, against, arrival, delay, robustness
 from deploy.studies.execution import RunLog, execute
 from deploy.studies.experiments import PERIOD, TOLERANCE, paper_flow, scale, tuning
-from deploy.studies.perform import StudyRequest, perform, table
-from deploy.studies.study import Shard, Study, error, growth
+from deploy.studies.perform import perform, table
+from deploy.studies.study import Study, error, growth
 from protocol.errors import ScenarioError, UsageError
 
 pytestmark = pytest.mark.slow
@@ -41,15 +42,12 @@ def test_a_small_study_from_runs_to_table(name: str) -> None:
     assert all(line in text.getvalue() for line in study.summary(result.rows))
 
 
-def _request(**changes: object) -> StudyRequest:
-    usual = {"name": "tightness", "runs": 1, "jobs": 2, "seed": 0, "settings": ("time.step=0.05",)}
-    usual |= {"transport": "local", "shard": Shard(), "target": None, "fresh": False, "quiet": True}
-    return StudyRequest(**{**usual, **changes})  # type: ignore[arg-type]
+small = partial(perform, "tightness", runs=1, jobs=2, transport="local", quiet=True)
 
 
 def test_the_document_has_what_is_promised(tmp_path: Path) -> None:
     target = tmp_path / "rows.json"
-    assert perform(_request(target=target)) == 0
+    assert small(settings=["time.step=0.05"], target=target) == 0
     document = json.loads(target.read_text())
     assert document["study"] == "tightness"
     assert [row["tight"] for row in document["rows"]] == [2.44, 2.63, 2.87, 3.30, 3.45]
@@ -61,9 +59,9 @@ def test_the_document_has_what_is_promised(tmp_path: Path) -> None:
 
 def test_invalid_requests_start_nothing(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="does not exist"):
-        perform(_request(target=tmp_path / "nowhere" / "rows.json"))
+        small(target=tmp_path / "nowhere" / "rows.json")
     with pytest.raises(ScenarioError, match="additions"):
-        perform(_request(settings=('control.additions=["slow"]',)))
+        small(settings=['control.additions=["slow"]'])
 
 
 def test_the_papers_flow_is_bare() -> None:

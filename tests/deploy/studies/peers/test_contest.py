@@ -1,4 +1,4 @@
-"""The study of peers: what is scanned, which setting a row shows, what a step costs."""
+"""The study of peers: what is scanned, which setting a row shows."""
 
 from dataclasses import replace
 from functools import partial
@@ -22,7 +22,7 @@ pytest.importorskip("daqp")
 
 def result(**over: Any) -> dict[str, Any]:
     usual = {"verdict": "arrived", "arrived": [1, 2], "robots": [1, 2], "collisions": 0, "nrl": 1.2}
-    return {**usual, "sim_time": 4.0, "ticks": 100, "robots_cpu_s": 0.01, "least_time": 2.5, **over}
+    return {**usual, "sim_time": 4.0, "least_time": 2.5, **over}
 
 
 def test_a_row_counts_what_came_without_touching() -> None:
@@ -34,8 +34,6 @@ def test_a_row_counts_what_came_without_touching() -> None:
     assert (found["time_mean"], found["nrl_mean"]) == (4.0, 1.2)
     assert (found["time_error"], found["limit_mean"]) == (None, 1.6)
     assert found["setting"] == "horizon 2 s, noise 0.1"
-    assert found["step_us"] == pytest.approx(50.0)
-    assert row(labels, [{"verdict": "failed"}])["step_us"] is None
 
 
 def test_the_best_setting_arrives_most_then_touches_least_then_is_quickest() -> None:
