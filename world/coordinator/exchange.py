@@ -146,7 +146,10 @@ class Exchange:
         keeper.advance(interest.places)
         present = frozenset(self.active)
         heard = {
-            robot: interest.heard(robot, life.incarnation, self.tick, keeper.bound(robot), present)
+            # A life that has not begun has no grants, and its ledger entry is still that of the life before.
+            robot: interest.heard(
+                robot, life.incarnation, self.tick, keeper.bound(robot) if life.begun else (), present
+            )
             for robot, life in self._lives.listeners()
         }
         self.told = self._ticks(heard, sensed, halted)

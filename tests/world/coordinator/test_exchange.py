@@ -1,6 +1,7 @@
 """Commands that are executed, robots that keep others waiting, and the States received in a large fleet."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from agents.peers.far import places_of
 from protocol.crowd import LEAD, period
 from protocol.errors import MessageError
 from protocol.messages import Command, Sense, Summary, Vector
+from protocol.scenario.body import Body
 from protocol.scenario.model import Scenario
 from protocol.scenario.network import Network
 from tests.world.driving import advance, joined, scenario, two
@@ -141,6 +143,25 @@ def test_a_tick_names_a_robot_that_takes_no_part_no_more() -> None:
     assert world.lost(4)
     told = world.open_tick()
     assert [told[robot].active for robot in ids[:3]] == [ids[:3]] * 3
+
+
+@pytest.mark.parametrize("moves", [0.0, 0.2])  # m/s as its process dies: at rest, or not before some ticks
+def test_a_later_life_awaits_only_peers_that_its_grants_name(moves: float) -> None:
+    """Its ledger entry is that of the life before until the disk is certainly static."""
+    setting = replace(four(1.0), body=Body("omnidirectional", speed=0.5, acceleration=0.5, hold=0.1))
+    world = joined(setting)
+    named: dict[int, set[int]] = {}  # by tick
+    for _ in range(5):
+        advance(world, {4: (0.0, moves)})
+    assert world.lost(4)
+    world.join(4)
+    while world.tick < 5 + 6 * LEAD:
+        told = world.open_tick()[4]
+        named[world.tick] = {each.peer for each in told.grants.bindings} if told.grants else set()
+        early = {peer for tick, peers in named.items() if tick + LEAD <= world.tick for peer in peers}
+        assert {*told.active} <= {4} | early
+        advance(world)
+    assert len(told.active) > 1
 
 
 @given(st.sets(st.integers(1, 12), min_size=1))
