@@ -26,6 +26,7 @@ _DECODE: dict[str, Any] = {
 }
 # Errors of decoding.
 DAMAGED = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
+SHOWN = 300  # characters of the reason that are logged, escaped: a stranger may have written them
 REASONS = ("key", "oversize", "version", "type", "shape", "identity", "epoch")
 _pack = msgspec.msgpack.encode
 Told = TypeVar("Told")

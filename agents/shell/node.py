@@ -24,7 +24,7 @@ from agents.shell.subscriptions import Subscriptions
 from agents.shell.world_session import PATIENCE, RETRY, Read, Say, WorldSession
 from protocol import joining
 from protocol.bus.bus import Bus, Event, Foreign, Presence, Sample
-from protocol.codec import decode, encode
+from protocol.codec import SHOWN, decode, encode
 from protocol.errors import BusError, KeyGrammarError, MessageError
 from protocol.keys import STREAMS, is_driver, parse, robot_key, robot_token, world_key, world_tokens
 from protocol.messages import AnyMessage, Health, State, Summary, Tick, Wish
@@ -181,9 +181,7 @@ class RobotNode:
             try:
                 self._on_foreign(self._link, event)
             except MessageError as error:
-                self._rejected[error.reason] += 1
-                if self._rejected[error.reason] == 1:
-                    self._say(f"ignores what is no message of its topics: {error}")
+                self._reject(event.key, error)
 
     def _on_presence(self, event: Presence) -> None:
         """The token of a world, or of another process that drives the same base, appeared or disappeared."""
@@ -212,7 +210,7 @@ class RobotNode:
             if peer is None:
                 message = read_summary(key, payload) if key == self._summary else decode(key, payload)
         except MessageError as error:
-            self._rejected[error.reason] += 1
+            self._reject(key, error)
             return
         self._received += 1
         core = self.core
@@ -256,9 +254,15 @@ class RobotNode:
         try:
             core.hearing.on_summary(summary)
         except MessageError as error:
-            self._rejected[error.reason] += 1
+            self._reject(self._summary, error)
             return
         self._command_if_complete(core)
+
+    def _reject(self, key: str, error: MessageError) -> None:
+        """Count a message that is dropped, and report the first for each reason."""
+        self._rejected[error.reason] += 1
+        if self._rejected[error.reason] == 1 and error.reason != "epoch":  # an earlier world's, no fault
+            self._say(f"drops a message, {f'{key}: {error}'[:SHOWN]!r}")
 
     # -- ticks
 

@@ -14,7 +14,7 @@ from typing import Any
 
 from protocol import joining
 from protocol.bus.bus import Bus, Event, Presence, Query, Sample
-from protocol.codec import decode
+from protocol.codec import SHOWN, decode
 from protocol.errors import KeyGrammarError, MessageError
 from protocol.keys import (
     Address,
@@ -85,7 +85,7 @@ class WorldNode:
         self._pacing = Pacing(lockstep, speed, clock)
         self._lockstep = lockstep
         self._checkpoint = checkpoint
-        self._tell, self._note = tell, note
+        self._tell, self._note, self._say = tell, note, say
         waits = returning(gathering, restarts, lockstep=lockstep)
         before = SavedRun() if checkpoint is None else checkpoint.progress
         self._run = JudgedRun(scenario, before.past, returning=waits)
@@ -161,7 +161,7 @@ class WorldNode:
         try:
             message = decode(key, payload)
         except MessageError as error:
-            run.rejected[error.reason] += 1
+            self._reject(error.reason, f"{key}: {error}")
             return
         if not isinstance(message, Command) or message.epoch != self._epoch:
             run.rejected["epoch"] += 1
@@ -205,8 +205,14 @@ class WorldNode:
             text = str(error)
         except MessageError as error:
             reason, text = error.reason, str(error)
-        self._run.rejected[reason] += 1
+        self._reject(reason, f"{request.key}: {text}")
         return encode_reply(joining.Refusal(text), request.payload)
+
+    def _reject(self, reason: str, text: str) -> None:
+        """Count what is dropped, and report the first for each reason."""
+        self._run.rejected[reason] += 1
+        if self._run.rejected[reason] == 1:
+            self._say(f"tick {self._run.world.tick}: drops a message, {text[:SHOWN]!r}")
 
     def _answer(self, asked: Address, payload: bytes) -> joining.Reply:
         if asked.stream == "scenario":
