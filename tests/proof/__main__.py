@@ -14,8 +14,7 @@ from multiprocessing import get_context
 from typing import Any
 
 from tests.proof import mutants
-from tests.proof.prove import TEMPLATE, example, prove, prove_by_cvc5
-from tests.proof.steps import cases
+from tests.proof.prove import TEMPLATE, cases, example, prove, prove_by_cvc5
 
 CASES = {case.rule: case for case in cases()}
 

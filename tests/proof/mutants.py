@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from tests.interpreted import Edit
-from tests.proof import steps
-from tests.proof.prove import Example, counterexample
+from tests.proof.objects import SOURCE
+from tests.proof.prove import Example, cases, counterexample
 
 _KERNEL = Path(__file__).resolve().parents[2] / "protocol" / "kernel"
 _RULES = {"bind": ("introduce", "ask")}
@@ -93,7 +93,7 @@ class Refutation(NamedTuple):
 
 def refute(rules: tuple[str, ...], without: str = "") -> Refutation | None:
     """What one of these rules breaks; None if they keep everything."""
-    for case in steps.cases():
+    for case in cases():
         if case.rule.startswith(rules):
             found = counterexample(case, without)
             if found is not None:
@@ -109,8 +109,8 @@ def refute_without(precondition: str) -> Refutation | None:
 
 def refute_changed(change: Change) -> Refutation | None:
     """What breaks if a rule is changed."""
-    steps.load((change.edit,))
+    SOURCE.read((change.edit,))
     try:
         return refute((change.rule,))
     finally:
-        steps.load()
+        SOURCE.read()

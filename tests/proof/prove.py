@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain, product
 from typing import Any
 
 import z3
 
+from tests.proof.ledger_rules import ledger_cases
 from tests.proof.model import LINE_OF, axioms, ends, invariant, safe, smaller
-from tests.proof.steps import HALF_PLANE, NEXT, PROPOSED, Case, Outcome, S, Terms
+from tests.proof.outcomes import HALF_PLANE, NEXT, PROPOSED, Case, Outcome, S, Terms
+from tests.proof.robot_rules import robot_cases, told_now
 from tests.proof.symbolic import Execution, Way, judged, ways
 
 TIMEOUT = 20_000  # ms, for one question
@@ -20,6 +23,14 @@ TEMPLATE = invariant(S, RA, RB, K) | {"safe": safe(S)}
 ALL = z3.And(*TEMPLATE.values())
 
 Ask = Callable[[Sequence[z3.BoolRef]], bool]  # whether these statements contradict each other, for certain
+
+
+def cases() -> Iterator[Case]:
+    """Every rule."""
+    yield from ledger_cases()
+    yield from robot_cases()
+    for x in "AB":
+        yield Case(f"tell {x}", partial(told_now, x))
 
 
 GENERAL = {

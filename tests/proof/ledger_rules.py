@@ -1,0 +1,211 @@
+"""Every rule of the ledger as it runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
+
+import z3
+
+from tests.proof.model import BESIDE, BODY, CODE, DISJOINT, GONE, INSIDE, LINE_OF, OTHER, PRESENT, State, real
+from tests.proof.objects import SOURCE, ledger_of, ledger_state
+from tests.proof.outcomes import ANY_LINE, EPOCH, NAMES, NEXT, Case, Geometry, Outcome, S, apart
+from tests.proof.symbolic import Number
+
+Rule = Callable[[Any, Any, Any], object]  # of the ledger, the disk and the other one
+Besides = Callable[[str, Outcome], None]  # what else happens to the disk
+
+
+def of_ledger(rule: str, does: Rule, x: str, besides: Besides | None = None) -> Case:
+    """A rule of the ledger whose first disk is X."""
+
+    def run() -> Outcome:
+        geometry = Geometry()
+        made = ledger_of(geometry)
+        does(made, made.disks[CODE[x]], made.disks[CODE[OTHER[x]]])
+        outcome = Outcome(geometry)
+        outcome.after = ledger_state(made)
+        outcome.claims = history(outcome.after) | noted(geometry, outcome.after)
+        if besides is not None:
+            besides(x, outcome)
+        return outcome
+
+    return Case(f"{rule} {x}", run)
+
+
+def history(after: State) -> dict[str, Any]:
+    """What makes a Tick of an earlier version tell each binding in force as it was then: a binding changes
+    once at most in each of its fields, at a version that the field keeps."""
+    v, version = S["v"], after["v"]
+    changed = [f"{x}.{f}" for x in "AB" for f in ("phase", "life", "still", "granted")]
+    changed += [f"{b}.{f}" for b in "LS" for f in ("on", "number", "told", "A.dead", "B.dead")]
+    found = {
+        "a change has a version": z3.And(
+            version >= v, z3.Or(version > v, *[z3.And(*[after[f] == S[f] for f in changed])])
+        )
+    }
+    for x in "AB":
+        found[f"{x}: regions are numbered upwards"] = after[f"{x}.granted"] >= S[f"{x}.granted"]
+    for b in "LS":
+        new = z3.And(
+            after[f"{b}.number"] == version,
+            z3.Or(after[f"{b}.told"] == 0, after[f"{b}.told"] == version),
+            *[z3.Or(after[f"{b}.{x}.dead"] == 0, after[f"{b}.{x}.dead"] == version) for x in "AB"],
+        )
+        same = z3.Or(*[z3.And(S[f"{old}.on"], *_goes_on(after, b, old)) for old in "LS"])
+        found[f"{b}: is new or goes on"] = z3.Implies(after[f"{b}.on"], z3.Or(new, same))
+    return found
+
+
+def noted(geometry: Geometry, after: State) -> dict[str, Any]:
+    """What geometry was told last covers all that each disk holds."""
+    return {
+        f"{x}: is noted": z3.Implies(
+            after[f"{x}.phase"] != GONE,
+            z3.And(
+                geometry.noted[x]["phase"] != GONE,
+                geometry.noted[x]["acked"] <= after[f"{x}.acked"],
+                geometry.noted[x]["granted"] >= after[f"{x}.granted"],
+            ),
+        )
+        for x in "AB"
+    }
+
+
+def _goes_on(after: State, b: str, old: str) -> Iterator[Any]:
+    for kept in ("number", "asked", "A.life", "B.life"):
+        yield after[f"{b}.{kept}"] == S[f"{old}.{kept}"]
+    for once in ("told", "A.dead", "B.dead"):
+        now, before = after[f"{b}.{once}"], S[f"{old}.{once}"]
+        yield z3.Or(now == before, z3.And(before == 0, now == after["v"]))
+    for x, y in (("A", "B"), ("B", "A")):
+        told = z3.Or(z3.And(after[f"{b}.told"] == 0, S[f"{old}.asked"] == CODE[x]), S[f"{old}.{y}.dead"] != 0)
+        # What is behind the place that was told is behind the one that is in force.
+        yield z3.Implies(told, z3.Implies(*[BESIDE[y](each[f"{y}.acked"], ANY_LINE) for each in (S, after)]))
+
+
+def _settled(x: str, outcome: Outcome) -> None:
+    outcome.terms.regions[x].append(NEXT)
+    outcome.terms.lines.append(ANY_LINE)
+    outcome.given(INSIDE[x](S[f"{x}.body"], NEXT))
+
+
+def _fenced(x: str, outcome: Outcome) -> None:
+    body = z3.Const(f"{x}.stands", BODY)  # with a part that it carries, or without one that it may carry
+    there = S[f"{OTHER[x]}.phase"] == PRESENT
+    outcome.stands_at(x, body, NEXT)
+    outcome.given(
+        z3.Or(body == S[f"{x}.body"], body == S[f"{x}.own"]),
+        z3.Implies(z3.And(S[f"{x}.reach"], there), body == S[f"{x}.own"]),
+        z3.Implies(z3.Not(S[f"{x}.still"]), INSIDE[x](body, NEXT)),  # the place that is told
+    )
+
+
+def _joined(x: str, outcome: Outcome) -> None:
+    outcome.begins(x)
+    outcome.after[f"{x}.own"] = outcome.after[f"{x}.body"]
+
+
+def _announced(x: str, outcome: Outcome) -> None:
+    body = z3.Const(f"{x}.announced", BODY)
+    outcome.stands_at(x, body, NEXT)
+    outcome.begins(x)
+    outcome.given(INSIDE[x](body, NEXT))
+
+
+def _granted(x: str, outcome: Outcome) -> None:
+    """Numbers between the newest region and this one name no region of X, and are taken for empty ones."""
+    outcome.terms.regions[x].append(NEXT)
+    outcome.facts.append(
+        lambda t: [
+            z3.Implies(
+                z3.And(S[f"{x}.granted"] < r, r < NEXT),
+                z3.And(
+                    *[apart(x, r, other) for other in t.regions[OTHER[x]]],
+                    *[BESIDE[x](r, line) for line in t.lines],
+                ),
+            )
+            for r in t.regions[x]
+        ]
+    )
+
+
+def _announce(made: Any, disk: Any) -> None:
+    found = made.announce(disk.name, None)
+    found.held.disk = NAMES[disk.name]
+
+
+def _acknowledged(number: Number, made: Any, disk: Any, _: Any) -> None:
+    made.acknowledge(disk, number)
+
+
+def _elsewhere(made: Any) -> None:
+    """A rule that concerns neither disk."""
+    made.version = made.version + 1
+
+
+def ledger_cases() -> Iterator[Case]:
+    """Every rule of the ledger, of either disk."""
+    for x in "AB":
+        yield of_ledger("rejoin", lambda m, d, _: m.rejoin(d), x, _joined)
+        yield of_ledger("fence", lambda m, d, _: m.fence(d, NEXT), x, _fenced)
+        yield of_ledger("settle", lambda m, d, _: m.settle(d, NEXT), x, _settled)
+        yield of_ledger("grant", lambda m, d, _: m.grant(d, NEXT), x, _granted)
+        said = Number(S[f"{x}.said"])
+        yield of_ledger("acknowledge", partial(_acknowledged, said), x)
+        yield of_ledger("ask", lambda m, d, o: m.ask(d, o), x)
+        yield of_ledger("announce", lambda m, d, _: _announce(m, d), x, _announced)
+        yield of_ledger("appear", lambda m, d, _: m.appear([d]), x)
+        yield of_ledger("appear instead", lambda m, d, o: m.appear([d], [o]), x)
+        yield of_ledger("remove", lambda m, d, _: m.remove(d), x)
+    yield of_ledger("introduce", lambda m, d, o: m.introduce(d, o, LINE_OF(NEXT, 0)), "A")
+    yield of_ledger("part", lambda m, d, o: m.part(d, o), "A")
+    yield of_ledger("elsewhere", lambda m, *_: _elsewhere(m), "A")
+    for b, slot in (("L", "living"), ("S", "static")):
+        yield _answer(b, slot)
+    yield Case("begin", _begin, starts=True)
+    yield Case("restart", _restart)
+
+
+def _answer(b: str, slot: str) -> Case:
+    def does(made: Any, *_: Any) -> None:
+        made.answer(getattr(made.pairs[1][2], slot), LINE_OF(S[f"{b}.number"], 0))
+
+    case = of_ledger(f"answer {b}", does, "A")
+    case.rule, case.given = f"answer {b}", [S[f"{b}.on"], S[f"{b}.frozen"], S[f"{b}.asked"] != 0]
+    return case
+
+
+def _begin() -> Outcome:
+    """The first ledger, of disks that are disjoint."""
+    outcome = _restart()
+    a, b = (outcome.after[f"{x}.body"] for x in "AB")
+    outcome.facts = []
+    outcome.given(EPOCH > 0, *[INSIDE[x](outcome.after[f"{x}.body"], EPOCH) for x in "AB"])
+    outcome.given(DISJOINT(a, b))
+    for x in "AB":
+        outcome.after[f"{x}.said"] = z3.IntVal(0)
+    return outcome
+
+
+def _restart() -> Outcome:
+    """Another coordinator begins: a new ledger of a new epoch, with disks where they stand."""
+    made = SOURCE.ledger.Ledger(0, {1: None, 2: None}, Geometry())
+    outcome = Outcome()
+    after = outcome.after
+    outcome.given(S["v"] < EPOCH)
+    for x in "AB":
+        disk = made.disks[CODE[x]]
+        assert (disk.life, disk.still, made.pairs[1]) == (0, True, {})
+        body = z3.Const(f"{x}.restarted", BODY)
+        was_there = S[f"{x}.phase"] == PRESENT
+        after[f"{x}.phase"] = z3.If(was_there, z3.IntVal(PRESENT), z3.IntVal(0))
+        after[f"{x}.life"], after[f"{x}.still"] = z3.IntVal(disk.life), z3.BoolVal(disk.still)
+        after[f"{x}.acked"] = after[f"{x}.granted"] = EPOCH
+        outcome.begins(x)
+        outcome.stands_at(x, body, EPOCH)
+        outcome.given(INSIDE[x](body, EPOCH), body == real(S, x))
+    after["v"] = EPOCH
+    after["L.on"] = after["S.on"] = z3.BoolVal(False)
+    return outcome

@@ -1,0 +1,155 @@
+"""The kernel's source itself, not a copy, and its objects made of the state that the solver chooses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import z3
+
+from tests.interpreted import Edit, interpreted
+from tests.proof import symbolic
+from tests.proof.model import ASKED, CODE, LINE_OF, OTHER
+from tests.proof.outcomes import Geometry, S
+from tests.proof.symbolic import Number, Truth, expression
+
+
+class Source:
+    """The modules of the kernel, as read last."""
+
+    records: Any
+    pair: Any
+    ledger: Any
+    robot: Any
+
+    def read(self, edits: Sequence[Edit] = ()) -> None:
+        """Read the kernel's source, or what it would be with a few words changed."""
+        names = [f"protocol.kernel.{name}" for name in ("records", "pair", "ledger", "robot")]
+        self.records, self.pair, self.ledger, self.robot = interpreted(*names, edits=edits)
+        for module in (self.pair, self.ledger, self.robot):
+            module.require = symbolic.require
+
+
+SOURCE = Source()
+SOURCE.read()
+
+
+def held_of(x: str) -> Any:
+    held = SOURCE.records.Held(0, None)
+    held.acknowledged, held.granted = Number(S[f"{x}.acked"]), Number(S[f"{x}.granted"])
+    held.regions = [(0, S[f"{x}.acked"])]  # the first of them; geometry speaks of all
+    held.disk, held.low, held.high = x, S[f"{x}.acked"], S[f"{x}.granted"]
+    return held
+
+
+def disk_of(x: str) -> Any:
+    disk = SOURCE.records.DiskRecord(CODE[x], held_of(x), 0)
+    disk.phase, disk.life = Number(S[f"{x}.phase"]), Number(S[f"{x}.life"])
+    disk.still = Truth(S[f"{x}.still"])
+    return disk
+
+
+def binding_of(b: str) -> Any:
+    low, high = (
+        SOURCE.records.End(CODE[x], Number(S[f"{b}.{x}.life"]), Number(S[f"{b}.{x}.dead"])) for x in "AB"
+    )
+    binding = SOURCE.records.Binding(Number(S[f"{b}.number"]), low, high, Number(S[f"{b}.asked"]), None)
+    binding.told = Number(S[f"{b}.told"])
+    binding.first = LINE_OF(S[f"{b}.number"], 0)
+    binding.of = b
+    return binding
+
+
+def ledger_of(geometry: Geometry) -> Any:
+    """The ledger of the state; a way through it for each of the bindings that may be in force."""
+    made = SOURCE.ledger.Ledger(0, {}, geometry)
+    made.version = Number(S["v"])
+    made.disks = geometry.disks = {CODE[x]: disk_of(x) for x in "AB"}
+    made.pairs = {1: {}, 2: {}}
+    living, static = (bool(Truth(S[f"{b}.on"])) for b in "LS")
+    if living or static:
+        both = made.pairs[1][2] = made.pairs[2][1] = SOURCE.ledger.Pair()
+        both.living = binding_of("L") if living else None
+        both.static = binding_of("S") if static else None
+    return made
+
+
+def ledger_state(made: Any) -> dict[str, Any]:
+    """The state that the ledger has become."""
+    after = dict(S)
+    after["v"] = expression(made.version)
+    for x in "AB":
+        disk = made.disks[CODE[x]]
+        after[f"{x}.phase"], after[f"{x}.life"] = expression(disk.phase), expression(disk.life)
+        after[f"{x}.still"] = expression(disk.still)
+        after[f"{x}.acked"] = expression(disk.held.acknowledged)
+        after[f"{x}.granted"] = expression(disk.held.granted)
+    both = made.pairs[1].get(2)
+    for b, slot in (("L", "living"), ("S", "static")):
+        binding = None if both is None else getattr(both, slot)
+        after[f"{b}.on"] = z3.BoolVal(binding is not None)
+        if binding is not None:
+            after |= _binding_state(b, binding)
+    return after
+
+
+def _binding_state(b: str, binding: Any) -> dict[str, Any]:
+    before, state = getattr(binding, "of", None), {}
+    if before is None:
+        state = {f"{b}.{x}.has": z3.BoolVal(False) for x in "AB"} | {f"{b}.frozen": z3.BoolVal(False)}
+        state |= {f"{b}.{x}.state": z3.IntVal(ASKED) for x in "AB"}
+        state |= {f"{b}.{f}": z3.IntVal(0) for f in ("h", "s", "h2", "s2")}
+    elif before != b:  # it has become the other kind
+        state = {
+            f"{b}{name.removeprefix(before)}": S[name]
+            for name in S
+            if name.startswith(f"{before}.") and not name.endswith(".on")
+        }
+    state[f"{b}.number"], state[f"{b}.told"] = expression(binding.number), expression(binding.told)
+    state[f"{b}.asked"] = expression(binding.asked)
+    for x, end in (("A", binding.low), ("B", binding.high)):
+        state[f"{b}.{x}.life"], state[f"{b}.{x}.dead"] = expression(end.life), expression(end.dead)
+        if before != b and before is not None:  # a process whose life may be over
+            state[f"{b}.{x}.taken"] = S[f"{x}.taken"]
+    return state
+
+
+def bound_of(b: str, x: str, *, lines: bool = True) -> Any:
+    """An end that was taken; with its lines, if there are any, where a rule may ask for them."""
+    y, number = OTHER[x], S[f"{b}.number"]
+    bound = SOURCE.robot.Bound(SOURCE.records.Listed(Number(number), CODE[y], None, None, False), x == "A")
+    if lines and Truth(S[f"{b}.{x}.state"] != ASKED):
+        bound.begin(LINE_OF(number, 0))
+        bound.lines.seen = Number(S[f"{b}.{x}.seen"])
+        bound.lines.held_number = Number(S[f"{b}.{x}.held"])
+        if x == "A":
+            bound.lines.number = Number(S[f"{b}.A.number"])
+    bound.of, bound.state = b, Number(S[f"{b}.{x}.state"])
+    bound.static, bound.place = Truth(S[f"{b}.{x}.static"]), S[f"{y}.acked"]
+    bound.half = S[f"{b}.{x}.half"]
+    return bound
+
+
+def bound_state(bound: Any, after: dict[str, Any], b: str, x: str) -> None:
+    """The state that an end has become."""
+    after[f"{b}.{x}.has"], after[f"{b}.{x}.state"] = z3.BoolVal(True), expression(bound.state)
+    after[f"{b}.{x}.static"] = expression(bound.static)
+    if bound.lines is not None:
+        after[f"{b}.{x}.seen"] = expression(bound.lines.seen)
+        after[f"{b}.{x}.held"] = expression(bound.lines.held_number)
+        if x == "A":
+            after[f"{b}.A.number"] = expression(bound.lines.number)
+    if bound.half is not None:
+        after[f"{b}.{x}.half"] = bound.half
+
+
+def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any] = ()) -> Any:
+    """The process of the present life of X."""
+    made = SOURCE.robot.RobotLife(CODE[x], Number(S[f"{x}.life"]), S[f"{x}.body"], geometry)
+    made.own = S[f"{x}.own"]
+    made.part = Number(z3.If(S[f"{x}.reach"], CODE[OTHER[x]], 0))
+    made.version, made.number = Number(S[f"{x}.taken"]), Number(S[f"{x}.obeyed"])
+    made.offered_number, made.offered = Number(S[f"{x}.offered"]), S[f"{x}.offered"]
+    made.bound = {bound.number: bound for bound in bounds}
+    geometry.x = x
+    return made

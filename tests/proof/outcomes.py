@@ -1,0 +1,219 @@
+"""One way through a rule of the kernel: the state after it, and what geometry answered."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import z3
+
+from tests.proof.model import (
+    APART,
+    BESIDE,
+    CODE,
+    FITS,
+    HALF,
+    INSIDE,
+    LINE,
+    LINE_OF,
+    LINES,
+    OTHER,
+    fresh,
+    obeys,
+    smaller,
+)
+from tests.proof.symbolic import Truth, expression
+
+NAMES = {1: "A", 2: "B"}
+S = fresh("")
+NEXT = S["v"] + 1
+PART, EPOCH = z3.Int("part"), z3.Int("epoch")
+ANY_LINE = z3.Const("any line", LINE)
+HALF_PLANE, PROPOSED = z3.Const("half", LINE), z3.Int("proposed")
+
+
+@dataclass
+class Terms:
+    """The terms for which quantified facts are written out."""
+
+    bodies: dict[str, list[Any]] = field(default_factory=lambda: {"A": [], "B": []})
+    regions: dict[str, list[Any]] = field(default_factory=lambda: {"A": [], "B": []})
+    lines: list[Any] = field(default_factory=list)
+    numbers: list[Any] = field(default_factory=list)
+
+
+Facts = Callable[[Terms], list[Any]]
+
+
+class Outcome:
+    """One way through one rule.
+
+    Attributes:
+        after: the state.
+        facts: further facts, given the terms.
+        terms: that occur in this way.
+        claims: to be proved besides, by name.
+    """
+
+    def __init__(self, geometry: Geometry | None = None) -> None:
+        self.after: dict[str, Any] = dict(S)
+        self.facts: list[Facts] = [] if geometry is None else geometry.facts
+        self.terms = Terms() if geometry is None else geometry.terms
+        self.claims: dict[str, Any] = {}
+
+    def given(self, *facts: Any) -> None:
+        """Further facts, that do not depend on the terms."""
+        self.facts.append(lambda _: list(facts))
+
+    def covers_less(self, x: str, small: Any, large: Any) -> None:
+        """One body of X covers no more than another."""
+        self.terms.bodies[x].append(small)
+        self.terms.bodies[x].append(large)
+        self.facts.append(lambda t: smaller(x, small, large, t.bodies[OTHER[x]], t.regions[x], t.lines))
+
+    def stands_at(self, x: str, body: Any, region: Any) -> None:
+        """The body of X is within a region, and no part is reached for."""
+        self.after[f"{x}.body"] = self.after[f"{x}.own"] = body
+        self.after[f"{x}.reach"] = z3.BoolVal(False)
+        self.terms.bodies[x].append(body)
+        self.terms.regions[x].append(region)
+
+    def begins(self, x: str) -> None:
+        """A process that has heard nothing."""
+        for kept in ("taken", "offered", "obeyed"):
+            self.after[f"{x}.{kept}"] = z3.IntVal(0)
+
+
+@dataclass
+class Case:
+    """One rule.
+
+    Attributes:
+        rule: its name.
+        run: it.
+        given: what the caller sees to.
+        starts: whether there is no state before it.
+    """
+
+    rule: str
+    run: Callable[[], Outcome]
+    given: list[Any] = field(default_factory=list)
+    starts: bool = False
+
+
+class Geometry:
+    """Answers that the solver chooses; a yes says something of every region held."""
+
+    def __init__(self) -> None:
+        self.facts: list[Facts] = []
+        self.terms = Terms()
+        self._count = 0
+        self.noted = {x: {f: S[f"{x}.{f}"] for f in ("acked", "granted", "phase")} for x in "AB"}
+        self.disks: dict[int, Any] = {}
+
+    def _answer(self, says: Facts) -> Truth:
+        self._count += 1
+        answer = z3.Bool(f"answer{self._count}")
+        self.facts.append(lambda terms: [z3.Implies(answer, each) for each in says(terms)])
+        return Truth(answer)
+
+    # of the ledger
+
+    def note(self, disk: Any) -> None:
+        held = disk.held
+        noted = {"acked": held.acknowledged, "granted": held.granted, "phase": disk.phase}
+        self.noted[NAMES[disk.name]] = {field: expression(value) for field, value in noted.items()}
+
+    def around(self, disk: Any, region: Any) -> list[int]:
+        """A disk that is not named holds nothing that meets the region, or what the disk holds."""
+        x = NAMES[disk.name]
+        other = self.disks[CODE[OTHER[x]]]
+        named = z3.Bool(f"{OTHER[x]} is around")
+
+        def says(t: Terms) -> list[Any]:
+            mine = [region, *t.regions[x]]
+            return [
+                z3.Implies(
+                    z3.And(z3.Not(named), _in(other.held, r), z3.Or(q is region, _in(disk.held, q))),
+                    apart(x, q, r),
+                )
+                for q in mine
+                for r in t.regions[OTHER[x]]
+            ]
+
+        self.facts.append(says)
+        return [disk.name, other.name] if Truth(named) else [disk.name]
+
+    def apart(self, one: Any, other: Any) -> Truth:
+        if one is other:
+            return Truth(z3.BoolVal(False))
+        mine = {one.disk: one, other.disk: other}
+        a, b = mine["A"], mine["B"]
+        return self._answer(
+            lambda t: [
+                z3.Implies(z3.And(_in(a, ra), _in(b, rb)), APART(ra, rb))
+                for ra in t.regions["A"]
+                for rb in t.regions["B"]
+            ]
+        )
+
+    def clear(self, held: Any, region: Any) -> Truth:
+        x = held.disk
+        return self._answer(lambda t: [z3.Implies(_in(held, r), apart(x, r, region)) for r in t.regions[x]])
+
+    def beside(self, held: Any, line: Any, low: bool) -> Truth:
+        assert low == (held.disk == "A")
+        return self._answer(
+            lambda t: [z3.Implies(_in(held, r), BESIDE[held.disk](r, line)) for r in t.regions[held.disk]]
+        )
+
+    def within(self, place: Any, held: Any) -> Truth:
+        x = held.disk
+        around = z3.Int(f"around{x}")
+        self.terms.regions[x].append(around)
+        return self._answer(
+            lambda t: [
+                _in(held, around),
+                *[z3.Implies(BESIDE[x](around, line), BESIDE[x](place, line)) for line in t.lines],
+                *[z3.Implies(apart(x, around, r), apart(x, place, r)) for r in t.regions[OTHER[x]]],
+            ]
+        )
+
+    # of a robot
+
+    def inside(self, body: Any, region: Any) -> Truth:
+        return Truth(INSIDE[self.x](body, region))
+
+    def fits(self, body: Any, line: Any, low: bool) -> Truth:
+        assert low == (self.x == "A")
+        return Truth(FITS[self.x](body, line))
+
+    def behind(self, place: Any, line: Any, low: bool) -> Truth:
+        assert low == (self.x == "B")
+        return Truth(BESIDE[OTHER[self.x]](expression(place), line))
+
+    def keeps(self, body: Any, bound: Any) -> Truth:
+        x, b = self.x, bound.of
+        return self._answer(
+            lambda t: [
+                z3.Implies(S[f"{b}.{x}.state"] == HALF, FITS[x](body, S[f"{b}.{x}.half"])),
+                *[
+                    z3.Implies(
+                        z3.And(S[f"{b}.{x}.state"] == LINES, obeys(S, b, x, k)),
+                        FITS[x](body, LINE_OF(S[f"{b}.number"], k)),
+                    )
+                    for k in t.numbers
+                ],
+            ]
+        )
+
+    x = ""  # disk of the robot that asks
+
+
+def _in(held: Any, r: Any) -> Any:
+    return z3.And(held.low <= r, r <= held.high)
+
+
+def apart(x: str, mine: Any, other: Any) -> Any:
+    return APART(mine, other) if x == "A" else APART(other, mine)

@@ -1,0 +1,221 @@
+"""Every rule of a robot as it runs, and what a Tick tells it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
+
+import z3
+
+from tests.proof.model import ASKED, BODY, CODE, LINE_OF, OTHER, PRESENT, ends
+from tests.proof.objects import SOURCE, bound_of, bound_state, ledger_of, robot_of
+from tests.proof.outcomes import HALF_PLANE, PART, PROPOSED, Case, Geometry, Outcome, S
+from tests.proof.symbolic import Impossible, Number, Truth, expression
+
+
+def of_bound(rule: str, b: str, x: str, does: Callable[[Any, Any], object], *given: Any) -> Case:
+    """A rule of one end that was taken, be its life the present one or over."""
+
+    def run() -> Outcome:
+        geometry = Geometry()
+        bound = bound_of(b, x)
+        does(robot_of(x, geometry), bound)
+        outcome = Outcome(geometry)
+        bound_state(bound, outcome.after, b, x)
+        return outcome
+
+    return Case(f"{rule} {x} {b}", run, [S[f"{b}.on"], S[f"{b}.{x}.has"], *given])
+
+
+def robot_cases() -> Iterator[Case]:
+    """Every rule of a robot."""
+    for b in "LS":
+        yield from _line_cases(b)
+        for x in "AB":
+            freeze = of_bound("freeze", b, x, partial(_freeze, b))
+            yield Case(freeze.rule, partial(_say, freeze.run, b), freeze.given)
+    for x in "AB":
+        # An end of a living binding is never told that the other stands for good.
+        yield of_bound("turn", "S", x, lambda made, bound: made.turn(bound, HALF_PLANE))
+        alive = [S[f"{x}.life"] != 0, S[f"{x}.phase"] == PRESENT]  # the base obeys the present life only
+        yield Case(f"adopt region {x}", partial(_adopt, x), alive)
+        yield Case(f"say region {x}", partial(_acknowledge, x), alive)
+        yield Case(f"hear {x}", partial(_hear, x, ""), _heard(x))
+        yield Case(f"hear {x} late", partial(_hear, x, "S"), _heard_late(x))
+        yield Case(f"command {x}", partial(_command, x), alive)
+        yield Case(f"locate {x}", partial(_locate, x), alive)
+
+
+def _line(b: str, number: Any) -> Any:
+    return LINE_OF(S[f"{b}.number"], number)
+
+
+def _line_cases(b: str) -> Iterator[Case]:
+    """Rules of the line of a binding; answers arrive late, repeated or never."""
+    line = _line(b, S[f"{b}.A.number"] + 1)
+    yield of_bound("propose", b, "A", lambda m, bound: _lines(bound).propose(line, m.fits(bound, line)))
+    proposed = _line(b, PROPOSED)
+
+    def adopt(made: Any, bound: Any) -> None:
+        _lines(bound).on_proposal(Number(PROPOSED), proposed, made.fits(bound, proposed))
+
+    yield of_bound("adopt", b, "B", adopt, PROPOSED >= 1, ends(S, b)["number"] >= PROPOSED)
+    answer = Number(S[f"{b}.h2"]), Number(S[f"{b}.s2"])
+    yield of_bound("read answer", b, "A", lambda _, bound: _lines(bound).on_answer(*answer))
+    yield Case(f"send answer {b}", lambda: _send(b), [S[f"{b}.on"], S[f"{b}.B.has"]])
+
+
+def _lines(bound: Any) -> Any:
+    if bound.lines is None:
+        raise Impossible
+    return bound.lines
+
+
+def _send(b: str) -> Outcome:
+    outcome = Outcome()
+    for h, s, sent in (("h", "s", "first"), ("h2", "s2", "second")):
+        sends = z3.And(z3.Bool(sent), S[f"{b}.B.state"] != ASKED)
+        outcome.after[f"{b}.{h}"] = z3.If(sends, S[f"{b}.B.held"], S[f"{b}.{h}"])
+        outcome.after[f"{b}.{s}"] = z3.If(sends, S[f"{b}.B.seen"], S[f"{b}.{s}"])
+    return outcome
+
+
+def _freeze(b: str, made: Any, bound: Any) -> None:
+    made.freeze(bound, _line(b, 0))
+
+
+def _say(run: Callable[[], Outcome], b: str) -> Outcome:
+    """A first line is said to the ledger."""
+    outcome = run()
+    outcome.after[f"{b}.frozen"] = z3.BoolVal(True)
+    return outcome
+
+
+def _adopt(x: str) -> Outcome:
+    geometry = Geometry()
+    made = robot_of(x, geometry)
+    made.adopt()
+    outcome = Outcome(geometry)
+    outcome.after[f"{x}.obeyed"] = expression(made.number)
+    return outcome
+
+
+def _acknowledge(x: str) -> Outcome:
+    """The present life says which region it obeys."""
+    outcome = Outcome()
+    outcome.after[f"{x}.said"] = z3.If(S[f"{x}.obeyed"] != 0, S[f"{x}.obeyed"], S[f"{x}.said"])
+    return outcome
+
+
+AT, NUMBER = z3.Int("heard"), z3.Int("heard region")
+LIFE, TO = z3.Int("hearing life"), z3.Int("life told")
+
+
+def _heard(x: str) -> list[Any]:
+    """A Tick of any version arrives at the present life."""
+    present = [S[f"{x}.life"] == LIFE, LIFE != 0, S[f"{x}.phase"] == PRESENT]
+    told = [S["v"] >= AT, AT > TO, NUMBER <= AT]
+    return [*present, *told, z3.Implies(LIFE == TO, S[f"{x}.granted"] >= NUMBER)]
+
+
+def _heard_late(x: str) -> list[Any]:
+    """One arrives at a life that is over; what is told to that life was told before."""
+    over = [S["S.on"], S[f"S.{x}.life"] == LIFE, LIFE != 0, S[f"S.{x}.dead"] != 0]
+    return [*over, z3.Implies(LIFE == TO, S[f"S.{x}.dead"] > AT)]
+
+
+def is_listed(b: str, x: str) -> Any:
+    """Whether a binding in force is listed in a Tick to the life of its end at X."""
+    told = z3.And(S[f"{b}.told"] != 0, S[f"{b}.told"] <= AT)
+    return z3.And(S[f"{b}.number"] <= AT, z3.Or(told, S[f"{b}.asked"] == CODE[x]))
+
+
+def listing(b: str, x: str) -> Any:
+    """A binding as a Tick tells it."""
+    y = OTHER[x]
+    told = bool(Truth(z3.And(S[f"{b}.told"] != 0, S[f"{b}.told"] <= AT)))
+    static = Truth(z3.And(S[f"{b}.{y}.dead"] != 0, S[f"{b}.{y}.dead"] <= AT))
+    first = _line(b, 0) if told else None
+    return SOURCE.records.Listed(Number(S[f"{b}.number"]), CODE[y], first, S[f"{y}.acked"], static)
+
+
+def _hear(x: str, late: str) -> Outcome:
+    """A Tick is heard, of which every binding in force is told as it was at its version (`history`)."""
+    geometry = Geometry()
+    ends_of = {
+        life: [b for b in "LS" if Truth(z3.And(S[f"{b}.on"], S[f"{b}.{x}.life"] == life))]
+        for life in (LIFE, TO)
+    }
+    bounds = [bound_of(b, x, lines=False) for b in ends_of[LIFE] if Truth(S[f"{b}.{x}.has"])]
+    made = robot_of(x, geometry, bounds)
+    made.life = Number(LIFE)
+    if late:
+        made.version = Number(S[f"{late}.{x}.taken"])
+    listed = [listing(b, x) for b in ends_of[TO] if Truth(is_listed(b, x))]
+    made.hear(SOURCE.records.Told(Number(TO), Number(AT), Number(NUMBER), NUMBER, listed))
+    outcome = Outcome(geometry)
+    after = outcome.after
+    if late:
+        after[f"{late}.{x}.taken"] = expression(made.version)
+    else:
+        after[f"{x}.taken"], after[f"{x}.offered"] = expression(made.version), expression(made.offered_number)
+    for b in ends_of[LIFE]:
+        after[f"{b}.{x}.has"] = z3.BoolVal(False)
+        for bound in made.bound.values():
+            if bound.number == Number(S[f"{b}.number"]):
+                bound_state(bound, after, b, x)
+    return outcome
+
+
+def told_now(x: str) -> Outcome:
+    """What the ledger tells a life of X now is what the rule of hearing takes it for, at this version."""
+    made = ledger_of(Geometry())
+    told, outcome = made.told(made.disks[CODE[x]]), Outcome()
+    outcome.given(S["v"] == AT, S[f"{x}.life"] == LIFE, LIFE != 0)
+    claims = {
+        "life": expression(told.life) == LIFE,
+        "version": expression(told.version) == AT,
+        "region": expression(told.number) == S[f"{x}.granted"],
+    }
+    for b, slot in (("L", "living"), ("S", "static")):
+        both = made.pairs[1].get(2)
+        if both is None or getattr(both, slot) is None:
+            continue
+        listed = [each for each in told.bindings if each.number.of.eq(S[f"{b}.number"])]
+        claims[f"{b} is listed"] = z3.BoolVal(bool(listed)) == z3.And(
+            S[f"{b}.{x}.life"] == LIFE, is_listed(b, x)
+        )
+        for each in listed:
+            should = listing(b, x)
+            claims[f"{b} is static"] = expression(each.static) == expression(should.static)
+            place = S[f"{OTHER[x]}.still"] if each.place is not None else z3.Not(S[f"{OTHER[x]}.still"])
+            claims[f"{b} says where the other end stands"] = place
+    outcome.claims = {f"told: {name}": claim for name, claim in claims.items()}
+    return outcome
+
+
+def _command(x: str) -> Outcome:
+    body, own = z3.Const("next body", BODY), z3.Const("next own", BODY)
+    geometry = Geometry()
+    mine = [b for b in "LS" if Truth(z3.And(S[f"{b}.on"], S[f"{b}.{x}.has"], S[f"{b}.{x}.dead"] == 0))]
+    made = robot_of(x, geometry, [bound_of(b, x, lines=False) for b in mine])
+    if Truth(S[f"{x}.obeyed"] != 0):
+        made.region = S[f"{x}.obeyed"]
+    made.command(body, own, Number(PART))
+    outcome = Outcome(geometry)
+    outcome.after[f"{x}.body"], outcome.after[f"{x}.own"] = made.body, made.own
+    outcome.after[f"{x}.reach"] = expression(made.part) == CODE[OTHER[x]]
+    outcome.covers_less(x, own, body)
+    return outcome
+
+
+def _locate(x: str) -> Outcome:
+    """The body covers less than before: a command has no more effect, or the estimate is better."""
+    outcome, made = Outcome(), robot_of(x, Geometry())
+    body, own = z3.Const(f"{x}.less body", BODY), z3.Const(f"{x}.less own", BODY)
+    made.locate(body, own)
+    outcome.after[f"{x}.body"], outcome.after[f"{x}.own"] = made.body, made.own
+    for less, more in ((body, S[f"{x}.body"]), (own, S[f"{x}.own"]), (own, body)):
+        outcome.covers_less(x, less, more)
+    return outcome
