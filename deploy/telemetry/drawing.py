@@ -1,4 +1,4 @@
-"""Drawing a fleet for Foxglove's 3D panel, as `foxglove.SceneUpdate`.
+"""Drawing a fleet for Foxglove's 3D panel, as `foxglove.SceneUpdate` and `foxglove.FrameTransforms`.
 
 Field names and meanings are Foxglove's (https://docs.foxglove.dev/docs/visualization/message-schemas).
 Lengths are metres, colours run from 0 to 1. All fields are always written, since some readers expect them.
@@ -26,6 +26,7 @@ _GREY, _RED, _DARK = "7a828c", "c5161d", "1c1f23"
 _STRIP, _LOOP, _LIST = 0, 1, 2  # Foxglove's types of lines
 _ALL = 1  # Foxglove's type of a deletion of all earlier entities
 _FOR_EVER = {"sec": 0, "nsec": 0}
+_UNTURNED = {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}
 
 
 def frame(robot: int) -> str:
@@ -37,6 +38,22 @@ def update(entities: list[Json], gone: Json | None = None) -> Json:
     """An update with new or replaced `entities`; all from before the time `gone` are deleted."""
     deletions = [] if gone is None else [{"timestamp": gone, "type": _ALL, "id": ""}]
     return {"entities": entities, "deletions": deletions}
+
+
+def frames(stamp: Json, places: Mapping[int, messages.Vector]) -> Json:
+    """Frames of robots at `places`, m, without rotation."""
+    return {
+        "transforms": [
+            {
+                "timestamp": stamp,
+                "parent_frame_id": WORLD,
+                "child_frame_id": frame(robot),
+                "translation": _point(*place),
+                "rotation": _UNTURNED,
+            }
+            for robot, place in places.items()
+        ]
+    }
 
 
 class Drawing:
@@ -141,7 +158,7 @@ def _point(x: float, y: float, z: float = 0.0) -> Json:
 
 
 def _pose(position: Json) -> Json:
-    return {"position": position, "orientation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0}}
+    return {"position": position, "orientation": _UNTURNED}
 
 
 @cache

@@ -105,5 +105,5 @@ class _Newcomers(ServerListener):
 
 def _channel(context: Context, name: str) -> Channel:
     topic = TOPICS[name]
-    schema = Schema(name=topic.schema, encoding=topic.schema_encoding, data=topic.definition)
-    return Channel(name, schema=schema, message_encoding=topic.encoding, context=context)
+    schema = Schema(name=topic.schema, encoding="jsonschema", data=topic.definition)
+    return Channel(name, schema=schema, message_encoding="json", context=context)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence, Set
@@ -17,12 +18,12 @@ from deploy.output import writing
 from deploy.telemetry.drawing import WORLD, frame
 from deploy.telemetry.recording.reader import RecordedRun
 from deploy.telemetry.recording.writer import LIBRARY
-from deploy.telemetry.scene import TF, TF_DEFINITION, TransformFrames
 from protocol.bus.bus import Bus, Publish
 from protocol.codec import encode
 from protocol.errors import RecordingError
 from protocol.keys import STREAMS, parse, robot_key, world_key
 from protocol.messages import Command, Result, Tick, Vector
+from protocol.process.installation import missing_library
 from protocol.process.signals import STOP
 from world.judge.record import TrajectoryDigest
 
@@ -236,24 +237,32 @@ def publish(
             progress(min(1.0, now / duration) if duration > 0.0 else 1.0)
 
 
+_TF = "tf2_msgs/msg/TFMessage"
+
+
 def export(recording: RecordedRun, path: Path) -> None:
     """Write the recorded Truths to `path` as ROS 2 transforms.
 
     Raises:
-        UsageError: it cannot be written.
+        UsageError: it cannot be written, or pycdr2 is not installed.
     """
+    try:
+        from agents.bases.ros_messages import Transform, Transforms, header_at
+    except ModuleNotFoundError as error:
+        raise missing_library("writing ROS 2 messages", "pycdr2", "ros2") from error
     step, truths = recording.scenario.time.step, recording.truths
-    frames: dict[tuple[int, ...], TransformFrames] = {}
     with writing(path, "write ROS 2 messages"), path.open("wb") as file:
         writer: Any = Writer(file)  # partly untyped
         writer.start("ros2", LIBRARY)
-        schema = writer.register_schema(TF, "ros2msg", TF_DEFINITION)
-        channel = writer.register_channel("/tf", "cdr", schema)
+        definition = (Path(__file__).parent / "TFMessage.msg").read_bytes()
+        channel = writer.register_channel("/tf", "cdr", writer.register_schema(_TF, "ros2msg", definition))
         for tick, positions in zip(truths.ticks.tolist(), truths.positions, strict=True):
-            time, there = round(tick * step * 1e9), ~np.isnan(positions[:, 0])
-            robots = tuple(truths.robots[there].tolist())
-            if robots not in frames:
-                frames[robots] = TransformFrames(WORLD, [frame(robot) for robot in robots])
-            data = frames[robots].message(time, positions[there].tolist())
-            writer.add_message(channel, time, data, time)
+            time = round(tick * step * 1e9)
+            header = header_at(time, WORLD)
+            poses = [
+                Transform(header, frame(robot), [x, y, 0.0], [0.0, 0.0, 0.0, 1.0])
+                for robot, (x, y) in zip(truths.robots.tolist(), positions.tolist(), strict=True)
+                if not math.isnan(x)
+            ]
+            writer.add_message(channel, time, Transforms(poses).serialize(), time)
         writer.finish()

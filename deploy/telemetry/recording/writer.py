@@ -128,7 +128,7 @@ class RecordingFile:
             self._writer.add_metadata("run", {"name": run, "protocol": str(VERSION), **before})
             self._writer.add_metadata("scenario", {"json": _JSON.encode(scenario).decode()})
             self._scene = FleetScene(scenario)
-            self._topics = {name: self._topic(name) for name in TOPICS}
+            self._topics = {name: self._register(name, *topic, {}) for name, topic in TOPICS.items()}
             self._draw(self._scene.whole())
             self._writer.flush()
 
@@ -191,23 +191,17 @@ class RecordingFile:
             raise MessageError("key", f"{key} carries no messages")
         self._channels[key] = None
         if stream.recorded:
-            number = self._schema(
-                f"disknav.{stream.message.__name__}", lambda: json.dumps(schema(stream.message)).encode()
-            )
-            number = self._writer.register_channel(key, "json", number, {"rate": stream.rate})
+            name, form = f"disknav.{stream.message.__name__}", schema(stream.message)
+            number = self._register(key, name, json.dumps(form).encode(), {"rate": stream.rate})
             self._channels[key] = _Channel(address, number)
         return self._channels[key]
 
-    def _topic(self, name: str) -> int:
-        topic = TOPICS[name]
-        schema_number = self._schema(topic.schema, lambda: topic.definition, topic.schema_encoding)
-        number: int = self._writer.register_channel(name, topic.encoding, schema_number)
-        return number
-
-    def _schema(self, name: str, define: Callable[[], bytes], encoding: str = "jsonschema") -> int:
-        if name not in self._schemas:
-            self._schemas[name] = self._writer.register_schema(name, encoding, define())
-        return self._schemas[name]
+    def _register(self, key: str, schema_name: str, definition: bytes, about: dict[str, str]) -> int:
+        if schema_name not in self._schemas:
+            number = self._writer.register_schema(schema_name, "jsonschema", definition)
+            self._schemas[schema_name] = number
+        channel: int = self._writer.register_channel(key, "json", self._schemas[schema_name], about)
+        return channel
 
     @contextmanager
     def _writing(self) -> Iterator[None]:

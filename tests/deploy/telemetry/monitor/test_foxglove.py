@@ -58,7 +58,7 @@ def test_foxglove_sees_a_run_live_and_after_its_end() -> None:
             until(lambda: watcher.snapshot()["tick"] >= 2)
             with viewer(server) as (client, offered):
                 assert offered["/scene/robots"]["schemaName"] == "foxglove.SceneUpdate"
-                assert offered["/tf"]["encoding"] == "cdr"
+                assert offered["/tf"]["schemaName"] == "foxglove.FrameTransforms"
                 measures = subscribed(client, offered["/measures"])
                 times = [next(measures)[0] for _ in range(4)]
                 assert times == sorted(times)
