@@ -43,9 +43,7 @@ def info(
 
 @app.command()
 def plot(
-    recordings: Annotated[
-        list[Path], typer.Argument(metavar="RECORDING...", help="Files that `disknav run --record` wrote.")
-    ],
+    recording: options.RecordingFile,
     out: Annotated[
         Path, options.out("Picture to write: .png, .svg, .pdf, or an animation: .gif, .webp, .mp4.")
     ],
@@ -61,7 +59,7 @@ def plot(
         typer.Option(min=1.0, help="Longest duration of an animation; a longer run is sped up. Default 10."),
     ] = None,
 ) -> None:
-    """Draw recordings: paths and disks, clearance and phi over time, and the age of received information.
+    """Draw a recording: paths and disks, clearance and phi over time, and the age of received information.
 
     Examples: disknav recording plot figure-1.mcap -o figure-1.pdf;
     disknav recording plot figure-2.mcap --until 2.5 -o blocked.png;
@@ -69,14 +67,14 @@ def plot(
     """
     from deploy.telemetry.plot import draw
 
-    draw.check(out, len(recordings))
+    draw.check(out)
     if out.suffix not in draw.ANIMATIONS:
         options.refuse(
             {"--width": width, "--seconds": seconds}, "it is for an animation: name a .gif or .webp"
         )
-    found = [_read(path) for path in recordings]
+    found = _read(recording)
     if until is not None:
-        found = [draw.until(each, until) for each in found]
+        found = draw.until(found, until)
     with bar(f"drawing {out.name}") as progress:
         draw.draw(found, out, progress, width, seconds)
 

@@ -1,8 +1,8 @@
-"""Drawing recordings into a file: a picture or an animation, by its suffix."""
+"""Drawing a recording into a file: a picture or an animation, by its suffix."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,18 +18,15 @@ ANIMATIONS = (".gif", ".webp", ".mp4")
 _WHAT = "draw"
 
 
-def check(target: Path, recordings: int = 1) -> None:
+def check(target: Path) -> None:
     """Check before a run that `target` can be drawn.
 
     Raises:
-        UsageError: unknown suffix, file that cannot be written, animation of several runs, or matplotlib is
-            not installed.
+        UsageError: unknown suffix, file that cannot be written, or matplotlib is not installed.
     """
     kinds = PICTURES + ANIMATIONS
     if target.suffix not in kinds:
         raise UsageError(f"{target}: cannot draw this kind of file; name one that ends in {', '.join(kinds)}")
-    if target.suffix in ANIMATIONS and recordings > 1:
-        raise UsageError(f"{target}: an animation shows one recording; name one, or draw a picture")
     check_target(target, _WHAT)
     try:
         import matplotlib  # noqa: F401
@@ -38,16 +35,15 @@ def check(target: Path, recordings: int = 1) -> None:
 
 
 def draw(
-    recordings: RecordedRun | Path | Sequence[RecordedRun],
+    recording: RecordedRun | Path,
     target: Path,
     progress: Callable[[float], None] | None = None,
     width: int | None = None,
     seconds: float | None = None,
 ) -> None:
-    """Draw one recording, or several side by side, into `target`.
+    """Draw a recording into `target`.
 
     Args:
-        recordings: one only for an animation.
         target: its suffix selects the format.
         progress: receives the share that is done, 0 to 1.
         width: of an animation, pixels.
@@ -56,11 +52,9 @@ def draw(
     Raises:
         UsageError: as `check`, or the disk is full.
     """
-    if isinstance(recordings, Path):
-        recordings = read(recordings)
-    if isinstance(recordings, RecordedRun):
-        recordings = [recordings]
-    check(target, len(recordings))
+    if isinstance(recording, Path):
+        recording = read(recording)
+    check(target)
     import matplotlib
 
     from deploy.telemetry.plot.figure import Format, animate, figure
@@ -69,10 +63,10 @@ def draw(
     with matplotlib.rc_context(RC), writing(target, _WHAT):
         if target.suffix in ANIMATIONS:
             form = Format()
-            animate(recordings[0], target, progress, Format(width or form.width, seconds or form.seconds))
+            animate(recording, target, progress, Format(width or form.width, seconds or form.seconds))
         else:
             metadata = {"Date": None} if target.suffix == ".svg" else {}
-            figure(recordings).savefig(target, metadata=metadata)
+            figure(recording).savefig(target, metadata=metadata)
 
 
 def until(recording: RecordedRun, seconds: float) -> RecordedRun:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from itertools import groupby
 from operator import attrgetter
 from pathlib import Path
@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure, SubFigure
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 from matplotlib.text import Text
@@ -24,7 +24,6 @@ from deploy.telemetry.plot.workspace import (
     INK,
     MANY,
     colour,
-    curves,
     dash,
     disks,
     draw_workspace,
@@ -107,10 +106,9 @@ _COLUMNS = 2000  # of ages; more than pixels
 _INFINITE = 300.0  # bound of `Truth.log_potential`
 
 
-def draw_clearance(axes: Axes, recordings: Sequence[RecordedRun]) -> None:
+def draw_clearance(axes: Axes, recording: RecordedRun) -> None:
     """Smallest gap between two disks, or disk and boundary, during each tick."""
-    for index, recording in enumerate(recordings):
-        _curve(axes, recording, 1000.0 * recording.truths.clearance, index, len(recordings))
+    _curve(axes, recording, 1000.0 * recording.truths.clearance)
     axes.axhline(0.0, color=INK, linewidth=0.8)
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, -0.04 * high), high)
@@ -118,12 +116,10 @@ def draw_clearance(axes: Axes, recordings: Sequence[RecordedRun]) -> None:
     axes.set(ylabel="clearance, mm")
 
 
-def draw_potential(axes: Axes, recordings: Sequence[RecordedRun]) -> None:
+def draw_potential(axes: Axes, recording: RecordedRun) -> None:
     """The potential, log10(gamma / beta^(1/k)); phi is 1 to all digits in a large fleet until the end."""
-    for index, recording in enumerate(recordings):
-        levels = recording.truths.log_potential
-        finite = np.where(np.abs(levels) < _INFINITE, levels, np.nan)
-        _curve(axes, recording, finite, index, len(recordings))
+    levels = recording.truths.log_potential
+    _curve(axes, recording, np.where(np.abs(levels) < _INFINITE, levels, np.nan))
     axes.set(ylabel="log$_{10}$(γ / β$^{1/k}$)")
 
 
@@ -155,61 +151,44 @@ def _ages(axes: Axes, recording: RecordedRun, ticks: np.ndarray, ages: np.ndarra
     axes.figure.colorbar(mesh, ax=axes, label="s", pad=0.01, fraction=0.06)
 
 
-def _curve(axes: Axes, recording: RecordedRun, values: np.ndarray, index: int, of: int) -> None:
-    times = recording.truths.ticks * recording.scenario.time.step
-    axes.plot(times, values, color=colour(index), linestyle=dash(index) if of > 1 else "-")
+def _curve(axes: Axes, recording: RecordedRun, values: np.ndarray) -> None:
+    axes.plot(recording.truths.ticks * recording.scenario.time.step, values, color=colour(0))
 
 
-Panel = Callable[[Axes], None]
+Panel = Callable[[Axes, RecordedRun], None]
 _SIDE = 3.9  # inches, least side of a workspace
 _LEGEND = 0.35  # inches
 _COLUMN = 3.3  # inches, curves
 _PANEL = 1.2  # inches, height of one curve
 
 
-def figure(recordings: Sequence[RecordedRun]) -> Figure:
-    """One workspace per recording, and their curves over time in a column beside them."""
-    panels = _panels(recordings)
+def figure(recording: RecordedRun) -> Figure:
+    """The workspace, and curves over time in a column beside it."""
+    panels: list[Panel] = [draw_clearance, draw_potential]
+    if delayed_sensing(recording):
+        panels.append(draw_measurement_ages)
+    if faulty_link(recording):
+        panels.append(draw_heard_ages)
     height = max(_SIDE + _LEGEND, _PANEL * len(panels))
-    workspaces = (height - _LEGEND) * len(recordings)
-    whole = Figure(figsize=(workspaces + _COLUMN, height), layout="constrained")
-    left, right = whole.subfigures(1, 2, width_ratios=[workspaces, _COLUMN], squeeze=False)[0]
-    for axes, recording in zip(left.subplots(1, len(recordings), squeeze=False)[0], recordings, strict=True):
-        draw_workspace(axes, recording)
-        axes.set_title(_title(recording), loc="left")
+    width = height - _LEGEND
+    whole = Figure(figsize=(width + _COLUMN, height), layout="constrained")
+    left, right = whole.subfigures(1, 2, width_ratios=[width, _COLUMN], squeeze=False)[0]
+    workspace = left.subplots()
+    draw_workspace(workspace, recording)
+    workspace.set_title(_title(recording), loc="left")
+    left.legend(handles=disks(), handler_map=HANDLERS, loc="outside lower center", ncols=4)
     column = right.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for axes, panel in zip(column, panels, strict=True):
-        panel(axes)
+        panel(axes, recording)
     column[-1].set_xlabel("time, s")
     right.align_ylabels(column)
-    _legends(left, column, recordings)
     return whole
-
-
-def _panels(recordings: Sequence[RecordedRun]) -> list[Panel]:
-    panels: list[Panel] = [
-        lambda axes: draw_clearance(axes, recordings),
-        lambda axes: draw_potential(axes, recordings),
-    ]
-    if len(recordings) == 1:
-        (recording,) = recordings
-        if delayed_sensing(recording):
-            panels.append(lambda axes: draw_measurement_ages(axes, recording))
-        if faulty_link(recording):
-            panels.append(lambda axes: draw_heard_ages(axes, recording))
-    return panels
 
 
 def _title(recording: RecordedRun) -> str:
     verdict = "not finished" if recording.result is None else recording.result["verdict"]
     seconds = recording.truths.ticks[-1] * recording.scenario.time.step
     return f"{recording.scenario.name}: {verdict} after {seconds:.1f} s"
-
-
-def _legends(left: SubFigure, column: Sequence[Axes], recordings: Sequence[RecordedRun]) -> None:
-    left.legend(handles=disks(), handler_map=HANDLERS, loc="outside lower center", ncols=4)
-    if len(recordings) > 1:
-        column[0].legend(handles=curves([recording.path.stem for recording in recordings]), loc="best")
 
 
 Progress = Callable[[float], None]

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.legend_handler import HandlerPatch
-from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Polygon
 from matplotlib.patheffects import withStroke
 
@@ -51,7 +49,7 @@ RC: Any = {
 
 
 def colour(index: int) -> str:
-    """Colour of the robot or curve with this index."""
+    """Colour of the robot with this index."""
     return COLOURS[index % len(COLOURS)]
 
 
@@ -74,14 +72,6 @@ def disks() -> list[Patch]:
         Patch(facecolor=FAINT, alpha=0.25, linewidth=0, label="between"),
         Patch(facecolor=FAINT, alpha=0.7, linewidth=0, label="end"),
         Patch(fill=False, edgecolor=FAINT, linewidth=1.2, label="goal"),
-    ]
-
-
-def curves(names: Sequence[str]) -> list[Line2D]:
-    """Legend handles for curves in their order."""
-    return [
-        Line2D([], [], color=colour(index), linestyle=dash(index), label=name)
-        for index, name in enumerate(names)
     ]
 
 
