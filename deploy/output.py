@@ -78,10 +78,9 @@ def write_json(document: object, target: Path | None) -> None:
 
 
 @contextmanager
-def bar(description: str, *, silent: bool = False) -> Iterator[Callable[[float], None]]:
-    """A progress bar. Call the given function with the share done, 0 to 1; nothing is shown if `silent`.
-
-    The function raises Stopped after a signal.
+def bar(description: str, *, silent: bool = False) -> Iterator[Callable[..., None]]:
+    """A progress bar. Call the given function with the share done, 0 to 1, and perhaps a new description;
+    nothing is shown if `silent`. The function raises Stopped after a signal.
     """
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
@@ -91,9 +90,9 @@ def bar(description: str, *, silent: bool = False) -> Iterator[Callable[[float],
     task = progress.add_task(description, total=1.0)
     began = time.monotonic()
 
-    def tell(done: float) -> None:
+    def tell(done: float, description: str | None = None) -> None:
         STOP.check()
-        progress.update(task, completed=done)
+        progress.update(task, completed=done, description=description)
         if time.monotonic() > began + _PATIENCE:
             progress.start()
 

@@ -16,7 +16,7 @@ from deploy.studies import StudyName
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from deploy.theory.certify.prove import ProofOutcome
+    from deploy.theory.certify.certificate import Certificate
     from deploy.theory.certify.replay import Replay
     from deploy.theory.check import Certified
     from protocol.scenario.model import Scenario
@@ -127,13 +127,14 @@ def certify(
         raise typer.Exit(_status(checked.enough(k)))
     if scenario is None or read_scenario is None:
         raise UsageError("certify needs a SCENARIO, or --verify FILE")
-    from deploy.theory.certify.prove import ProofRequest, to_json
+    from deploy.theory.certify.certificate import path_for
     from deploy.theory.certify.prove import certify as perform
+    from deploy.theory.certify.prove import to_json
 
-    limit = _MINUTES if minutes is None else minutes
-    outcome = perform(read_scenario, ProofRequest(scenario, k, limit, out, silent))
-    _say(_found(outcome), to_json(outcome), json_file, silent)
-    raise typer.Exit(_status(outcome.proven))
+    path = out or path_for(scenario)
+    found = perform(read_scenario, path, k, _MINUTES if minutes is None else minutes, quiet=silent)
+    _say(f"{_found(found)}\n{path}", to_json(found, path, k), json_file, silent)
+    raise typer.Exit(_status(found.proves(k)))
 
 
 def _status(proven: bool) -> int:
@@ -146,8 +147,7 @@ def _say(text: str, data: dict[str, object], json_file: Path | None, silent: boo
         print(text)
 
 
-def _found(outcome: ProofOutcome) -> str:
-    found = outcome.certificate
+def _found(found: Certificate) -> str:
     if found.proven is None:
         text = f"{found.scenario}: nothing proven yet"
     else:
@@ -157,7 +157,7 @@ def _found(outcome: ProofOutcome) -> str:
         )
     if found.trial is not None:
         text += f"\n{found.trial.k:g} was {found.trial.done:.1%} done; more --minutes may prove it"
-    return f"{text}\n{outcome.path}"
+    return text
 
 
 def _verified(checked: Replay) -> str:

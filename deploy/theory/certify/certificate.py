@@ -114,6 +114,10 @@ class Certificate:
         """The smallest K for which the goal is proven the only minimum for every k >= K, if any."""
         return self.slabs[-1].k if self.slabs else None
 
+    def proves(self, k: float | None) -> bool:
+        """Whether it covers every k from this one on; None: whether it proves anything."""
+        return self.proven is not None and (k is None or self.proven <= k)
+
     @property
     def boxes(self) -> int:
         """Number of nodes of all finished slabs."""

@@ -23,7 +23,7 @@ except ModuleNotFoundError as error:
 
 Ends = tuple[arb, arb]
 
-ZERO, ONE, INFINITE = arb(0), arb(1), arb("+inf")
+ZERO, INFINITE = arb(0), arb("+inf")
 
 
 def exact(x: float) -> Ends:
@@ -300,28 +300,6 @@ class BoxConditions:
         if not beta > 0:
             return INFINITE
         return (self.rows[self.n + q][1] / beta).min(self.s[1] / (beta * beta))
-
-    def circling(self) -> bool:
-        """Whether one robot descends by circling another, or the centre, all over the box."""
-        return any(
-            self._circles(q, robot) for q, pair in enumerate(self.factors) for robot in pair if robot >= 0
-        )
-
-    def _circles(self, q: int, robot: int) -> bool:
-        gain, bend = ONE, ZERO
-        for r, (i, j) in enumerate(self.factors):
-            if robot in (i, j):
-                low, high = self.weight(r)
-                gain = gain - low if j >= 0 else gain + high
-        if not gain < 0:
-            return False
-        for r, pair in enumerate(self.factors):
-            if r != q and robot in pair:
-                (x, y), (u, v) = self.d[q], self.d[r]
-                cross = square(sub(mul(x, v), mul(y, u)))
-                bend += 2 * self.stiffness(r) * cross[1]
-        far = add(square(self.d[q][0]), square(self.d[q][1]))
-        return bool(gain * far[0] + bend < 0)
 
 
 def _contact(goals: GoalSet, i: int, j: int) -> Ends:

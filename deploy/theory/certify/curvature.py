@@ -5,10 +5,10 @@ A direction v with v . grad beta_q = 0 for every stiff contact has v^T H v / 2 =
 |v_ij|^2 + sum lambda_0i |v_i|^2 - 2 (y . v)^2 / gamma + sum_q (lambda_q / beta_q) (grad beta_q . v)^2 / 2,
 with H = gamma kappa Hess(log phi^) at critical points.
 
-Such directions rotate the fleet, or let one robot circle another. In general the midpoint's most negative
-eigenvector v is corrected to v - W z with interval z so that it is exactly orthogonal to grad beta_q of every
-stiff q, whatever b in the box: z solves (A W) z = A v, A the rows grad beta_q / 2 over the box. The quadratic
-form is then bounded from above over box and z.
+A rotation of the whole fleet is such a direction. In general the midpoint's most negative eigenvector v is
+corrected to v - W z with interval z so that it is exactly orthogonal to grad beta_q of every stiff q,
+whatever b in the box: z solves (A W) z = A v, A the rows grad beta_q / 2 over the box. The quadratic form is
+then bounded from above over box and z.
 """
 
 from __future__ import annotations
@@ -73,50 +73,6 @@ def contract_rotation(scene: Scene, box: Box) -> bool:
 def _reach(scene: Scene, box: Box, row: int) -> float:
     goal = scene.goals[row]
     return up(goal * box[row, 1]) if goal > 0.0 else up(goal * box[row, 0])
-
-
-@compiled
-def circles(scene: Scene, box: Box, out: Derived) -> bool:
-    """Whether a robot that circles another, or the centre, has negative curvature all over the box."""
-    for q in range(len(scene.first)):
-        if circle(scene, box, out, q, scene.first[q]) < 0.0:
-            return True
-        if scene.second[q] >= 0 and circle(scene, box, out, q, scene.second[q]) < 0.0:
-            return True
-    return False
-
-
-@compiled
-def circle(scene: Scene, box: Box, out: Derived, q: int, robot: int) -> float:
-    """Upper bound of v^T H v / 2 for v = J d_q on one robot alone, where grad beta_q . v = 0 exactly.
-
-    +inf, or any value above 0, if it is useless.
-    """
-    n, gain, bend = len(scene.goals), 1.0, 0.0
-    for r in range(len(scene.first)):
-        if scene.first[r] == robot or scene.second[r] == robot:
-            gain = up(gain - box[n + r, 0]) if scene.second[r] >= 0 else up(gain + box[n + r, 1])
-    if gain >= 0.0:
-        return np.inf
-    for r in range(len(scene.first)):
-        if r != q and (scene.first[r] == robot or scene.second[r] == robot):
-            cross = square(
-                sub(mul(_apart(out, q, 0), _apart(out, r, 1)), mul(_apart(out, q, 1), _apart(out, r, 0)))
-            )
-            if cross[1] > 0.0:
-                bend = up(bend + up(2.0 * up(stiffness(box, out, n, r) * cross[1])))
-    far = add(_square(out, q, 0), _square(out, q, 1))
-    return up(up(gain * far[0]) + bend)
-
-
-@compiled
-def _apart(out: Derived, q: int, a: int) -> Interval:
-    return out.apart[q, a, 0], out.apart[q, a, 1]
-
-
-@compiled
-def _square(out: Derived, q: int, a: int) -> Interval:
-    return square(_apart(out, q, a))
 
 
 # Heuristic choices, which do not affect the validity of a proof.

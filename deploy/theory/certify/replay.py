@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from contextlib import nullcontext
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -18,7 +17,7 @@ from deploy.output import bar
 from deploy.theory.certify.certificate import Certificate, GoalSet
 from deploy.theory.certify.conditions import ZERO, BoxConditions, Rows, middle, whole
 from deploy.theory.certify.descent import descends, newton
-from protocol.process.signals import STOP, Stopped
+from protocol.process.signals import Stopped
 
 _ROUNDS = 8
 _WORTH = 0.9
@@ -64,10 +63,9 @@ def replay(certificate: Certificate, minutes: float, quiet: bool = True) -> Repl
     proven, failed, interrupted = None, None, False
     before: arb = ZERO
 
-    with nullcontext(lambda _: None) if quiet else bar("verifying") as tell:
+    with bar("verifying", silent=quiet) as tell:
 
         def look(nodes: int) -> None:
-            STOP.check()
             tell(min(1.0, (boxes + nodes) / total))
             if time.monotonic() > until:
                 raise _StoppedError(f"time is up after {minutes:g} minutes")
@@ -161,7 +159,7 @@ class Walk:
         span = max(_width(box, row) for row in range(box.n))
         if span < _NEWTON_BELOW * self._unit and not (newton(box) and self.narrowed(box)):
             return True
-        return box.circling() or descends(box)
+        return descends(box)
 
     def narrowed(self, box: BoxConditions) -> bool:
         """Narrow a box around its critical points. False: there are none."""

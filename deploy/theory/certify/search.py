@@ -43,7 +43,7 @@ from deploy.theory.certify.contractors import (
     enclose,
     enclose_work,
 )
-from deploy.theory.certify.curvature import circles, contract_rotation, falls
+from deploy.theory.certify.curvature import contract_rotation, falls
 
 _UNBOUNDED = 1e50  # larger multipliers may overflow
 
@@ -262,9 +262,7 @@ def settle(scene: Scene, box: Box, out: Derived) -> int:
         contract_newton(scene, box, out) and contract(scene, box, out)
     ):
         return EMPTY
-    if circles(scene, box, out) or falls(scene, box, out):
-        return FALLS
-    return OPEN
+    return FALLS if falls(scene, box, out) else OPEN
 
 
 @compiled

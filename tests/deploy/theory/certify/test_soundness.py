@@ -8,12 +8,12 @@ from deploy.theory.certify.boxes import Derived, Scene, derived, scene_of
 from deploy.theory.certify.certificate import EMPTY, FALLS, GoalSet
 from deploy.theory.certify.conditions import BoxConditions
 from deploy.theory.certify.contractors import enclose
-from deploy.theory.certify.curvature import circle, corrected, form
+from deploy.theory.certify.curvature import corrected, form
 from deploy.theory.certify.replay import Walk
 from deploy.theory.certify.search import OPEN, Search, contract, contract_newton, settle
 from deploy.theory.function import Array
 from protocol.draws import Purpose, generator
-from tests.deploy.theory.certify.known import J, Known, blockade, boxes, forever, half_form, holds, known
+from tests.deploy.theory.certify.known import Known, blockade, boxes, forever, half_form, holds, known
 
 pytestmark = pytest.mark.slow
 
@@ -119,19 +119,6 @@ def around(found: Known, width: float) -> tuple[Scene, Array, Derived]:
     out = derived(scene)
     assert enclose(scene, box, out)
     return scene, box, out
-
-
-def test_the_bound_of_circling_is_one_and_close() -> None:
-    """At every point where it is of use."""
-    for found in points():
-        scene, box, out = around(found, 1e-9)
-        for q, (i, j) in enumerate(zip(scene.first, scene.second, strict=True)):
-            for robot in (i, j) if j >= 0 else (i,):
-                v = np.zeros_like(found.point.b)
-                v[robot] = J @ (found.point.b[i] - (found.point.b[j] if j >= 0 else 0.0))
-                exact, bound = half_form(found, v.ravel()), circle(scene, box, out, q, robot)
-                assert bound >= exact - 1e-9
-                assert bound == np.inf or bound <= exact + 1e-3
 
 
 def test_the_corrected_field_is_orthogonal_to_the_chosen_gradients() -> None:
