@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 from protocol.errors import Problem, ScenarioError
-from protocol.scenario.model import FloorPlan
+from protocol.geometry import ConvexPolygon
+from protocol.scenario.model import Scenario
+from protocol.scenario.places import lies_outside
 from protocol.scenario.tables import Document, read_table, written
 
 _MOST_PIECES = 5000  # largest number of obstacles of a scenario
@@ -27,24 +27,27 @@ def expanded(document: Document, folder: Path, source: str) -> Document:
         MapError: the file cannot be read, or describes no map.
         UsageError: the libraries that read maps are not installed.
     """
-    if not isinstance(document.get("map"), dict):
+    scenario, findings = read_table(document, Scenario)
+    plan, wrong = scenario.map, {steps[0] for steps, _ in findings if steps}
+    if plan is None or not isinstance(document["map"], dict):
         return document
-    plan, findings = read_table(document["map"], FloorPlan)
-    if findings:
-        problems = [Problem(written(("map", *steps)), text) for steps, text in findings]
+    if "map" in wrong:
+        problems = [Problem(written(steps), text) for steps, text in findings if steps[:1] == ("map",)]
         raise ScenarioError(source, problems)
     from deploy.maps.occupancy import read_map
     from deploy.maps.pieces import floor_plan
 
     grid = read_map(folder / plan.file)
-    radius = min((radius for radius in _numbers(document, "radius")), default=0.0)
-    workspace = document.get("workspace")
-    found = floor_plan(grid, plan.error, radius, unknown_is_free=plan.unknown == "free", rim=bool(workspace))
-    problems = []
+    radius = min((spec.radius for spec in scenario.robots if spec.radius > 0.0), default=0.0)
+    given = bool(document.get("workspace"))
+    found = floor_plan(grid, plan.error, radius, unknown_is_free=plan.unknown == "free", rim=given)
+    pieces, room = found.obstacles, scenario.workspace
+    if given and "workspace" not in wrong and not room.defect():
+        pieces = [piece for piece in pieces if not lies_outside(ConvexPolygon(piece), room.shape)]
     if not found.workspace:
         problems = [Problem("map.file", f"has no free space for a disk of {radius:g} m")]
-    elif len(found.obstacles) > _MOST_PIECES:
-        text = f"{len(found.obstacles)} obstacles are more than {_MOST_PIECES}: allow a larger one"
+    elif len(pieces) > _MOST_PIECES:
+        text = f"{len(pieces)} obstacles are more than {_MOST_PIECES}: allow a larger one"
         problems = [Problem("map.error", text)]
     else:
         problems = [
@@ -52,18 +55,16 @@ def expanded(document: Document, folder: Path, source: str) -> Document:
                 f"robots[{index}].{end}",
                 f"is not in the free space of the map, but {_place(grid.cell(*point))}",
             )
-            for index, end, point in _ends(document)
-            if (cell := grid.cell(*point)) is None or not found.free[cell]
+            for index, spec in enumerate(scenario.robots)
+            for end, point in (("start", spec.start), ("goal", spec.goal))
+            if all(map(math.isfinite, point))
+            and ((cell := grid.cell(*point)) is None or not found.free[cell])
         ]
     if problems:
         raise ScenarioError(source, problems)
     rest = {key: value for key, value in document.items() if key != "map"}
-    obstacles = [
-        *rest.get("obstacles", []),
-        *({"points": list(map(list, piece))} for piece in found.obstacles),
-    ]
-    if not workspace:
-        workspace = {"points": list(map(list, found.workspace))}
+    obstacles = [*rest.get("obstacles", []), *({"points": list(map(list, piece))} for piece in pieces)]
+    workspace = document["workspace"] if given else {"points": list(map(list, found.workspace))}
     return rest | {"obstacles": obstacles, "workspace": workspace}
 
 
@@ -83,33 +84,3 @@ def _of_map(path: str, own: int) -> str:
 
 def _place(cell: tuple[int, int] | None) -> str:
     return "outside of it" if cell is None else f"in column {cell[1]}, row {cell[0]} from below"
-
-
-def _robots(document: Document) -> Iterator[tuple[int, Document]]:
-    robots = document.get("robots")
-    if isinstance(robots, list):
-        yield from ((index, each) for index, each in enumerate(robots) if isinstance(each, dict))
-
-
-def _numbers(document: Document, key: str) -> Iterator[float]:
-    """Numbers of robots under `key`; invalid values are reported later."""
-    for _, robot in _robots(document):
-        if _is_number(robot.get(key)):
-            yield robot[key]
-
-
-def _ends(document: Document) -> Iterator[tuple[int, str, tuple[float, float]]]:
-    for index, robot in _robots(document):
-        for end in ("start", "goal"):
-            point = robot.get(end)
-            if isinstance(point, list) and len(point) == 2 and all(map(_is_number, point)):
-                yield index, end, (point[0], point[1])
-
-
-def _is_number(value: Any) -> bool:
-    return (
-        isinstance(value, int | float)
-        and not isinstance(value, bool)
-        and math.isfinite(value)
-        and value > -1e9
-    )

@@ -3,8 +3,7 @@
 Every piece is the convex hull of cells, so pieces cover all cells they are made of. A piece is accepted if it
 overlaps no cell farther than the error from all solid ones; then every point of an obstacle is within the
 error of a solid cell. Sets of cells whose hull is not accepted are split, and neighbours are joined again if
-accepted. Solid cells are those that no robot can enter; only solid cells that touch free ones are covered,
-since robots cannot reach the others.
+accepted. Solid cells are those that no robot can enter.
 """
 
 from __future__ import annotations
@@ -63,11 +62,10 @@ def floor_plan(
     rows, columns = (np.flatnonzero(free.any(axis=axis)) for axis in (1, 0))
     bottom, top, left, right = int(rows[0]), int(rows[-1]) + 1, int(columns[0]), int(columns[-1]) + 1
     inside = np.pad(free[bottom:top, left:right], int(rim))
-    edges = ~inside & ndimage.binary_dilation(inside, _AROUND)
     allowed = _near(~inside, error / grid.resolution)
     pieces = [
         tuple(grid.place(left + column - rim, bottom + row - rim) for column, row in piece)
-        for piece in _pieces(edges, _Forbidden(allowed))
+        for piece in _pieces(~inside, _Forbidden(allowed))
     ]
     around = ((left, bottom), (right, bottom), (right, top), (left, top))
     return PlanOfPieces(tuple(grid.place(*corner) for corner in around), pieces, free)

@@ -87,12 +87,13 @@ def obstacle(
 ) -> tuple[Shape | None, list[Finding]]:
     """The shape of an obstacle, None if it has none, and findings about it."""
     shape, findings = _shape(obstacle, steps, sound)
-    if shape is not None and room is not None and _outside(shape, room):
+    if shape is not None and room is not None and lies_outside(shape, room):
         findings = [((*steps, _where(shape)), "lies outside of the workspace")]
     return shape, findings
 
 
-def _outside(shape: Shape, room: Shape) -> bool:
+def lies_outside(shape: Shape, room: Shape) -> bool:
+    """Whether no part of an obstacle is inside the workspace."""
     if isinstance(room, Disk):
         return shape.distance(room.x, room.y) >= room.radius
     return any(shape.limit(nx, ny, 0.0) >= offset for nx, ny, offset in room.sides) or (

@@ -20,6 +20,7 @@ from disknav import Simulation
 from protocol.errors import DocumentError, MapError, ScenarioError
 from protocol.geometry import ConvexPolygon, defect
 from protocol.scenario.file import parse_toml, write_toml
+from protocol.scenario.model import Scenario
 
 HEAD = """image: m.png
 resolution: 0.1
@@ -115,8 +116,9 @@ def test_pieces_cover_what_is_solid_and_reach_no_farther_than_the_error(
     around = np.pad(solid, 1, constant_values=True)  # beyond the map nothing is free
     assert not [piece for piece in plan.obstacles if defect(piece)]
     shapes, room = [ConvexPolygon(piece) for piece in plan.obstacles], ConvexPolygon(plan.workspace)
-    for row, column in (np.argwhere(around & ndimage.binary_dilation(~around, np.ones((3, 3)))) - 1).tolist():
-        if rim or room.distance(column + 0.5, row + 0.5) < 0.0:  # each cell that a free one touches, whole
+    for row, column in (np.argwhere(around) - 1).tolist():
+        inside = room.distance(column + 0.5, row + 0.5)
+        if inside < (1.0 if rim else 0.0):  # each solid cell, whole
             corners = [(column + x, row + y) for x in (0, 1) for y in (0, 1)]
             assert any(all(shape.distance(*corner) < 1e-9 for corner in corners) for shape in shapes)
     cells = np.argwhere(around) - 0.5
@@ -199,6 +201,13 @@ robots = [{ id = 1, radius = 0.06, start = [0.25, 0.25], goal = %s }]
 """
 
 
+def on_map(folder: Path, rows: list[str]) -> Scenario:
+    """A scenario on this map, with a robot in its lower left corner."""
+    drawn(folder, rows)
+    (folder / "s.toml").write_text(ON_MAP.replace("[0.25, 0.25]", "[0.05, 0.05]") % "[0.05, 0.05]")
+    return load(str(folder / "s.toml"), ["robots[0].radius=0.04"])
+
+
 def written(folder: Path, goal: str) -> str:
     drawn(folder, ROOM)
     (folder / "s.toml").write_text(ON_MAP % goal)
@@ -219,6 +228,19 @@ def test_walls_are_obstacles_in_a_workspace_beyond_them(tmp_path: Path) -> None:
     assert scenario.workspace.shape.box == ((-1.0, -1.0), (2.0, 2.0))
     for x, y in ((0.05, 0.3), (0.95, 0.3), (0.5, 0.05), (0.5, 0.55)):
         assert min(shape.distance(x, y) for shape in scenario.shapes.values()) <= 0.0
+
+
+def test_the_part_of_a_map_outside_of_the_workspace_is_ignored(tmp_path: Path) -> None:
+    half = "workspace.points=[[0.0, 0.0], [0.39, 0.0], [0.39, 0.6], [0.0, 0.6]]"
+    scenario = load(written(tmp_path, "[0.2, 0.4]"), [half])
+    assert scenario.obstacles
+    assert all(shape.box[0][0] < 0.39 for shape in scenario.shapes.values())
+
+
+def test_a_place_deep_inside_a_wall_is_one_of_an_obstacle(tmp_path: Path) -> None:
+    rows = ["." * 30, *["." * 5 + "#" * 20 + "." * 5] * 20, "." * 30]
+    scenario = on_map(tmp_path, rows)
+    assert min(shape.distance(1.5, 1.1) for shape in scenario.shapes.values()) <= -0.5
 
 
 @pytest.mark.parametrize(
