@@ -96,12 +96,15 @@ def _followed(scenario: Scenario, count: int, hosts: Hosts, told: Iterator[dict[
         elif tick >= end and last is None:
             last = tick, hosts.sent()
         report = each.get("report")
-        if isinstance(report, dict) and first is not None and last is not None:
+        if not isinstance(report, dict):
+            continue
+        if first is not None and last is not None:
             sent = {host: last[1][host] - first[1][host] for host in last[1]}
             interest: Interest = "near" if scenario.hears_near else "all"
             robots, ticks = len(scenario.robots), last[0] - first[0]
             return Row(robots, count, interest, ticks, sent, str(report["trajectory_sha256"]))
-    raise RuntimeError("the run ended before its time")
+        raise RuntimeError(f"the run ended before its time: {report['verdict']}, {report['reason']}")
+    raise RuntimeError("no report of the run")
 
 
 def main() -> None:

@@ -21,6 +21,7 @@ from protocol.scenario.model import Scenario
 
 _PORT = 7447
 _START = 60.0  # s
+_EACH = 5.0  # s, for each robot, whose hosts start one after another while the world waits
 _HERE = "tests.system.hosts.testbed"
 
 
@@ -103,7 +104,7 @@ class Hosts:
             own, before = (self._router(host),), tuple(map(self._router, range(1, host)))
             here = Connection(connect=own, timeout=_START)
             rows = [table.router(Connection("router", before, own), host=str(host))]
-            rows += [table.world(here, run, scenario, lockstep)] * (host == 1)
+            rows += [table.world(here, run, scenario, lockstep, _START + _EACH * len(homes))] * (host == 1)
             rows += [table.robot(here, run, robot) for robot in scenario.ids if homes[robot] == host]
             path = self._log.with_suffix(f".{host}")
             path.write_bytes(pickle.dumps(rows))
