@@ -52,7 +52,7 @@ class Clearances:
         clear = np.minimum(self.reach, -distances(room, xs[None, :], ys[:, None]))
         disks = np.array([(each.around.x, each.around.y, each.around.radius) for each in shapes])
         self._x, self._y, radii = disks.reshape(-1, 3).T
-        self._shapes, self._reaches = list(shapes), (self.reach + radii) ** 2
+        self._shapes, self._reaches = list(shapes), self.reach + radii
         for shape in shapes:
             (x0, y0), (x1, y1) = shape.box
             i, j = np.searchsorted(xs, (x0 - self.reach, x1 + self.reach)).tolist()
@@ -62,9 +62,9 @@ class Clearances:
         clear[[0, -1], :] = clear[:, [0, -1]] = -self.step  # a rim, so that all others have 8 neighbours
         self.clear: list[float] = clear.ravel().tolist()
 
-    def near(self, x: float, y: float) -> list[Shape]:
-        """Obstacles whose surrounding disks are within `reach` of (x, y)."""
-        near = np.flatnonzero((self._x - x) ** 2 + (self._y - y) ** 2 <= self._reaches)
+    def near(self, x: float, y: float, more: float) -> list[Shape]:
+        """Obstacles whose surrounding disks are within `reach` + `more` of (x, y)."""
+        near = np.flatnonzero((self._x - x) ** 2 + (self._y - y) ** 2 <= (self._reaches + more) ** 2)
         return [self._shapes[index] for index in near.tolist()]
 
     def index(self, x: float, y: float) -> int:
