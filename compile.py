@@ -15,7 +15,7 @@ from setuptools import setup
 from setuptools._distutils import ccompiler
 
 FOLDERS = ("protocol/bodies", "protocol/bus", "protocol/kernel", "agents")
-FILES = ("protocol/codec.py", "protocol/geometry.py", "protocol/line.py")
+FILES = tuple(f"protocol/{name}.py" for name in ("codec", "crowd", "geometry", "line", "region"))
 LEFT_OUT = ("agents/bases", "agents/parts")  # not what every message passes
 _PROCESS = "process.py"  # run by `python -m`, which takes sources only
 

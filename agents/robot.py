@@ -73,6 +73,7 @@ class Robot:
         self._law = GuardedLaw(scenario, robot)
         self._mover = PartCarrier(scenario, robot) if scenario.parts else None
         self._reports = scenario.is_external
+        self._period = period(scenario) if scenario.hears_near else 0  # ticks, of summaries
         self._desired = self._moved = STILL
         self._blind = True  # whether the displacement of the last tick is unknown
         self._halted = self.stopped = False  # an emergency stop is in force
@@ -123,7 +124,7 @@ class Robot:
     def _follow(self, roster: Roster) -> None:
         first = self._roster.version == 0
         news = self._roster.update(roster)
-        self.hearing.neighbours.members = self._roster.members
+        self.hearing.neighbours.lives = self._roster.lives
         for member in news:
             self.hearing.neighbours.on_member(member)
         own = self._roster.members.get(self.robot)
@@ -198,14 +199,8 @@ class Robot:
         return rate * dx, rate * dy
 
     def _view(self, position: Vector) -> View:
-        return View(
-            tick=self.tick,
-            position=position,
-            goal=self.goal,
-            displacement=self._moved,
-            neighbours=self.hearing.neighbours,
-            obstacles=self._roster.shapes,
-        )
+        neighbours, obstacles = self.hearing.neighbours, self._roster.shapes
+        return View(self.tick, position, self.goal, self._moved, neighbours, obstacles)
 
     def _report(self) -> Report | None:
         """The position as the tick began; None in a tick without odometry."""
@@ -219,7 +214,7 @@ class Robot:
     def _summed_up(self) -> float | None:
         """The norm of the own slice for the summary of the next tick, if there is one."""
         position = self._estimate.position
-        if position is None or not self._scenario.hears_near or (self.tick + 1) % period(self._scenario):
+        if position is None or not self._period or (self.tick + 1) % self._period:
             return None
         return self._law.slice_norm(position, self.goal)
 

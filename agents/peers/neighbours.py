@@ -7,7 +7,7 @@ next Tick.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from typing import Final
 
 from agents.peers.far import NOTHING, Arrivals, FarPicture, places_of
@@ -28,20 +28,20 @@ class Neighbours:
         hears_all: whether this robot receives the States of all peers, not of near ones only.
 
     Attributes:
-        members: entries of the newest roster, by id; shared, not modified.
+        lives: of the newest roster (`KnownRoster`); shared, not modified.
         standing: roster entries of disks that are static or appearing, by id.
         picture: the newest summary of all positions, if there is any.
         far: terms in the slice of the peers whose States are not received.
         radii: newest known, m, by id.
     """
 
-    def __init__(self, radii: Mapping[int, float], *, hears_all: bool = True) -> None:
+    def __init__(self, radii: dict[int, float], *, hears_all: bool = True) -> None:
         self.standing: dict[int, Member] = {}
         self.picture: FarPicture | None = None
         self.far = NOTHING
         self.radii = radii
         self._hears_all = hears_all
-        self.members: Mapping[int, Member] = {}
+        self.lives: dict[int, int] = {}  # not Mapping, nor are `radii`: compiled, looked up thrice as fast
         self._states: dict[int, PeerState | None] = {}
 
     def state(self, peer: int) -> PeerState | None:
@@ -50,12 +50,16 @@ class Neighbours:
 
     def on_state(self, state: PeerState, tick: int) -> bool:
         """Accept a peer's State if it is newer, and of the present life; returns whether it is."""
-        member = self.members.get(state.robot)
-        if member is not None and (member.incarnation != state.incarnation or member.status != "live"):
+        life = self.lives.get(state.robot)
+        if life is not None and life != state.incarnation:
             return False
-        if not state.follow(self._states.get(state.robot), tick):
+        before = self._states.get(state.robot)
+        if not state.follow(before, tick):
             return False
-        self._keep(state.robot, state)
+        if before is None:
+            self._keep(state.robot, state)
+        else:
+            self._states[state.robot] = state
         if self.standing:
             self.standing.pop(state.robot, None)
         return True
@@ -77,10 +81,7 @@ class Neighbours:
 
     def _keep(self, robot: int, state: PeerState | None) -> None:
         """Keep peers in the order of their ids, on which sums depend in the last bit."""
-        if robot in self._states:
-            self._states[robot] = state
-        else:
-            self._states = dict(sorted({**self._states, robot: state}.items()))
+        self._states = dict(sorted({**self._states, robot: state}.items()))
 
     def attend(self, heard: Iterable[int]) -> None:
         """Keep the States of these peers and of static disks, and drop the others."""

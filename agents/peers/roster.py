@@ -12,9 +12,10 @@ from protocol.scenario.model import RobotSpec
 
 
 @keeps_newest
-def _by_id(members: tuple[Member, ...]) -> Mapping[int, Member]:
-    """Members by id. Immutable: robots of one process share them."""
-    return {each.robot: each for each in members}
+def _by_id(members: tuple[Member, ...]) -> tuple[dict[int, Member], dict[int, int]]:
+    """Members, and incarnations of live ones, by id. Immutable: robots of one process share them."""
+    lives = {each.robot: each.incarnation if each.status == "live" else -1 for each in members}
+    return {each.robot: each for each in members}, lives
 
 
 @final
@@ -27,6 +28,7 @@ class KnownRoster:
     Attributes:
         version: 0 before the first.
         members: its entries, by id, in its order.
+        lives: incarnation of each live robot, by id; -1 if the disk is not live.
         obstacles: its added and removed obstacles.
         parts: the place of each part.
         shapes: of all obstacles that are present or appearing.
@@ -38,7 +40,8 @@ class KnownRoster:
         self.obstacles: tuple[PlacedObstacle, ...] = ()
         self.parts: tuple[PartPlace, ...] = ()
         self._robot, self._listed = robot, listed
-        self.members: Mapping[int, Member] = {}
+        self.members: dict[int, Member] = {}
+        self.lives: dict[int, int] = {}
         self.numbered = listed
         self.shapes = tuple(listed.values())
 
@@ -46,7 +49,8 @@ class KnownRoster:
         """Adopt a roster if it is newer; returns the entries of peers that changed, by id."""
         if roster.version <= self.version:
             return []
-        before, self.members = self.members, _by_id(roster.members)
+        before = self.members
+        self.members, self.lives = _by_id(roster.members)
         if roster.obstacles != self.obstacles:
             shapes = dict(self._listed)
             for obstacle in roster.obstacles:
@@ -71,6 +75,6 @@ def has_ended(roster: Roster, robot: int, incarnation: int) -> bool:
 
 
 @keeps_newest
-def radii_of(robots: tuple[RobotSpec, ...]) -> Mapping[int, float]:
+def radii_of(robots: tuple[RobotSpec, ...]) -> dict[int, float]:
     """Radii of the robots of a fleet, m, by id. Immutable: robots of one process share them."""
     return {robot.id: robot.radius for robot in robots}

@@ -15,7 +15,7 @@ def standing(robot: int, place: Vector, radius: float = 0.1) -> Member:
 
 def tell(known: Neighbours, member: Member) -> None:
     """What a newer roster says of a peer."""
-    known.members = {**known.members, member.robot: member}
+    known.lives = {**known.lives, member.robot: member.incarnation if member.status == "live" else -1}
     known.on_member(member)
 
 
