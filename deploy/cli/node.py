@@ -181,20 +181,13 @@ def router(
 
 
 @app.command(hidden=True)
-def host(
-    run: Annotated[str, typer.Option(help="Name of the run, for `ps`.")] = "",
-    facts: Annotated[
-        tuple[str, int] | None,
-        typer.Option(help="Only print facts about this host, whose router listens here."),
-    ] = None,
-) -> None:
+def host(run: Annotated[str, typer.Option(help="Name of the run, for `ps`.")] = "") -> None:
     """Start processes for a launcher on another host, over standard input and output."""
     from deploy.processes.spawn import environment
 
     # A fresh interpreter, so that forked processes are without the libraries of this command line.
     # -P: without the working directory.
-    arguments = [run] if facts is None else ["--facts", *map(str, facts)]
-    call = [sys.executable, "-P", "-m", "deploy.processes.hosts.remote", *arguments]
+    call = [sys.executable, "-P", "-m", "deploy.processes.hosts.remote", run]
     os.execve(sys.executable, call, environment())
 
 

@@ -12,8 +12,12 @@ import ctypes
 import gc
 import importlib
 import os
+import platform
+import shutil
 import signal
+import socket
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -27,6 +31,8 @@ from typing import Any, NoReturn
 
 from deploy.processes.spawn import (
     Exited,
+    Facts,
+    Look,
     News,
     Process,
     ProcessReport,
@@ -192,6 +198,7 @@ class _Server:
         self._begin_log = begin_log
         self._store, self._patience = store, patience
         self._heard = time.monotonic()
+        self._listener: socket.socket | None = None  # on the router's port
         self._lives: dict[int, int] = {}  # pid -> process number, of processes not yet waited for
         self._reports: dict[int, tuple[int, Channel[str, str]]] = {}  # descriptor -> process number, pipe
         self._lifeline, self._held = os.pipe()  # forks read its end of file when this process is gone
@@ -231,12 +238,29 @@ class _Server:
         self._heard = time.monotonic()
         if isinstance(request, Start):
             self._fork(request)
+        elif isinstance(request, Look):
+            self._tell(self._facts(request))
         elif isinstance(request, Store) and self._store is not None:
             self._store(request)
         elif isinstance(request, Signal):
             for pid, life in self._lives.items():
                 if life == request.life:
                     os.kill(pid, request.number)
+
+    def _facts(self, look: Look) -> Facts:
+        """Facts about this host; from the first request on it listens on the router's port."""
+        import agents.robot
+
+        why = ""
+        if self._listener is None:
+            family = socket.AF_INET6 if ":" in look.listen else socket.AF_INET
+            try:
+                self._listener = socket.create_server((look.listen, look.port), family=family)
+            except OSError as error:
+                why = str(error)
+        compiled = not (agents.robot.__file__ or "").endswith(".py")
+        free = shutil.disk_usage(tempfile.gettempdir()).free
+        return Facts(0, platform.python_version(), compiled, free, why, time.monotonic())
 
     def _fork(self, start: Start) -> None:
         reading, writing = os.pipe() if start.process.reports else (None, None)

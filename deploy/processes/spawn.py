@@ -14,6 +14,7 @@ import os
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count
@@ -94,6 +95,13 @@ class Beat(NamedTuple):
     """Request: heartbeat of the supervisor."""
 
 
+class Look(NamedTuple):
+    """Request: tell facts about this host, whose router is to listen on this address and port."""
+
+    listen: str
+    port: int
+
+
 class _News(msgspec.Struct, frozen=True, tag=True, array_like=True, forbid_unknown_fields=True):
     """Base of the fork server's messages; `life` is the number of the process."""
 
@@ -121,8 +129,18 @@ class Exited(_News, frozen=True):
     why: str = ""  # reason, if the exit code does not tell it
 
 
-Request = Start | Signal | Store | Beat
-News = Started | ProcessReport | Exited
+class Facts(_News, frozen=True):
+    """News: facts about the host; of no process."""
+
+    python: str
+    compiled: bool
+    free: Annotated[int, Meta(ge=0)]  # bytes, where a run's files go
+    port: str  # error on listening on the router's port; empty if there is none
+    now: Annotated[float, Meta(ge=0, le=1e12)]  # s, monotonic
+
+
+Request = Start | Signal | Store | Beat | Look
+News = Started | ProcessReport | Exited | Facts
 
 MAX_NEWS = 1 << 23  # bytes; twice the largest result
 
@@ -217,6 +235,16 @@ class Spawner:
                 timeout = 0.0
         except (EOFError, ConnectionError):
             raise self._gone() from None
+
+    def look(self, listen: str, port: int, timeout: float) -> Facts:
+        """Facts about the host, while no process runs; raises ProcessError after `timeout` s."""
+        self._send(Look(listen, port))
+        deadline = time.monotonic() + timeout
+        while (remaining := deadline - time.monotonic()) > 0.0:
+            for news in self.news(remaining):
+                if isinstance(news, Facts):
+                    return news
+        raise ProcessError(f"no answer within {timeout:g} s")
 
     def fileno(self) -> int:
         """Descriptor that is readable when there are messages."""

@@ -184,6 +184,10 @@ def ssh_command(host: Host, there: str) -> list[str]:
     return ["ssh", "-T", *host.options, *options, "--", host.ssh, there]
 
 
+class OtherVersionError(ProcessError):
+    """A host has another version of this software."""
+
+
 class SshSpawner(Spawner):
     """The fork server on another host. The constructor does not wait for it; `greet` does.
 
@@ -215,7 +219,7 @@ class SshSpawner(Spawner):
             if words[:1] != [GREETING]:
                 self._relay.take(line.encode())  # printed by the shell at login
             elif len(words) != 3 or words[1] != code_digest(SOFTWARE):
-                raise ProcessError(
+                raise OtherVersionError(
                     f"host {self.host.name}: its {self.host.command} is not the same version as this one; "
                     f"a fleet needs the same on every host"
                 )

@@ -13,11 +13,10 @@ from deploy.cli.setup import hosts as command
 from deploy.processes.hosts import prepare
 from deploy.processes.hosts.prepare import check
 from deploy.processes.hosts.table import Host
+from deploy.software import Finding
 from tests.deploy.processes.ports import free_ports
 from tests.forks import Forks
 from tests.system.hosts.testbed.ssh_server import needs_sshd, ssh_server
-
-HERE = Host("here", "127.0.0.1")
 
 
 @pytest.fixture(scope="module")
@@ -51,29 +50,23 @@ def test_a_host_that_is_not(far: Host) -> None:
         assert levels(replace(far, port=port))["router port"] == "bad"
     assert levels(replace(far, command="/nowhere/disknav")) == {"reach": "bad"}
     assert levels(replace(far, ssh="nobody-at-all@127.0.0.1")) == {"reach": "bad"}
-    other = 'echo \'{"code": "0", "python": "3", "compiled": true, "free": 1, "port": ""}\'; cat #'
-    assert levels(replace(far, command=other)) == {"reach": "bad"}  # it does not report its time
+    other = "echo disknav-host 0 /tmp; cat #"
+    assert levels(replace(far, command=other)) == {"version": "bad"}
 
 
-def test_a_host_that_goes_on_for_ever_is_given_up(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    slow = tmp_path / "slow"
-    slow.write_text("#!/bin/sh\nwhile :; do echo; sleep 0.1; done\n")
-    slow.chmod(0o700)
-    monkeypatch.setattr(prepare, "_PATIENCE", 0.5)
-    monkeypatch.setattr(prepare.sys, "executable", str(slow))
-    (found,) = check(HERE)
-    assert (found.what, found.level, found.text) == ("reach", "bad", "no answer within 0.5 s")
+@pytest.mark.process
+@needs_sshd
+def test_a_host_that_goes_on_for_ever_is_given_up(monkeypatch: pytest.MonkeyPatch, far: Host) -> None:
+    monkeypatch.setattr(prepare, "_PATIENCE", 2.0)
+    (found,) = check(replace(far, command="while :; do echo; sleep 0.1; done #"))
+    assert (found.what, found.level, found.text) == ("reach", "bad", "host far did not answer in time")
 
 
 def test_what_a_host_says_cannot_steer_the_terminal(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    lie = '{"code": "0", "python": "3", "compiled": true, "free": 1, "port": "[/red] \\u001b[2J"}'
-    liar = tmp_path / "liar"
-    liar.write_text(f"#!/bin/sh\necho '{lie}'\nwhile read -r line; do echo 1.0; done\n")
-    liar.chmod(0o700)
-    monkeypatch.setattr(prepare.sys, "executable", str(liar))
-    monkeypatch.setattr(prepare, "_SPAN", 0.01)
+    lie = Finding("router port", "bad", "[/red] \x1b[2J")
+    monkeypatch.setattr(prepare, "check", lambda _: [lie])
     table = tmp_path / "hosts.toml"
     table.write_text('[[hosts]]\nname = "here"\naddress = "127.0.0.1"\nrobots = [1]\n')
     with pytest.raises(typer.Exit):
