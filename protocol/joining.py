@@ -20,9 +20,10 @@ from typing import Annotated, NamedTuple
 import msgspec
 from msgspec import Meta
 
+from protocol.bus.bus import Bus
 from protocol.codec import DAMAGED, keeps_newest
-from protocol.errors import MessageError
-from protocol.keys import SESSION, STREAMS
+from protocol.errors import BusError, MessageError
+from protocol.keys import SESSION, STREAMS, world_key
 from protocol.messages import Count, Epoch, GoalStatus, Health, Id, Size
 from protocol.scenario.model import Scenario
 
@@ -122,3 +123,12 @@ def decode_reply(payload: bytes) -> Reply:
         return _reply.decode(payload)
     except DAMAGED as error:
         raise MessageError("shape", f"reply to a join request: {error}") from None
+
+
+def overview(bus: Bus, run: str, timeout: float) -> Overview | None:
+    """The overview of a run's world; None without a valid answer within `timeout` s."""
+    try:
+        reply = decode_reply(bus.ask(world_key(run, "scenario"), b"", timeout)[0])
+    except (BusError, MessageError):
+        return None
+    return reply if isinstance(reply, Overview) else None

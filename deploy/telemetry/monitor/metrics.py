@@ -36,9 +36,7 @@ class FleetCollector(Collector):
         self._source = source
 
     def collect(self) -> Iterator[Metric]:
-        found: list[Metric] = []
-        self._source.change(lambda view, now: found.extend([*_fleet(view), *_robots(view, now)]))
-        yield from found
+        yield from self._source.change(lambda view, now: [*_fleet(view), *_robots(view, now)])
 
 
 def _fleet(view: FleetView) -> Iterator[Metric]:

@@ -7,7 +7,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from concurrent.futures import Future
-from typing import Any
+from typing import Any, TypeVar
 
 from deploy.telemetry.monitor.live import ALARMS, FleetView, RobotView
 from protocol.geometry import Disk, Shape
@@ -15,6 +15,7 @@ from protocol.messages import PlacedObstacle, Truth
 from protocol.operations import Outcome, Steer
 from protocol.scenario.model import Operation
 
+T = TypeVar("T")
 _SAMPLES = 8  # past samples in a snapshot
 
 
@@ -121,10 +122,10 @@ class Source:
         with self._lock:
             return snapshot(self._view, self._clock(), since)
 
-    def change(self, what: Callable[[FleetView, float], None]) -> None:
-        """Call `what` with the view and the present time, under the lock."""
+    def change(self, what: Callable[[FleetView, float], T]) -> T:
+        """Result of `what`, called with the view and the present time, under the lock."""
         with self._lock:
-            what(self._view, self._clock())
+            return what(self._view, self._clock())
 
 
 class Steerable(Source, ABC):

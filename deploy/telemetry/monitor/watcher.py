@@ -15,15 +15,14 @@ import msgspec
 
 from deploy.telemetry.monitor.live import FleetView
 from deploy.telemetry.monitor.snapshot import Steerable
-from protocol import joining
 from protocol.bus.bus import Bus, Event, Presence, Sample
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.errors import BusError, KeyGrammarError, MessageError
-from protocol.joining import Overview
+from protocol.joining import overview
 from protocol.keys import checked_run, every_robot, parse, robot_tokens, world_key, world_tokens
-from protocol.messages import AnyMessage, Message
+from protocol.messages import Message
 from protocol.operations import Outcome, Reply, Steer, Steering, decode_reply
 from protocol.scenario.model import Operation, Scenario
 
@@ -124,25 +123,15 @@ class Watcher(Steerable):
         except MessageError as error:
             self.rejected[error.reason] += 1
             return
-        if self._known and self._is_news(message):
+        if self._known and self.change(lambda view, _: view.is_news(message)):
             self._learn()
         self.change(lambda view, now: view.on_message(message, now))
         if self._known and self._listener is not None:
             self._listener.hear(message)
 
-    def _is_news(self, message: AnyMessage) -> bool:
-        news = False
-
-        def look(view: FleetView, _: float) -> None:
-            nonlocal news
-            news = view.is_news(message)
-
-        self.change(look)
-        return news
-
     def _learn(self) -> None:
         """Query the scenario; without an answer a later `wake` repeats it."""
-        reply = self._present()
+        reply = overview(self._bus, self._run, _ASK_TIMEOUT)
         self._known = reply is not None
         if reply is not None:
             self.change(lambda view, _: view.begin(reply.scenario, reply.lockstep, reply.goals))
@@ -153,23 +142,13 @@ class Watcher(Steerable):
             self._ask_for(Steer())  # changes nothing; the answer has the settings in force
 
     def _meet(self) -> None:
-        reply = self._present()
+        reply = overview(self._bus, self._run, _ASK_TIMEOUT)
         if reply is None:
             self._known = False
             return
         self.change(lambda view, _: view.meet(reply.scenario, reply.goals))
         if self._listener is not None:
             self._listener.meet(reply.scenario)
-
-    def _present(self) -> Overview | None:
-        """Query the world's overview; None without an answer."""
-        try:
-            reply = joining.decode_reply(
-                self._bus.ask(world_key(self._run, "scenario"), b"", _ASK_TIMEOUT)[0]
-            )
-        except (BusError, MessageError):
-            return None
-        return reply if isinstance(reply, Overview) else None
 
     def _pass_on(self) -> None:
         while True:

@@ -43,53 +43,32 @@ class FrameStream:
     """Takes at most one snapshot per `FRAME_PERIOD` for all viewers together, and none without viewers.
 
     A viewer that cannot keep up misses frames; no frames are queued for it.
+
+    Attributes:
+        due: time of the next frame, s, monotonic.
     """
 
     def __init__(self, source: Source) -> None:
         self._source = source
-        self._frame = b""
-        self._number = 0
-        self._epoch = -1
-        self._fresh = asyncio.Condition()
-        self._viewers = 0
-        self._looking: asyncio.Task[None] | None = None
-
-    def enter(self) -> None:
-        """Add a viewer."""
-        self._viewers += 1
-        if self._looking is None:
-            self._looking = asyncio.create_task(self._look())
-
-    def leave(self) -> None:
-        """Remove a viewer."""
-        self._viewers -= 1
+        self._newest = 0, -1, b""
+        self._since = -1
+        self.due = 0.0
 
     def overview(self) -> tuple[int, bytes]:
         """Epoch and overview for a new viewer."""
         overview = self._source.overview()
         return overview["epoch"], msgspec.json.encode(overview)
 
-    async def after(self, number: int) -> tuple[int, int, bytes]:
-        """Wait for a frame newer than `number`; returns its number, epoch and text."""
-        async with self._fresh:
-            await self._fresh.wait_for(lambda: self._number > number)
-            return self._number, self._epoch, self._frame
-
-    async def _look(self) -> None:
-        since, due = -1, time.monotonic()
-        while self._viewers:
-            frame = self._source.snapshot(since)
-            if frame["epoch"] != self._epoch:
-                since = -1
-            if frame["samples"]:
-                since = frame["samples"][-1][0]
-            async with self._fresh:
-                self._number, self._epoch = self._number + 1, frame["epoch"]
-                self._frame = msgspec.json.encode(frame)
-                self._fresh.notify_all()
-            due = max(due + FRAME_PERIOD, time.monotonic() + _REST)
-            await asyncio.sleep(due - time.monotonic())
-        self._looking = None
+    def newest(self) -> tuple[int, int, bytes]:
+        """Number, epoch and text of the newest frame, which is taken now if it is due."""
+        if (now := time.monotonic()) >= self.due:
+            frame = self._source.snapshot(self._since)
+            number, epoch, _ = self._newest
+            samples = frame["samples"]
+            self._since = samples[-1][0] if samples else self._since if frame["epoch"] == epoch else -1
+            self._newest = number + 1, frame["epoch"], msgspec.json.encode(frame)
+            self.due = max(now + FRAME_PERIOD, time.monotonic() + _REST)
+        return self._newest
 
 
 PAGE = Path(__file__).parent / "page"
@@ -133,7 +112,6 @@ def application(source: Steerable, hosts: list[str], token: str) -> Starlette:
         await socket.accept()
         may_steer = _knows(socket, token)
         await _tell(socket, "welcome", may_steer=may_steer)
-        stream.enter()
         try:
             async with asyncio.TaskGroup() as tasks:
                 sending = tasks.create_task(_send(socket, stream))
@@ -141,8 +119,6 @@ def application(source: Steerable, hosts: list[str], token: str) -> Starlette:
                 sending.cancel()
         except* WebSocketDisconnect:
             pass
-        finally:
-            stream.leave()
 
     return Starlette(
         routes=[
@@ -164,14 +140,16 @@ def _knows(socket: WebSocket, token: str) -> bool:
 
 
 async def _send(socket: WebSocket, stream: FrameStream) -> None:
-    number, known = 0, -1
+    last, known = 0, -1
     while True:
-        number, epoch, frame = await stream.after(number)
-        if epoch != known:
+        number, epoch, frame = stream.newest()
+        if number > last and epoch != known:
             known, overview = stream.overview()
             await socket.send_text(overview.decode())
-        if epoch == known:  # otherwise the frame has an earlier set of robots
+        if number > last and epoch == known:  # otherwise the frame has an earlier set of robots
             await socket.send_text(frame.decode())
+        last = number
+        await asyncio.sleep(max(_REST, stream.due - time.monotonic()))
 
 
 async def _listen(socket: WebSocket, source: Steerable, tasks: asyncio.TaskGroup, *, may_steer: bool) -> None:

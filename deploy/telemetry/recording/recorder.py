@@ -13,16 +13,15 @@ from math import inf
 from pathlib import Path
 
 from deploy.telemetry.recording.writer import RecordingWriter, Rotation, next_free
-from protocol import joining
 from protocol.bus.bus import Bus, Event, Presence, Sample, follow
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.errors import BusError, MessageError
+from protocol.joining import overview
 from protocol.keys import checked_run, everything, robot_key, world_key, world_tokens
 from protocol.messages import Result
 from protocol.process.signals import STOP
-from protocol.scenario.model import Scenario
 
 PATIENCE = 30.0  # s to wait for the world
 _BATCH = 512  # buffered messages
@@ -134,26 +133,17 @@ class Recorder:
             self._begin(time.monotonic())
 
     def _begin(self, now: float) -> None:
-        scenario = self._scenario() if self._worlds else None
-        if scenario is None:
+        reply = overview(self._bus, self._run, _ASK_TIMEOUT) if self._worlds else None
+        if reply is None:
             if now >= self._overdue:
                 lacking = "the world does not send its scenario" if self._worlds else "no world to record"
                 raise BusError(f"run {self._run!r}: {lacking} within {self._patience:g} s")
             self.deadline = min(self._overdue, now + _ASK_AGAIN) if self._worlds else self._overdue
             return
-        self._bus.expect(_every_tick(self._run, scenario.ids))
-        self._file.begin(self._run, scenario)
+        self._bus.expect(_every_tick(self._run, reply.scenario.ids))
+        self._file.begin(self._run, reply.scenario)
         self._ready = True
         self.deadline = time.monotonic()
-
-    def _scenario(self) -> Scenario | None:
-        try:
-            reply = joining.decode_reply(
-                self._bus.ask(world_key(self._run, "scenario"), b"", _ASK_TIMEOUT)[0]
-            )
-        except (BusError, MessageError):
-            return None
-        return reply.scenario if isinstance(reply, joining.Overview) else None
 
     def _on_result(self, sample: Sample) -> None:
         try:
