@@ -10,12 +10,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil
 from pathlib import Path
-from shutil import rmtree
 from string import Template
-from tempfile import mkdtemp
 from typing import Literal
 
 import deploy
+from deploy.output import whole_folder
 from deploy.run.options import Mode
 from deploy.security.roster import ROSTER, ROUTER, WORLD, KeyRoster, robot_role
 from protocol.bus.connection import AUTHORITY, certificate_file, key_file
@@ -111,7 +110,7 @@ def compose(plan: Plan) -> dict[str, str]:
         _filled(
             "compose-robot.yaml",
             role=role,
-            command=_contained("compose", plan, role),
+            command=json.dumps(_member("compose", plan, role)),
             keys=_mounted(plan, role),
         )
         for role in plan.robots
@@ -125,7 +124,7 @@ def compose(plan: Plan) -> dict[str, str]:
         wait=f"{plan.wait:.0f}",
         router=json.dumps(listen(f"tls/0.0.0.0:{PORT}", KEYS_INSIDE)),
         router_keys=_mounted(plan, ROUTER),
-        world=_contained("compose", plan, WORLD),
+        world=json.dumps(_member("compose", plan, WORLD)),
         world_keys=_mounted(plan, WORLD),
         scenario_inside=f"{_CONFIG_INSIDE}/{SCENARIO}",
         robots="".join(robots),
@@ -242,10 +241,6 @@ def _member(orchestrator: str, plan: Plan, role: str) -> list[str]:
     return [*command, "--alive", _ALIVE]
 
 
-def _contained(orchestrator: str, plan: Plan, role: str) -> str:
-    return json.dumps(_member(orchestrator, plan, role))
-
-
 def _mounted(plan: Plan, role: str) -> str:
     """Compose: keys of one role as a YAML list."""
     return json.dumps([{"source": name, "target": f"{KEYS_INSIDE}/{name}"} for name in plan.files(role)])
@@ -273,18 +268,12 @@ def write(folder: Path, orchestrator: Orchestrator, plan: Plan, days: float = 30
         raise UsageError(f"{folder} exists and is not empty: name another folder")
     from deploy.security.keystore import create
 
-    folder.parent.mkdir(parents=True, exist_ok=True)
-    fresh = Path(mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))  # mode 0700
-    try:
+    with whole_folder(folder) as fresh:
         create(fresh / KEYS, plan.roster, hosts=(router_host(orchestrator, plan),), days=days)
         for name, text in _files(orchestrator, plan, fresh / KEYS).items():
             path = fresh / name
             path.touch(mode=0o600 if name == SECRET else 0o644)
             path.write_text(text, encoding="utf-8")
-        fresh.rename(folder)
-    except BaseException:
-        rmtree(fresh, ignore_errors=True)
-        raise
 
 
 def _files(orchestrator: Orchestrator, plan: Plan, keys: Path) -> Mapping[str, str]:

@@ -8,7 +8,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from tempfile import TemporaryFile
+from shutil import rmtree
+from tempfile import TemporaryFile, mkdtemp
 
 from protocol.errors import UsageError
 from protocol.process.signals import STOP
@@ -46,6 +47,21 @@ def writing(target: Path, what: str) -> Iterator[None]:
             with suppress(OSError):
                 target.unlink(missing_ok=True)
         raise UsageError(f"cannot {what} to {target}: {error.strerror or error}") from error
+
+
+@contextmanager
+def whole_folder(target: Path) -> Iterator[Path]:
+    """A fresh folder (mode 0700) that becomes `target`, in place of an earlier one; none after an error."""
+    target.parent.mkdir(parents=True, exist_ok=True)
+    fresh = Path(mkdtemp(prefix=f".{target.name}-", dir=target.parent))
+    try:
+        yield fresh
+        if target.exists():
+            rmtree(target)
+        fresh.rename(target)
+    except BaseException:
+        rmtree(fresh, ignore_errors=True)
+        raise
 
 
 _STANDARD_OUTPUT = "-"

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import datetime
 import os
-import shutil
 from collections.abc import Sequence
 from ipaddress import ip_address
 from pathlib import Path
-from tempfile import mkdtemp
 from typing import NamedTuple
 
+from deploy.output import whole_folder
 from deploy.security.roster import ROSTER, ROUTER, KeyRoster, encoded, router_role
 from protocol.bus.connection import AUTHORITY, Credentials, certificate_file, key_file
 from protocol.errors import CertificateError, UsageError
@@ -161,17 +160,8 @@ def create(
     if not 0.0 < days <= _LONGEST:
         raise UsageError(f"{days:g} days of validity: must be above 0 and at most {_LONGEST:g}")
     _check_replaceable(directory, force)
-    directory.parent.mkdir(parents=True, exist_ok=True)
-    fresh = Path(mkdtemp(prefix=f".{directory.name}-", dir=directory.parent))  # mode 0700
-    try:
-        end = _fill(fresh, roster, hosts, days)
-        if directory.exists():
-            shutil.rmtree(directory)
-        fresh.rename(directory)
-    except BaseException:
-        shutil.rmtree(fresh, ignore_errors=True)
-        raise
-    return end
+    with whole_folder(directory) as fresh:
+        return _fill(fresh, roster, hosts, days)
 
 
 def _check_replaceable(directory: Path, force: bool) -> None:
