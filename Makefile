@@ -24,7 +24,7 @@ define install
 endef
 
 .DEFAULT_GOAL := help
-.PHONY: help setup lock compile site demo test fast check collect campaigns golden bench fuzz proof figures diagrams engines clean
+.PHONY: help setup lock compile sources site demo test fast check collect campaigns golden bench fuzz proof figures diagrams engines clean
 
 help:  ## say what there is
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-9s %s\n", $$1, $$2}' Makefile
@@ -80,13 +80,15 @@ collect: $(READY)  # once: else each process of pytest-xdist rewrites what all t
 fast: $(READY)  ## the part of the suite that takes a minute
 	$(BIN)/python -m pytest -n auto -m 'not slow and not process and not browser and not alone and not campaign'
 
-test: $(READY)  ## lint, types, import contracts, and the whole suite from the sources; ten minutes
+sources:  ## remove what was compiled, so that the sources run
 	@find protocol agents world deploy -name '*.so' -delete; rm -f *__mypyc*.so $(COMPILED)
+
+test: $(READY) sources  ## lint, types, import contracts, and the whole suite from the sources; ten minutes
 	@$(MAKE) --no-print-directory --jobs=2 $(KERNEL) check collect
 	$(BIN)/python -m pytest -n 3 --dist worksteal --durations=20 -m 'not alone and not campaign'  # many wait for real time
 	$(BIN)/python -m pytest --durations=5 -m 'alone and not campaign' $$(grep -rl --include='test_*.py' 'mark\.alone' tests)
 
-campaigns: $(READY)  ## what the suite leaves out: long runs, a thousand examples of each property, planted faults and mutants
+campaigns: $(READY) sources  ## what the suite leaves out: long runs, a thousand examples of each property, planted faults and mutants
 	$(BIN)/python -m pytest -n 2 -m 'campaign and not alone'
 	$(BIN)/python -m pytest -m 'campaign and alone' $$(grep -rl --include='test_*.py' 'mark\.alone' tests)
 	$(BIN)/python -m pytest -n 2 -m 'hypothesis and not campaign' --hypothesis-profile campaign

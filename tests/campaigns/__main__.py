@@ -2,8 +2,9 @@
 
 python -m tests.campaigns                                          (lists them)
 python -m tests.campaigns falsify --runs 20000 --jobs 2 --minutes 10
-python -m tests.campaigns walk --mutants
+python -m tests.campaigns skirmish --mutants
 
+Most change parts of the product, and need its sources alone: `make sources` removes what was compiled.
 --seed N --runs 1 repeats one run. Exit status: 0 no violation, and one for every mutant; 1 otherwise.
 """
 
