@@ -4,10 +4,13 @@ A tick's command becomes several velocities; the last one is held until the next
 patience after the tick, and until the end of the lease: then the robot brakes the base. If this process dies
 instead, the base brakes by its own timeout.
 
-A process that is late by more than half of the latency brakes from the last velocity: as the sweep counts it
-for one that died, or before any velocity of the tick in the sweep of the tick before. If the base may have
-begun to brake by itself, it is to rest: on the same circle, no farther. How far is unknown, so ticks have
-no odometry until the base certainly stands, and the odometry is from after that.
+The sweep counts each velocity as if this process, never late by more than half of the latency, died in any
+instant. So whatever would be published later than that is replaced by rest: the base brakes as after a death
+with the velocity published last, or sooner. A velocity w that is due until e is then executed until e +
+latency at most; or it is published before e, and held until e + latency / 2 + timeout. The steps of braking
+from e on are at most the velocity of an even braking, so one that is the last leads no farther than w held
+until e + latency + timeout, and braking: that is in the sweep. How far a base is that was told to rest is
+unknown until it certainly stands: ticks have no odometry until then, and next that from after it.
 """
 
 from __future__ import annotations
@@ -66,41 +69,43 @@ class Drive:
 
     Attributes:
         told: present velocity for the base.
-        due: time of its next change, s; infinite if there is none.
     """
 
     def __init__(self, body: Body, base: Base, period: float) -> None:
         self.told: Vector = _STILL
-        self.due = math.inf
         self._base, self._kinematics = base, Kinematics(body, period)
-        self._hold, self._grace = body.hold, period + base.patience
+        self._grace = period + base.patience
         self._part = period / self._kinematics.steps
         self._late = base.lateness
-        self._slack = 0.5 * base.latency
-        self._gap = base.timeout / OFTEN + self._slack
         self._rest = self._late.alone + self._late.window + body.speed / body.acceleration
-        self._plan: deque[tuple[float, Vector]] = deque()
+        self._plan: deque[tuple[float, Vector]] = deque()  # velocities of the tick by when they are due
+        self._brakes = -math.inf  # s, when the next step of braking is due
         self._past: deque[tuple[float, Vector]] = deque([(-math.inf, _STILL)])
         self._published = -math.inf  # s
-        self._until = -math.inf  # s, start of braking without a command
         self._unknown = -math.inf  # s, end of unknown motion
 
+    @property
+    def due(self) -> float:
+        """Time of the next publication, s; infinite while the base is to stand."""
+        if self.told == _STILL:
+            return self._plan[0][0] if self._plan else math.inf
+        return min(self._end, self._published + self._base.timeout / OFTEN)
+
     def advance(self, now: float) -> None:
-        """Advance to `now`, when `told` is published; if that is late, brake."""
+        """Advance to `now`, when `told` is published."""
         self._check(now)
         before, self._published = self.told, now
-        if self._plan and self._plan[0][0] < min(self._until, now - self._slack):
-            self._until = now
-            self._plan = deque(self._brake(now, self.told))
         while self._plan and self._plan[0][0] <= now:
             _, self.told = self._plan.popleft()
+        while self.told != _STILL and self._brakes <= now:
+            braked = self._kinematics.coasted(Motion(0.0, *self.told), self._part)
+            self.told, self._brakes = (braked.ahead, braked.aside), self._brakes + self._part
         if self.told != before:
             self._past.append((now, self.told))
-        self.due = self._plan[0][0] if self._plan else math.inf
 
     def motion(self, heading: float, now: float) -> BaseMotion | None:
-        """The motion that follows from the velocities sent, the last of which is held until the command of
-        the new tick; None while it is unknown.
+        """The motion that follows from the velocities sent, the last of which is held for as long as it would
+        be without the new tick; None while it is unknown.
 
         Args:
             heading: in the map, rad.
@@ -109,14 +114,13 @@ class Drive:
         self._check(now)
         if now < self._unknown:
             return None
-        if not self._brakes:
-            self._plan = deque(self._brake(max(now, self._until), self.told))
+        self._brake(self._end)
         while len(self._past) > 1 and self._past[1][0] <= now - self._late.window:
             self._past.popleft()
         before = tuple(each for each, _ in groupby(velocity for _, velocity in self._past))
         if before == (_STILL,):
             return BaseMotion(_STILL, heading, _STILL)
-        hold = min(self._late.alone + max(0.0, self._until - now), self._hold)
+        hold = self._late.alone + max(0.0, self._brakes - now)
         arc = self._kinematics.halt(Motion(heading, *self.told, hold))
         dx, dy = turned(*chord(arc, self._kinematics.turn(arc)), heading)
         return BaseMotion(turned(*self.told, heading), heading, (dx, dy), before)
@@ -134,7 +138,7 @@ class Drive:
         return turn
 
     def command(self, velocity: Vector, heading: float, now: float, until: float) -> None:
-        """Set the velocity of the tick that begins.
+        """Set the velocity of the tick that begins; `advance` comes next.
 
         Args:
             velocity: of the control point in the map, m/s; zero means to brake.
@@ -142,43 +146,34 @@ class Drive:
             now: s.
             until: end of the lease, s.
         """
-        self._check(now)
-        if now < self._unknown or (velocity == _STILL and self._brakes):
+        if now < self._unknown:
+            return
+        if velocity == _STILL or until <= now:
+            self._brake(now if self._end > now + self._part else self._end)  # no sooner if it brakes
             return
         motion = Motion(heading, *self.told)
-        self._until = max(now, min(now + self._grace, until))
-        plan: list[tuple[float, Vector]] = []
-        if velocity != _STILL:
-            ahead, aside = self._kinematics.limited(motion, velocity)
-            arcs = self._kinematics.drive(motion, ahead, aside)
-            plan = [(now + n * self._part, (arc.ahead, arc.aside)) for n, arc in enumerate(arcs)]
-            plan.append((now + len(arcs) * self._part, (ahead, aside)))
-            plan = [step for step in plan if step[0] < self._until]
-        else:
-            self._until = now
-        self._plan = deque([*plan, *self._brake(self._until, plan[-1][1] if plan else self.told)])
-        self.due = self._plan[0][0] if self._plan else math.inf
-
-    def _check(self, now: float) -> None:
-        """Command rest if the base may have begun to brake by itself."""
-        if self.told == _STILL or now - self._published <= self._gap:
-            return
-        self.told, self._until, self._unknown = _STILL, now, now + self._rest
-        self._plan.clear()
-        self._past.append((now, _STILL))
+        ahead, aside = self._kinematics.limited(motion, velocity)
+        arcs = self._kinematics.drive(motion, ahead, aside)
+        steps = [*((arc.ahead, arc.aside) for arc in arcs), (ahead, aside)]
+        self._brake(min(now + self._grace, until))
+        plan = ((now + n * self._part, step) for n, step in enumerate(steps))
+        self._plan.extend(step for step in plan if step[0] < self._brakes)
 
     @property
-    def _brakes(self) -> bool:
-        """Whether it was told to brake: what is left of that is due in time, however many ticks begin."""
-        return self._past[-1][0] >= self._until
+    def _end(self) -> float:
+        """Time until which `told` is due, s."""
+        return self._plan[0][0] if self._plan else self._brakes
 
-    def _brake(self, begin: float, velocity: Vector) -> list[tuple[float, Vector]]:
-        kinematics = self._kinematics
-        steps: list[tuple[float, Vector]] = []
-        coasting = Motion(0.0, *velocity)
-        while not coasting.stands:
-            arc = kinematics.coast(coasting, self._part)
-            share = arc.duration / self._part
-            steps.append((begin + len(steps) * self._part, (share * arc.ahead, share * arc.aside)))
-            coasting = kinematics.coasted(coasting, self._part)
-        return [*steps, (begin + len(steps) * self._part, _STILL)] if steps else []
+    def _brake(self, begin: float) -> None:
+        """Brake from `begin` on, s."""
+        self._brakes = begin
+        self._plan.clear()
+
+    def _check(self, now: float) -> None:
+        """Command rest, unless all that was due until half of the latency ago was published."""
+        if now <= self.due + 0.5 * self._base.latency:
+            return
+        self._plan.clear()
+        if self.told != _STILL:
+            self.told, self._unknown = _STILL, self._published + self._rest
+            self._past.append((now, _STILL))

@@ -107,14 +107,14 @@ class Ros2Base:
         anew, self._senses.anew = self._senses.anew, False
         return anew
 
-    def obey(self, command: Command, now: float) -> None:
-        """Execute the Command of the newest tick; called before it is sent."""
+    def obey(self, command: Command, now: float) -> Iterable[bytes]:
+        """Execute the Command of the newest tick, before it is sent; returns payloads to publish at once."""
         if command.may_move:  # otherwise the coordinator may declare its robot static at once
             self._lease.sent(command.tick, now)
         late = self._senses.is_late(now) or now - self._begun > DECISION
         velocity = _STILL if self._blind or late else command.velocity
         self._drive.command(velocity, self._heading, now, self._lease.until)
-        self.due = now
+        return self._advance(now)
 
     def share(self, shared: bool) -> None:
         """Set whether another process drives this base: then its data is not trusted."""
@@ -126,17 +126,20 @@ class Ros2Base:
         """Discard all odometry and poses so far, after a contradiction."""
         self._senses.doubt(why)
 
-    def stand(self, now: float) -> None:
-        """Brake, outside of a tick."""
+    def stand(self, now: float) -> Iterable[bytes]:
+        """Brake, outside of a tick; returns payloads to publish at once."""
         self._drive.command(_STILL, self._heading, now, now)
-        self.due = now
+        return self._advance(now)
 
     def wake(self, now: float) -> Iterable[bytes]:
         """Payloads to publish by now."""
         self._senses.look(now)
         if not self._senses.sound and self._drive.told != _STILL and not self._blind:
             self._blind = True
-            self.stand(now)
+            return self.stand(now)
+        return self._advance(now)
+
+    def _advance(self, now: float) -> Iterable[bytes]:
         self._drive.advance(now)
         self.due = min(now + self._every, self._drive.due)
         return (self._message(),)

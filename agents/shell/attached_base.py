@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from agents.bases.base import misplaced
@@ -87,12 +87,12 @@ class AttachedBase:
         return sense
 
     def obey(self, command: Command) -> None:
-        """Execute the Command of the newest tick; called before it is sent."""
-        self._base.obey(command, self._clock())
+        """Execute the Command of the newest tick, before it is sent."""
+        self._publish(self._base.obey(command, self._clock()))
 
     def stand(self, core: Robot, *, founded: bool) -> None:
         """Brake at once, outside of a tick. The parameters are those of `wake`."""
-        self._base.stand(self._clock())
+        self._publish(self._base.stand(self._clock()))
         self.wake(core, founded=founded)
 
     def wake(self, core: Robot, *, founded: bool) -> None:
@@ -102,8 +102,7 @@ class AttachedBase:
             core: the robot that it moves.
             founded: whether the run had begun when the robot was admitted: then it starts at its disk.
         """
-        for payload in self._base.wake(self._clock()):
-            self._tell(payload)
+        self._publish(self._base.wake(self._clock()))
         trouble = self._base.note
         if not self.in_place and not trouble:
             known = self._base.place()
@@ -113,3 +112,7 @@ class AttachedBase:
         if trouble != self.trouble:
             self.trouble = trouble
             self._say(f"{trouble}; stands" if trouble else "its base and its localisation are sound")
+
+    def _publish(self, payloads: Iterable[bytes]) -> None:
+        for payload in payloads:
+            self._tell(payload)

@@ -18,7 +18,7 @@ that triangle for at most 1 - u. So the sweep lies in the convex hull of finitel
 above is q(-a). Let u(t) be the velocity due at t, in the body's frame, and W(u) the turning rate that it
 makes: u(t) was told for t < 0, leads evenly from v0 to v1 in the tick, is v1 for the hold time, and then
 brakes. At t the base executes u(g(t)), where t - L <= g(t) <= t is anything: each velocity takes effect
-within the latency L after it is due, half of it for a late process, which later only brakes
+within the latency L after it is due, half of it for a late process, which later commands rest
 (`agents.bases.drive`). Let B be the velocities told since -A - L, v0 among them, and
 
     V = max |b| for b in B,      m = max(|b - v0|, |b - v1|) for b in B,

@@ -107,6 +107,7 @@ FRAMES = ("map_frame", "odometry_frame", "base_frame")
 _CHARACTER = r"(?:[A-Za-z0-9_.-]|\{id\})"
 _NAME = re.compile(rf"/?(?:{_CHARACTER}+(?:/{_CHARACTER}+)*/?)?")
 _Text = Annotated[str, Meta(max_length=200, description="of at most 200 characters")]
+STEP: Final = 0.02  # s, longest step of the velocities for an external base
 DECISION: Final = 0.05  # s from the beginning of a tick to its Command at most, else an external base brakes
 
 
@@ -162,21 +163,20 @@ class Base:
 
     def carries(self, body: Body) -> Body:
         """The body, with the longest hold time of this base."""
-        return replace(body, hold=self.lateness.alone + self.patience)
+        return replace(body, hold=self.lateness.alone + max(self.patience, STEP))
 
     @property
     def lateness(self) -> Lateness:
         """The delays of this base.
 
         A tick begins with odometry of an estimated age of at most `age + latency`. The estimate takes the
-        least delay seen for `delay`; it is between that and `latency`. A velocity may stay the newest one
-        for two decisions: that of a tick that brakes, and that of the next before braking goes on.
+        least delay seen for `delay`; it is between that and `latency`.
         """
         unknown = self.latency - self.delay
         return Lateness(
             self.age + self.latency + unknown,
             self.latency,
-            max(self.timeout, 2.0 * DECISION) + self.latency,
+            self.timeout + self.latency,
             0.5 * (unknown + DECISION),
         )
 

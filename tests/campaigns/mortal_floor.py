@@ -189,7 +189,7 @@ class MortalFloor(Floor):
         if not crew.alive:
             crew.frozen.append(partial(self._rejoin, robot, epoch))
             return
-        crew.base.stand(self.now)
+        self._publish(crew, crew.base.stand(self.now))
         self._join(crew)
 
     def _join(self, crew: Crew) -> bool:
@@ -233,7 +233,7 @@ class MortalFloor(Floor):
         if not core.has_ended(tick) and tick.incarnation <= core.incarnation:
             self._begin(crew, tick)
             return
-        crew.base.stand(self.now)
+        self._publish(crew, crew.base.stand(self.now))
         if epoch == self.epoch and not self._dead:
             self._join(crew)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import heapq
 import math
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import count
@@ -185,17 +185,20 @@ class Floor:
 
     def _wake(self, robot: int) -> None:
         crew = self.crews[robot]
-        table = self.scenario.base_of(robot)
-        assert table is not None
         if crew.alive and self.now >= crew.base.due:
-            for payload in crew.base.wake(self.now):
-                self._later(
-                    self.rng.uniform(0.0, table.latency),
-                    lambda payload=payload: crew.wheels.hear(payload, self.now),
-                )
+            self._publish(crew, crew.base.wake(self.now))
             if crew.base.note != (crew.notes[-1] if crew.notes else None):
                 crew.notes.append(crew.base.note)
         self._later(0.005, lambda: self._wake(robot))
+
+    def _publish(self, crew: Crew, payloads: Iterable[bytes]) -> None:
+        table = self.scenario.base_of(crew.core.robot)
+        assert table is not None
+        for payload in payloads:
+            self._later(
+                self.rng.uniform(0.0, table.latency),
+                lambda payload=payload: crew.wheels.hear(payload, self.now),
+            )
 
     # -- the fleet
 
@@ -219,7 +222,7 @@ class Floor:
     def _begin(self, crew: Crew, tick: Tick) -> None:
         core, base = crew.core, crew.base
         if core.has_ended(tick):  # begin another life
-            base.stand(self.now)
+            self._publish(crew, base.stand(self.now))
             crew.core = Robot(self.scenario, core.robot, self.world.join(core.robot))
             return
         if tick.tick <= core.tick or tick.incarnation != core.incarnation:
@@ -236,7 +239,7 @@ class Floor:
             if peer is not crew:
                 self._send(lambda peer=peer: self._if_alive(peer, lambda: self._tell(peer, state)))
         command = core.command()
-        base.obey(command, self.now)
+        self._publish(crew, base.obey(command, self.now))
         crew.swept = None if sense is None or base.note else self._swept(crew, command)
         if not self.cut:
             self._send(lambda: self._accept(command))

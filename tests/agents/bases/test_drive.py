@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
+from collections.abc import Iterable
 from dataclasses import replace
 
 import pytest
-from hypothesis import example, given
+from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.bases.drive import Drive
+from agents.bases.drive import OFTEN, Drive
 from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, turned
 from protocol.bodies.sweep import Sweep, Tolerance, sweep
 from protocol.scenario.body import DECISION, PRESETS, Base, Body
@@ -21,189 +22,236 @@ EXACT = {"error": 0.0, "lag": 0.0, "play": 0.0}  # what is left is what comes la
 BURGER = replace(PRESETS["turtlebot3-burger"], **EXACT)
 WHEELLESS = Body("omnidirectional", speed=0.22, acceleration=0.66)
 SPINNING = Body("differential-drive", 0.1, 0.02, 0.1, 0.5, 5.0)
+SLUGGISH = Body("differential-drive", 0.1, 0.06, 0.2, 0.22, 0.3)
 ROUNDING = 1e-9  # m
 STILL = (0.0, 0.0)
-
-velocities = st.one_of(
-    st.just(STILL),
-    st.tuples(st.sampled_from([0.22, 0.1, 0.03]), st.floats(-math.pi, math.pi)).map(
-        lambda polar: (polar[0] * math.cos(polar[1]), polar[0] * math.sin(polar[1]))
+TICKS = st.tuples(
+    st.one_of(
+        st.just(STILL),
+        st.tuples(st.sampled_from([0.22, 0.1, 0.03]), st.floats(-math.pi, math.pi)).map(
+            lambda polar: (polar[0] * math.cos(polar[1]), polar[0] * math.sin(polar[1]))
+        ),
     ),
-)
-ticks = st.tuples(
-    velocities, st.integers(4, 30), st.integers(0, round(DECISION * 1000) // STEP), st.integers(1, 6)
+    st.integers(0, 30),  # STEP, since the Command before
+    st.integers(0, round(DECISION * 1000) // STEP),  # of the decision
 )
 WORST = ("toward", "left", "right", "early", "late")
 
 
-class Told:
-    """A robot's process: velocities by when they were published, ms."""
+class Process:
+    """A robot's process: velocities by when they were published, ms.
 
-    def __init__(self, body: Body, base: Base) -> None:
+    Args:
+        pauses: for which it is suspended before each of its actions, in `STEP`.
+    """
+
+    def __init__(self, body: Body, base: Base, pauses: Iterable[int]) -> None:
         self.kinematics, self.base = Kinematics(body, PERIOD), base
         self.drive = Drive(body, base, PERIOD)
         self.late = Tolerance(body, late=base.lateness)
         self.now, self.times, self.velocities = 0, [-math.inf], [STILL]
         self.heading = 2.0  # rad, of the base at its newest odometry
+        self._pauses = iter(pauses)
 
     def run(self, until: int) -> None:
-        """Publish what is due, from the present on."""
-        while True:
-            self.drive.advance(self.now / 1000)
-            self.times.append(self.now)
-            self.velocities.append(self.drive.told)
-            if self.now >= until:
-                return
-            self.now += STEP
+        """Publish what is due before a time."""
+        while (due := self.drive.due * 1000) < until:
+            self.now = max(self.now, STEP * math.ceil(due / STEP - 1e-6))
+            self._publish()
+        self.now = max(self.now, until)
 
     def command(self, velocity, age: int, decision: int) -> Sweep | None:
         """A tick begins with odometry of an estimated age, ms; returns the sweep of what it commands, or of
-        what goes on if that is to brake; None if it stands."""
-        now = self.now / 1000
-        heading = self.heading + self.drive.turning((age - decision) / 1000, now)
-        said = self.drive.motion(heading, now)
-        assert said is not None
-        motion = self.kinematics.motion(said.velocity, said.heading, said.stop, said.before)
+        what goes on if that is to brake; None if it stands, or its motion is unknown."""
+        self._pause()
+        begun, heading = self.now, self.heading + self.drive.turning(age / 1000, self.now / 1000)
+        said = self.drive.motion(heading, begun / 1000)
         self.now += decision
-        if velocity == STILL:
-            self.drive.command(STILL, heading, self.now / 1000, math.inf)
-            return None if motion.stands else sweep(self.kinematics, motion, self.late)
-        to = self.kinematics.limited(motion, velocity)
-        self.drive.command(Motion(motion.heading, *to).velocity, heading, self.now / 1000, math.inf)
-        return sweep(self.kinematics, motion, self.late, to)
+        self._pause()
+        if said is None or self.now - begun > DECISION * 1000:
+            velocity = STILL
+        self.drive.command(velocity, heading, self.now / 1000, math.inf)
+        self._send()
+        if said is None:
+            return None
+        motion = self.kinematics.motion(said.velocity, said.heading, said.stop, said.before)
+        if velocity != STILL and self.drive.due < math.inf:
+            return sweep(self.kinematics, motion, self.late, self.kinematics.limited(motion, velocity))
+        return None if motion.stands else sweep(self.kinematics, motion, self.late)
 
     def between(self, begin: float, end: float):
-        """Velocities that were the newest at some time between two, ms."""
-        return self.velocities[bisect_right(self.times, begin) - 1 : bisect_right(self.times, end)]
+        """Times and velocities that were the newest at some time between two, ms."""
+        some = slice(bisect_right(self.times, min(begin, end)) - 1, bisect_right(self.times, end))
+        return zip(self.times[some], self.velocities[some], strict=True)
+
+    def newest(self, now: float) -> float:
+        """When it published last before a time, ms."""
+        return self.times[bisect_right(self.times, now) - 1]
+
+    def _pause(self) -> None:
+        self.now += next(self._pauses, 0) * STEP
+
+    def _publish(self) -> None:
+        self._pause()
+        self._send()
+
+    def _send(self) -> None:
+        self.drive.advance(self.now / 1000 + 1e-9)  # what is due by rounding, too
+        self.times.append(self.now)
+        self.velocities.append(self.drive.told)
 
 
-def excess(told: Told, passed: Sweep, since: int, heard: int, worst, toward: float) -> float:
-    """By how much the base leaves a sweep at most in a direction from its place at `since` on, m, if its
-    robot's process dies after `heard`, ms."""
-    kinematics, base = told.kinematics, told.base
-    late, patience = round(base.latency * 1000), round(base.timeout * 1000)
+def excess(process: Process, passed: Sweep, since: int, died: int, worst, toward: float) -> float:
+    """By how much the base leaves a sweep at most in a direction from its place at `since` on, m, if the
+    process dies after it has published at `died`, ms."""
+    kinematics, base = process.kinematics, process.base
+    late, timeout = round(base.latency * 1000), round(base.timeout * 1000)
     nx, ny = math.cos(toward), math.sin(toward)
-    x, y, heading, most, now = 0.0, 0.0, told.heading, -passed.extent(nx, ny), since
-    while now < heard + late + patience:
-        effective = told.between(now - late, min(now, heard))
+    x, y, now, most = 0.0, 0.0, since, -passed.extent(nx, ny)
+    motion = Motion(process.heading)
+    step = kinematics.period / kinematics.steps + 0.5 * base.latency  # s, of braking
+    while now < died + late + timeout or motion.velocity != STILL:
         choice = worst[0] if now < worst[2] else worst[1]
-        if choice == "toward":
-            velocity = max(
-                effective, key=lambda each: nx * turned(*each, heading)[0] + ny * turned(*each, heading)[1]
-            )
+        alone = late + (timeout / OFTEN if choice == "early" else timeout)
+        effective = [
+            velocity for at, velocity in process.between(now - late, min(now, died)) if now < at + alone
+        ]
+        ahead, aside = turned(nx, ny, -motion.heading)
+        if not effective:  # it brakes by itself
+            velocity = STILL
+        elif choice == "toward":
+            velocity = max(effective, key=lambda each: ahead * each[0] + aside * each[1])
         elif choice in ("left", "right"):
             velocity = max(effective, key=lambda each: each[1] * (1 if choice == "left" else -1))
         else:
             velocity = effective[-1 if choice == "early" else 0]
-        arc = Arc(*velocity, STEP / 1000)
-        dx, dy = turned(*chord(arc, kinematics.turn(arc)), heading)
-        x, y, heading, now = x + dx, y + dy, heading + kinematics.turn(arc), now + STEP
-        most = max(most, nx * x + ny * y - passed.extent(nx, ny))
-    braking = Motion(heading, *velocity)
-    while not braking.stands:
-        arc = kinematics.coast(braking, STEP / 1000)
-        dx, dy = turned(*chord(arc, kinematics.turn(arc)), braking.heading)
-        x, y, braking = x + dx, y + dy, kinematics.coasted(braking, STEP / 1000)
+        if velocity == STILL and (not effective or kinematics.coasted(motion, step).velocity != STILL):
+            motion = kinematics.braking(motion)
+            arc = kinematics.coast(motion, STEP / 1000)
+            after = kinematics.coasted(motion, STEP / 1000)
+        else:
+            arc = Arc(*velocity, STEP / 1000)
+            after = Motion(motion.heading + kinematics.turn(arc), *velocity)
+        dx, dy = turned(*chord(arc, kinematics.turn(arc)), motion.heading)
+        x, y, motion, now = x + dx, y + dy, after, now + STEP
         most = max(most, nx * x + ny * y - passed.extent(nx, ny))
     return most
 
 
-def worst_excess(body, latency, least, unknown, history, last, decision, ends, worst, toward) -> float:
-    base = Base(latency=latency / 1000, delay=least * latency / 1000, patience=STEP / 1000)
-    told = Told(base.carries(body), base)
-    for velocity, gap, decided, repeated in history:
-        for _ in range(repeated):
-            told.command(velocity, 0, decided * STEP)
-            told.run(told.now + gap * STEP)
-    decided = decision * STEP
+def worst_excess(body, base, unknown, pauses, history, last, tail, death, worst, toward) -> float:
+    base = Base(
+        timeout=base[0] / 1000,
+        latency=base[1] / 1000,
+        delay=base[2] * base[1] / 1000,
+        patience=base[3] / 1000,
+        age=base[4] / 1000,
+    )
+    process = Process(base.carries(body), base, pauses)
+    for velocity, gap, decision in history:
+        process.run(process.now + gap * STEP)
+        process.command(velocity, 0, decision * STEP)
+    process.run(process.now + last[1] * STEP)
     oldest = round((base.age + base.latency) * 1000)
-    passed = told.command(last, oldest, decided)
-    begun = told.now
-    since = begun - oldest - round(unknown * (base.latency - base.delay) * 1000) // STEP * STEP
+    decision = last[2] * STEP
+    passed = process.command(last[0], oldest - decision, decision)
+    begun = process.now
     if passed is None:
         return -math.inf
-    told.run(begun + ends[0] * STEP)
-    for decided in ends[1]:
-        told.command(STILL, 0, decided * STEP)
-        told.run(told.now + ends[0] * STEP)
-    if ends[1]:
-        told.run(told.now + 600)
-    choices = (*worst[:2], begun + worst[2] * STEP)
-    return excess(told, passed, since, told.now, choices, toward)
+    died = math.inf
+    for velocity, gap, decision in tail:
+        process.run(process.now + gap * STEP)
+        process.command(velocity, 0, decision * STEP)
+        if velocity != STILL and process.drive.due < math.inf:
+            died = min(died, process.now - STEP)  # what counts from now on is the sweep of that tick
+    process.run(process.now + 600)
+    since = begun - oldest - round(unknown * (base.latency - base.delay) * 1000) // STEP * STEP
+    died = min(died, max(begun, process.newest(begun + death * STEP)))
+    return excess(process, passed, since, died, (*worst[:2], begun + worst[2] * STEP), toward)
 
 
 cases = st.tuples(
-    st.sampled_from([BURGER, WHEELLESS, SPINNING]),
-    st.sampled_from([0, 30, 60]),  # ms, latency
-    st.sampled_from([0.0, 0.5, 1.0]),  # of it, stated as the least delay
-    st.sampled_from([0.0, 1.0]),  # of what is not known of that
-    st.lists(ticks, min_size=1, max_size=5),
-    velocities,
-    st.integers(0, round(DECISION * 1000) // STEP),
-    st.tuples(st.integers(0, 50), st.lists(st.integers(0, 10), max_size=6)),  # and then it is told to brake
+    st.sampled_from([BURGER, WHEELLESS, SPINNING, SLUGGISH]),
+    st.tuples(  # of the base, in ms
+        st.sampled_from([45, 90, 240]),  # its timeout
+        st.sampled_from([10, 30, 60]),  # latency
+        st.sampled_from([0.0, 0.5, 1.0]),  # of that, stated as the least delay
+        st.sampled_from([0, 5, 100]),  # patience
+        st.sampled_from([5, 100]),  # age of odometry
+    ),
+    st.sampled_from([0.0, 1.0]),  # of what is not known of the delay
+    st.lists(st.sampled_from([0, 0, 0, 0, 0, 1, 2, 3, 5, 10, 20, 60]), max_size=60),  # pauses
+    st.lists(TICKS, min_size=1, max_size=5),
+    TICKS,
+    st.lists(TICKS, max_size=5),
+    st.integers(0, 120),  # STEP until the process dies
     st.tuples(st.sampled_from(WORST), st.sampled_from(WORST), st.integers(-30, 30)),
     st.floats(-math.pi, math.pi),
 )
 
 
-AHEAD, LATE = (0.22, 0.0), ("late", "late", 0)
-TOLD_TO_BRAKE = (WHEELLESS, 0, 1.0, 0.0, [(AHEAD, 20, 0, 12)], STILL, 0, (0, [10] * 20), LATE, 0.0)
-HAS_BRAKED = [(AHEAD, 20, 0, 3), (STILL, 9, 1, 3), (STILL, 2, 10, 4)]
-
-
 @given(cases)
-@example(TOLD_TO_BRAKE)  # again and again, and each time after as long a decision as there may be
-@example((WHEELLESS, 0, 1.0, 0.0, HAS_BRAKED, STILL, 1, (0, []), LATE, 0.0))  # of which it is told late
 def test_a_base_stays_in_its_sweep_whenever_each_velocity_takes_effect(case):
     assert worst_excess(*case) <= ROUNDING
 
 
-SLOWER = [((-0.2194, 0.016), 20, 10, 12), ((-0.0168, -0.0249), 4, 0, 2)]
-TURNED = (SLOWER, (0.0, 0.22), 0, (12, []), ("toward", "toward", 14), -3.37)
-ALONE = ([((0.22, 0.0), 20, 0, 12)], (0.0, 1e-4), 0, (0, []), ("late", "late", 0), 0.0)
+BACK, AGAIN = [((-0.22, 0.0), 19, 0), ((0.03, 0.0), 22, 0)], [((-0.1, 0.0), 20, 0)]
 TERMS = {
-    "odometry is old": ("_age", TURNED),
-    "velocities take effect late": ("_latency", TURNED),
-    "a process dies": ("alone", ALONE),
+    "odometry is old": (
+        "_age",
+        (WHEELLESS, (45, 60, 0.0, 100, 100), 1.0, [], BACK, (STILL, 20, 0)),
+        ([], 11, ("toward", "late", -2), -math.pi),
+    ),
+    "velocities take effect late": (
+        "_latency",
+        (SPINNING, (45, 60, 1.0, 5, 5), 1.0, [], AGAIN, ((0.1, 0.0), 26, 0)),
+        ([], 0, ("toward", "toward", -4), math.pi),
+    ),
+    "a process dies": (
+        "alone",
+        (SLUGGISH, (240, 10, 1.0, 0, 5), 0.0, [], [((0.22, 0.0), 20, 3)], ((-0.1, 0.0), 20, 6)),
+        ([], 3, ("toward", "late", -2), -0.11),
+    ),
 }
 
 
 @pytest.mark.parametrize("term", TERMS)
 def test_without_this_term_it_leaves_it(term, monkeypatch):
-    name, case = TERMS[term]
-    case, made = (WHEELLESS, 60, 0.0, 1.0, *case), Tolerance.__init__
+    name, before, after = TERMS[term]
+    made = Tolerance.__init__
 
     def without(tolerance: Tolerance, *arguments: object, **named: object) -> None:
         made(tolerance, *arguments, **named)
         setattr(tolerance, name, 0.0)
 
-    assert worst_excess(*case) <= ROUNDING
+    assert worst_excess(*before, *after) <= ROUNDING
     monkeypatch.setattr(Tolerance, "__init__", without)
-    assert worst_excess(*case) > 1e-3
+    assert worst_excess(*before, *after) > 1e-3
 
 
 @pytest.mark.parametrize("steps", [0, 2])  # of its acceleration that it has sent
-@pytest.mark.parametrize("pause", [0.02, 0.07, 0.5])  # s, beyond when the next step is due
-def test_a_process_that_goes_on_late_sends_nothing_faster_and_drives_when_its_base_stands(steps, pause):
+@pytest.mark.parametrize("pause", [0.01, 0.02, 0.07, 0.5])  # s, beyond when the next step is due
+def test_a_process_that_goes_on_late_commands_rest_and_drives_when_its_base_stands(steps, pause):
     base = Base()
     drive = Drive(base.carries(BURGER), base, PERIOD)
     drive.command((0.06, 0.0), 0.0, 0.0, math.inf)
+    sent = 0.0
     for _ in range(steps):
-        drive.advance(now := drive.due)
-    held, now = drive.told[0], drive.due + pause
+        drive.advance(sent := drive.due)
+    now, held = drive.due + pause, drive.told
     drive.advance(now)
-    assert drive.told[0] < held or held == 0.0
-    begun, fell = now, [held]
-    while drive.told != STILL or drive.motion(0.0, now) is None:
-        assert drive.told[0] <= fell[-1]
-        fell.append(drive.told[0])
-        if drive.motion(0.0, now) is None:
-            assert drive.told == STILL
-            drive.command((0.06, 0.0), 0.0, now, math.inf)
-        drive.advance(now := now + 0.01)
-    is_long = pause > base.timeout / 3.0 + base.latency
+    if pause < 0.5 * base.latency:
+        assert drive.told[0] > held[0]
+        return
+    assert drive.told == STILL
+    if steps == 0:  # it had not begun
+        assert drive.motion(0.0, now) is not None
+    while drive.motion(0.0, now) is None:
+        drive.command((0.06, 0.0), 0.0, now, math.inf)
+        drive.advance(now)
+        assert drive.told == STILL
+        now += 0.01
     unknown = base.lateness.alone + base.lateness.window + BURGER.speed / BURGER.acceleration
-    assert (now - begun >= unknown) is (is_long and steps > 0)
+    assert steps == 0 or sent + unknown <= now <= sent + unknown + 0.02
     drive.command((0.06, 0.0), 0.0, now, math.inf)
     drive.advance(now)
     assert drive.told[0] > 0.0
