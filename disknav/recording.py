@@ -1,4 +1,4 @@
-"""Trajectories and recordings as arrays, and as data frames of pandas or polars: every stream as columns."""
+"""Trajectories and recordings as arrays: every stream as columns, for data frames of pandas or polars."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin
+from typing import Annotated, Any, get_args, get_origin
 
 import msgspec
 import numpy as np
@@ -18,11 +18,6 @@ from protocol.errors import UsageError
 from protocol.keys import STREAMS
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
-
-if TYPE_CHECKING:
-    import pandas
-    import polars
-
 
 Floats = NDArray[np.float64]
 
@@ -73,18 +68,6 @@ class Trajectory:
         places = {"x": self.positions[..., 0].ravel(), "y": self.positions[..., 1].ravel()}
         found = {**repeated, "robot": np.tile(self.robots, ticks), **places}
         return {name: found[name] for name in ("tick", "time", "robot", "x", "y", "clearance", "phi")}
-
-    def to_pandas(self) -> pandas.DataFrame:
-        """`columns` as a pandas data frame; raises ImportError without pandas."""
-        import pandas
-
-        return pandas.DataFrame(self.columns())
-
-    def to_polars(self) -> polars.DataFrame:
-        """`columns` as a polars data frame; raises ImportError without polars."""
-        import polars
-
-        return polars.DataFrame(self.columns())
 
 
 @dataclass(frozen=True, eq=False)

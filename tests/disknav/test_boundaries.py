@@ -18,7 +18,7 @@ from disknav.orders import Orders
 from protocol.bus.connection import Endpoint
 from protocol.draws import checked_seed
 from protocol.errors import DisknavError
-from protocol.keys import checked_run, parse, robot_key
+from protocol.keys import checked_run, parse
 from protocol.scenario.body import Base, ros_name
 from protocol.scenario.file import apply_settings, parse_document, parse_toml
 
@@ -132,13 +132,6 @@ def test_orders(orders: Orders, robot: Any, points: list[Any], within: Any, radi
 def test_scenarios_and_names_of_runs(value: Any) -> None:
     assert (isinstance(value, str) and value == "figure-1") or refused(disknav.Simulation, value)
     assert refused(lambda: disknav.Simulation("figure-1", name=value)) or isinstance(value, str)
-
-
-@given(st.integers())
-def test_ids_in_keys(robot: int) -> None:
-    said = refused(robot_key, "yard", robot, "join")
-    assert bool(said) == (not 1 <= robot <= 999_999_999)
-    assert not said or str(robot) in said
 
 
 def test_what_is_accepted_means_what_it_says() -> None:

@@ -57,13 +57,12 @@ def draw(
     check(target)
     import matplotlib
 
-    from deploy.telemetry.plot.figure import Format, animate, figure
+    from deploy.telemetry.plot.figure import animate, figure
     from deploy.telemetry.plot.workspace import RC
 
     with matplotlib.rc_context(RC), writing(target, _WHAT):
         if target.suffix in ANIMATIONS:
-            form = Format()
-            animate(recording, target, progress, Format(width or form.width, seconds or form.seconds))
+            animate(recording, target, progress, width, seconds)
         else:
             metadata = {"Date": None} if target.suffix == ".svg" else {}
             figure(recording).savefig(target, metadata=metadata)

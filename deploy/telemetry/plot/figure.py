@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator
 from itertools import groupby
 from operator import attrgetter
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from matplotlib.animation import AbstractMovieWriter, FFMpegWriter, PillowWriter
@@ -195,19 +194,18 @@ Progress = Callable[[float], None]
 _RATE = 12  # frames per second
 _PAUSE = 12  # copies of the last frame
 _INCHES = (4.4, 4.6)
+_WIDTH = 440  # pixels, unless given
+_LONGEST = 10.0  # s, unless given; a longer run is shown faster
 _TAIL = 2.0  # s of path behind each disk of a large fleet, where whole paths would hide the disks
 _QUALITY = 50  # of a .webp: clean outlines, half the size of the default 80
 
 
-class Format(NamedTuple):
-    """Size and length of an animation."""
-
-    width: int = 440  # pixels
-    seconds: float = 10.0  # a longer run is shown faster
-
-
 def animate(
-    recording: RecordedRun, target: Path, progress: Progress | None = None, form: Format = Format()
+    recording: RecordedRun,
+    target: Path,
+    progress: Progress | None = None,
+    width: int | None = None,
+    seconds: float | None = None,
 ) -> None:
     """Write `target`, a .gif, .webp or (with ffmpeg) .mp4, in real time or faster.
 
@@ -215,9 +213,9 @@ def animate(
         UsageError: .mp4 without ffmpeg.
     """
     film = _Film(recording)
-    steps = list(_steps(recording, form.seconds))
+    steps = list(_steps(recording, seconds or _LONGEST))
     writer = _writer(target)
-    with writer.saving(film.figure, str(target), form.width / _INCHES[0]):
+    with writer.saving(film.figure, str(target), (width or _WIDTH) / _INCHES[0]):
         for index, step in enumerate(steps):
             film.show(step)
             writer.grab_frame()

@@ -52,17 +52,6 @@ def test_seeds_determine_starts() -> None:
     assert len({random_starts([0.04] * 6, 0.3, seed)[0] for seed in range(40)}) == 40
 
 
-@pytest.mark.parametrize("count", [2, 3, 6, 10, 40])
-def test_an_unjittered_swap_is_symmetric(count: int) -> None:
-    scenario = swap(count)
-    for robot in scenario.robots:
-        assert robot.goal == (-robot.start[0], -robot.start[1])
-        assert math.hypot(*robot.start) == pytest.approx(max(0.40, 0.05 / math.sin(math.pi / count)))
-    if count % 2 == 0:
-        starts = {robot.start for robot in scenario.robots}
-        assert {robot.goal for robot in scenario.robots} == starts
-
-
 @pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(st.integers(1, 40), st.integers(0, 2**63 - 1), st.floats(0.01, 0.35), st.floats(0.0, 0.5))

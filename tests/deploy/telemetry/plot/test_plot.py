@@ -39,11 +39,6 @@ def faulty(tmp_path_factory) -> RecordedRun:
     return read(path)
 
 
-def test_a_pdf(recording, tmp_path):
-    draw(recording, tmp_path / "a.pdf")
-    assert (tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
-
-
 def test_a_picture_shows_every_robot_and_the_words(recording, tmp_path):
     draw(recording, tmp_path / "a.png")
     pixels = (image.imread(tmp_path / "a.png")[:, :, :3] * 255).round().astype(int).reshape(-1, 3)
