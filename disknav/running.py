@@ -12,7 +12,7 @@ from typing import Any, SupportsFloat
 import numpy as np
 
 from agents.shell.node import RobotNode
-from deploy.run.execute import Extras, execute
+from deploy.run.execute import execute
 from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator
 from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name
@@ -197,6 +197,6 @@ def run(
     with ExitStack() as stack:
         folder = stack.enter_context(TemporaryDirectory(prefix="disknav-"))
         path = Path(folder) / "run.mcap" if record is None else Path(record)
-        result = execute(scenario, options, Extras(record=path), quiet=not progress)
+        result = execute(scenario, options, record=path, quiet=not progress)
         trajectory = Trajectory.of(scenario, read_recording(path).truths)
     return Run(scenario, result, trajectory, None if record is None else path)

@@ -7,12 +7,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from deploy.library.load import catalogue, resolved, try_out
+from deploy.library.load import catalogue, prepared
 from deploy.library.load import load as load_named
 from protocol.errors import UsageError
 from protocol.scenario.file import apply_settings, parse_document
 from protocol.scenario.model import Scenario
-from world.plants.plant import require as require_plant
 
 Settings = Mapping[str, Any]
 Source = Scenario | str | Path
@@ -65,10 +64,7 @@ def build(document: Mapping[str, Any], settings: Settings | None = None) -> Scen
             "certified".
     """
     plain = json.loads(written(document))
-    scenario = resolved(parse_document(apply_settings(plain, _written(settings or {}))))
-    require_plant(scenario.world.plant)
-    try_out(scenario)
-    return scenario
+    return prepared(parse_document(apply_settings(plain, _written(settings or {}))))
 
 
 def _written(settings: Settings) -> list[str]:

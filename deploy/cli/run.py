@@ -91,7 +91,7 @@ def run(
     """
     from deploy.library.load import load
     from deploy.processes.hosts.table import read_hosts
-    from deploy.run.execute import Extras, execute
+    from deploy.run.execute import execute
     from deploy.run.result import exit_status, kept_status, show
     from deploy.telemetry.recording.writer import rotation
 
@@ -123,7 +123,9 @@ def run(
     if keep and not silent:
         typer.echo(f"run {how.run} at {how.router or how.listen or 'its hosts'}; Ctrl-C stops it", err=True)
     tell = (lambda _: None) if silent else show
-    result = execute(loaded, how, Extras(record, plot, web, json_file), quiet=silent, tell=tell)
+    result = execute(
+        loaded, how, record=record, plot=plot, web=web, json_file=json_file, quiet=silent, tell=tell
+    )
     if not silent:
         _print_files(result, plot, json_file)
     raise typer.Exit(kept_status(result) if keep else exit_status(result))

@@ -26,7 +26,6 @@ from deploy.library.encounters import (
     turtlebots,
 )
 from deploy.library.instances import (
-    PAPER_DENSITY,
     TIGHTNESS,
     admissible,
     crash,
@@ -142,12 +141,14 @@ def build(name: str, seed: int | None = None) -> Scenario:
     raise UsageError(f"no scenario {name!r}; {suggestions(name)}")
 
 
-Options = Mapping[str, float]
-
 _COUNT = 6  # default number of robots
+_KINDS: dict[str, tuple[Callable[..., Scenario], tuple[str, ...]]] = {
+    "random": (random_instance, ("robots", "density", "unequal")),
+    "swap": (swap, ("robots", "jitter")),
+}
 
 
-def generate(kind: str, seed: int, options: Options) -> Scenario:
+def generate(kind: str, seed: int, options: Mapping[str, float]) -> Scenario:
     """A scenario of `kind`: "random", "swap", or a name of the library.
 
     Args:
@@ -161,26 +162,10 @@ def generate(kind: str, seed: int, options: Options) -> Scenario:
     if foreign:
         allowed = f"it has {', '.join(f'--{key}' for key in known)}" if known else "it has none"
         raise UsageError(f"{kind} has no option {', '.join(foreign)}; {allowed}")
-    return build(kind, seed) if make is None else make(seed, options)
-
-
-def _random(seed: int, options: Options) -> Scenario:
-    return random_instance(
-        int(options.get("robots", _COUNT)),
-        seed,
-        density=options.get("density", PAPER_DENSITY),
-        unequal=options.get("unequal", 0.0),
-    )
-
-
-def _swap(seed: int, options: Options) -> Scenario:
-    return swap(int(options.get("robots", _COUNT)), options.get("jitter", 0.0), seed)
-
-
-_KINDS: dict[str, tuple[Callable[[int, Options], Scenario], tuple[str, ...]]] = {
-    "random": (_random, ("robots", "density", "unequal")),
-    "swap": (_swap, ("robots", "jitter")),
-}
+    if make is None:
+        return build(kind, seed)
+    others = {key: value for key, value in options.items() if key != "robots"}
+    return make(int(options.get("robots", _COUNT)), seed=seed, **others)
 
 
 TRIES = 5  # steps, of which the quickest is judged
@@ -236,7 +221,12 @@ def _neighbours(scenario: Scenario, robot: int) -> Neighbours:
 
 def load(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Scenario:
     """The scenario `name`, ready to run: as `read`, with k as a number and its law tried out."""
-    scenario = resolved(_certified(name, read(name, settings, seed)))
+    return prepared(_certified(name, read(name, settings, seed)))
+
+
+def prepared(scenario: Scenario) -> Scenario:
+    """The scenario with k as a number, its plant's library present, and its law tried out."""
+    scenario = resolved(scenario)
     require_plant(scenario.world.plant)
     try_out(scenario)
     return scenario

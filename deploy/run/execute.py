@@ -6,7 +6,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -85,27 +85,22 @@ def _watch(fleet: Fleet | LocalFleet, run: str) -> Watcher:
     return watcher
 
 
-@dataclass(frozen=True)
-class Extras:
-    """Optional outputs of `disknav run`."""
-
-    record: Path | None = None
-    plot: Path | None = None
-    web: bool = False
-    json: Path | None = None
-
-
 def execute(
     scenario: Scenario,
     options: RunOptions,
-    extras: Extras,
     *,
+    record: Path | None = None,
+    plot: Path | None = None,
+    web: bool = False,
+    json_file: Path | None = None,
     quiet: bool,
     tell: Callable[[Result], None] = lambda _: None,
 ) -> Result:
     """Run `scenario` to its verdict. There is a result even after signals, at any time and repeatedly.
 
     Args:
+        record, plot, json_file: files to write.
+        web: whether to serve the live page.
         quiet: whether to show no progress.
         tell: called with the result as soon as the fleet is down, before plotting.
 
@@ -114,32 +109,38 @@ def execute(
             be written.
         ProcessError, BusError: the fleet could not be started.
     """
-    _check(extras)
+    check_json(json_file)
+    if record is not None:
+        check_target(record, "record")
+    if plot is not None:
+        check(plot)
     unwritten: UsageError | None = None
     if scenario.is_external:
         options = replace(options, mode="realtime")  # real robots do not wait
     with STOP.listening(), ExitStack() as stack:
-        recording = _recording_path(extras, stack)
+        recording = record
+        if record is None and plot is not None:
+            recording = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "run.mcap"
         with RunProgress(scenario, quiet) as progress, ExitStack() as running:
             began = time.monotonic()
             try:
                 fleet = _fleet(scenario, options, recording, progress)
                 running.enter_context(fleet)
                 LOG.info(f"run {options.run!r} of {scenario.name!r} begins")
-                page = stack.enter_context(live_page(fleet, options)) if extras.web else None
+                page = stack.enter_context(live_page(fleet, options)) if web else None
             except Stopped:
                 report = unjudged(scenario, None, time.monotonic() - began)
                 report.update(verdict="interrupted", reason=INTERRUPTED)
                 result = complete(report, options, [])
-                write_json(result, extras.json)
+                write_json(result, json_file)
                 tell(result)
                 return result
             report = fleet.execute()
             processes, recordings = fleet.processes(), fleet.recordings()
-            result = complete(report, options, processes, recordings if extras.record else [])
+            result = complete(report, options, processes, recordings if record else [])
             LOG.info(f"verdict: {result['verdict']} {result['reason']}".rstrip())
             try:
-                write_json(result, extras.json)  # before the recorder is waited for
+                write_json(result, json_file)  # before the recorder is waited for
             except UsageError as error:
                 unwritten = error
             fleet.record(result)
@@ -147,27 +148,13 @@ def execute(
         tell(result)
         if unwritten is not None:
             raise unwritten
-        if extras.plot is not None and not STOP.requested:
+        if plot is not None and not STOP.requested:
             first = 0 if options.rotation != ONE_FILE else -1  # -1: a restarted recorder has a new file
             with suppress(Stopped):
-                draw(Path(recordings[first]), extras.plot, lambda _: STOP.check())
+                draw(Path(recordings[first]), plot, lambda _: STOP.check())
         if page is not None and sys.stdin.isatty():
             linger(page)
     return result
-
-
-def _check(extras: Extras) -> None:
-    check_json(extras.json)
-    if extras.record is not None:
-        check_target(extras.record, "record")
-    if extras.plot is not None:
-        check(extras.plot)
-
-
-def _recording_path(extras: Extras, stack: ExitStack) -> Path | None:
-    if extras.record is not None or extras.plot is None:
-        return extras.record
-    return Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "run.mcap"
 
 
 def _fleet(
