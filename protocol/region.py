@@ -125,7 +125,7 @@ class RegionGeometry:
     def __init__(self) -> None:
         self._names: list[int] = []
         self._rows: dict[int, int] = {}
-        self._around: NDArray[np.float64] = np.full((3, 16), -np.inf)  # x, y, radius, m
+        self._around: NDArray[np.float64] = np.full((3, 16), np.nan)  # x, y, radius, m; NaN if gone
 
     def note(self, disk: Disk_[Region]) -> None:
         """Note that the regions of a disk, or its presence, have changed."""
@@ -134,22 +134,19 @@ class RegionGeometry:
             row = self._rows[disk.name] = len(self._names)
             self._names.append(disk.name)
             if row == self._around.shape[1]:
-                self._around = np.concatenate((self._around, np.full_like(self._around, -np.inf)), axis=1)
-        self._around[:, row] = (0.0, 0.0, -math.inf) if disk.phase == GONE else _circle(disk.held)
+                self._around = np.concatenate((self._around, np.full_like(self._around, np.nan)), axis=1)
+        self._around[:, row] = math.nan if disk.phase == GONE else _circle(disk.held)
 
     def around(self, disk: Disk_[Region], region: Region) -> list[int]:
         """Names of all disks, perhaps without some that are gone, or disjoint from this region and the
         disk's.
         """
-        found = self._meeting(*_circle(disk.held)) | self._meeting(*_of(region.shape.around))
+        circles = _circle(disk.held), _of(region.shape.around)
+        less = np.array([(x, y, -radius - ROUNDING) for x, y, radius in circles]).T
+        off = self._around[:, None, : len(self._names)] - less[:, :, None]  # x, y, and sum of the radii, m
+        square = off * off  # no np.hypot, which takes as long as all else here
+        found = (square[0] + square[1] <= square[2]).any(axis=0)
         return [self._names[row] for row in np.flatnonzero(found).tolist()]
-
-    def _meeting(self, x: float, y: float, radius: float) -> NDArray[np.bool_]:
-        """Disks whose regions may intersect a disk, m."""
-        xs, ys, radii = self._around[:, : len(self._names)]
-        with np.errstate(invalid="ignore"):  # of infinite ones that are gone
-            found: NDArray[np.bool_] = np.hypot(xs - x, ys - y) <= radii + (radius + ROUNDING)
-        return found
 
     def apart(self, one: Held[Region], other: Held[Region]) -> bool:
         """Whether no region of the one intersects one of the other."""

@@ -45,6 +45,7 @@ class Keeper:
         self._first = version
         self._ledger: Ledger[Region, Line] = Ledger(version, {}, self._geometry)
         self._changed: dict[int, int] = {}  # version of the last change of a disk's grants
+        self._bound: dict[int, set[int]] = {}  # as `bound`, until the next change
         self._known: dict[int, int] = {}  # version adopted by the present life of a robot
         self._moved: set[int] = set()  # disks whose regions have shrunk
 
@@ -232,6 +233,7 @@ class Keeper:
     def _change(self, *names: int) -> None:
         for name in names:
             self._changed[name] = self._ledger.version
+            self._bound.pop(name, None)
 
     # -- grants
 
@@ -240,7 +242,9 @@ class Keeper:
         disk = self._ledger.disks.get(robot)
         if disk is None or disk.life == NO:
             return ()
-        return {each.peer for each in self._ledger.told(disk).bindings if each.peer > 0}
+        if robot not in self._bound:
+            self._bound[robot] = {each.peer for each in self._ledger.told(disk).bindings if each.peer > 0}
+        return self._bound[robot]
 
     def news(self, robot: int) -> Grants | None:
         """Grants for the present life of a robot; None if it has the newest."""
