@@ -50,6 +50,8 @@ class Process:
         self.drive = Drive(body, base, PERIOD)
         self.late = Tolerance(body, late=base.lateness)
         self.now, self.times, self.velocities = 0, [-math.inf], [STILL]
+        self.begun = 0  # ms, of the newest tick
+        self.oldest = round((base.age + base.latency) * 1000)  # ms, odometry with which it moves
         self.heading = 2.0  # rad, of the base at its newest odometry
         self._pauses = iter(pauses)
 
@@ -64,11 +66,12 @@ class Process:
         """A tick begins with odometry of an estimated age, ms; returns the sweep of what it commands, or of
         what goes on if that is to brake; None if it stands, or its motion is unknown."""
         self._pause()
-        begun, heading = self.now, self.heading + self.drive.turning(age / 1000, self.now / 1000)
-        said = self.drive.motion(heading, begun / 1000)
+        self.begun, heading = self.now, self.heading + self.drive.turning(age / 1000, self.now / 1000)
+        said = self.drive.motion(heading, self.begun / 1000)
         self.now += decision
         self._pause()
-        if said is None or self.now - begun > DECISION * 1000:
+        taken = self.now - self.begun
+        if said is None or taken > DECISION * 1000 or age + taken > self.oldest:
             velocity = STILL
         self.drive.command(velocity, heading, self.now / 1000, math.inf)
         self._send()
@@ -151,10 +154,10 @@ def worst_excess(body, base, unknown, pauses, history, last, tail, death, worst,
         process.run(process.now + gap * STEP)
         process.command(velocity, 0, decision * STEP)
     process.run(process.now + last[1] * STEP)
-    oldest = round((base.age + base.latency) * 1000)
     decision = last[2] * STEP
-    passed = process.command(last[0], oldest - decision, decision)
-    begun = process.now
+    age = process.oldest - (0 if last[0] == STILL else decision)
+    passed = process.command(last[0], age, decision)
+    begun, since = process.now, process.begun - age
     if passed is None:
         return -math.inf
     died = math.inf
@@ -164,7 +167,7 @@ def worst_excess(body, base, unknown, pauses, history, last, tail, death, worst,
         if velocity != STILL and process.drive.due < math.inf:
             died = min(died, process.now - STEP)  # what counts from now on is the sweep of that tick
     process.run(process.now + 600)
-    since = begun - oldest - round(unknown * (base.latency - base.delay) * 1000) // STEP * STEP
+    since -= round(unknown * (base.latency - base.delay) * 1000) // STEP * STEP
     died = min(died, max(begun, process.newest(begun + death * STEP)))
     return excess(process, passed, since, died, (*worst[:2], begun + worst[2] * STEP), toward)
 
@@ -225,6 +228,42 @@ def test_without_this_term_it_leaves_it(term, monkeypatch):
 
     assert worst_excess(*before, *after) <= ROUNDING
     monkeypatch.setattr(Tolerance, "__init__", without)
+    assert worst_excess(*before, *after) > 1e-3
+
+
+def brakes(drive: Drive, now: float) -> None:
+    if drive.told != STILL and now > drive.due + 0.5 * drive._base.latency:
+        drive._brake(round(now, 6))
+
+
+AHEAD = (0.22 * math.cos(2.0), 0.22 * math.sin(2.0))
+SLOW = [3, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 20, 0, 0, 3, 0, 0, 0, 0, 20]
+LATE = {
+    "brakes": (
+        brakes,
+        (WHEELLESS, (240, 10, 1.0, 0, 5), 0.0, [], [(AHEAD, 20, 0)] * 4, (STILL, 20, 10)),
+        ([], 0, ("toward", "toward", 0), 2.0),
+    ),
+    "goes on": (
+        lambda _drive, _now: None,
+        (
+            BURGER,
+            (240, 10, 1.0, 0, 100),
+            1.0,
+            SLOW,
+            [((0.22, 0.0), 20, 0), ((-0.03, 0.0), 30, 0), (STILL, 20, 0), ((-0.22, 0.0), 20, 0)],
+            (STILL, 20, 0),
+        ),
+        ([(STILL, 20, 0)], 76, ("right", "toward", -2), math.pi),
+    ),
+}
+
+
+@pytest.mark.parametrize("late", LATE)
+def test_a_process_that_is_late_and_does_not_command_rest_leaves_it(late, monkeypatch):
+    check, before, after = LATE[late]
+    assert worst_excess(*before, *after) <= ROUNDING
+    monkeypatch.setattr(Drive, "_check", check)
     assert worst_excess(*before, *after) > 1e-3
 
 
