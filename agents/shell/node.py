@@ -43,7 +43,7 @@ class RobotNode:
 
     Raises:
         JoinError: the world refuses this id.
-        BusError: the world is lost, or was never present.
+        BusError: the world is lost, or was never present, or begins a run anew with a base that has moved.
     """
 
     def __init__(
@@ -117,8 +117,8 @@ class RobotNode:
         return (reply.epoch, reply.incarnation) == (core.epoch, core.incarnation)
 
     def _begin(self, admission: joining.Admission) -> None:
-        if self._base is not None and self.core is not None and not self._ended:
-            self._base.stand(self.core, founded=self._founded)  # under another epoch
+        if self._base is not None and self.core is not None:
+            self._leave(self._base, self.core, admission)
         self.core = Robot(
             admission.scenario,
             self._robot,
@@ -138,6 +138,16 @@ class RobotNode:
         self._peers.begin(admission)
         if not self._declared:
             self._declare(self.core)
+
+    def _leave(self, base: AttachedBase, core: Robot, admission: joining.Admission) -> None:
+        """Brake the base of the life before; raises BusError if that took part in an earlier run."""
+        if not self._ended:  # under another epoch
+            base.stand(core, founded=self._founded)
+        if not admission.founded and (self._founded or core.tick >= 0):
+            raise BusError(
+                f"run {self._run!r} begins anew, and robot {self._robot} has left its start; "
+                "move it there and start its process again"
+            )
 
     def _declare(self, core: Robot) -> None:
         """Declare subscriptions before publishers before the token, which shows that all are there."""

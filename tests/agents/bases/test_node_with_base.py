@@ -14,7 +14,7 @@ from agents.bases.base import ros_of
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.bus import Event, Foreign
-from protocol.errors import JoinError, UsageError
+from protocol.errors import BusError, JoinError, UsageError
 from tests.agents.bases.wheels import STEP, Wheels
 from world.report import result_of
 from world.shell.checkpoint import Checkpoint
@@ -129,6 +129,17 @@ def test_another_world_takes_over_bases_that_drive(seconds: float, tmp_path: Pat
     assert stage.floor.closest > sum(spec.radius for spec in stage.scenario.robots)
     assert result_of(begun)["collisions"] == 0
     assert result_of(begun)["worlds"] == [tick]
+
+
+@pytest.mark.slow
+def test_robots_that_have_left_their_starts_do_not_begin_another_run(caplog) -> None:
+    stage = Stage(caplog)
+    stage.play(lambda: min(map(stage.away, (1, 2))) > 0.1)
+    stage.fleet.kill_world()
+    stage.fleet.start_world()
+    with pytest.raises(BusError, match="has left its start"):
+        stage.play(lambda: stage.world.lives.founded)
+    assert not stage.world.lives.founded
 
 
 @pytest.mark.slow
