@@ -100,7 +100,7 @@ def test_a_run_and_its_recording_go_on(transport: Transport, tmp_path: Path) -> 
     report, rows = run(QUICK, RunOptions(transport, restarts=3, speed=10.0), killer := Killer(deaths), path)
     assert killer.due == []
     assert unhurt(report), (tick, report)
-    assert len(report["worlds"]) == 2
+    assert 1 <= len(report["worlds"]) <= 2  # one that dies before it has read the checkpoint does not
     wanted = {"robot-2": 1, "robot-5": 1, "world": 2, **({"router": 1} if transport == "routed" else {})}
     assert {name: row["restarts"] for name, row in rows.items() if row["restarts"]} == wanted
     recording = read(path)
