@@ -291,7 +291,7 @@ class Robot:
         """The warnings one by one: a failed law, contradicting measurements."""
         found = [f"{self._law.failure}; it stands from here on"] if self._law.failure else []
         if self._estimate.contradiction:
-            does = "stands still" if self._estimate.lost else "begins anew from the newest measurement"
+            does = "stands still" if self._estimate.lost else "starts over from the newest measurement"
             found.append(f"{self._estimate.contradiction}; {does}")
         return found
 

@@ -43,7 +43,8 @@ class RobotNode:
 
     Raises:
         JoinError: the world refuses this id.
-        BusError: the world is lost, or was never present, or begins a run anew with a base that has moved.
+        BusError: the world is lost, or was never present, or starts the run over while the base may have left
+            its start there.
     """
 
     def __init__(
@@ -140,13 +141,16 @@ class RobotNode:
             self._declare(self.core)
 
     def _leave(self, base: AttachedBase, core: Robot, admission: joining.Admission) -> None:
-        """Brake the base of the life before; raises BusError if that took part in an earlier run."""
+        """Brake the base of the life before; raises BusError if it was checked against another start than
+        that of the admission, or has left it."""
         if not self._ended:  # under another epoch
             base.stand(core, founded=self._founded)
-        if not admission.founded and (self._founded or core.tick >= 0):
+        has_left = self._founded or core.tick >= 0
+        if not admission.founded and (has_left or admission.scenario != core.scenario):
+            why = f"robot {self._robot} has left its start" if has_left else "with another scenario"
             raise BusError(
-                f"run {self._run!r} begins anew, and robot {self._robot} has left its start; "
-                "move it there and start its process again"
+                f"run {self._run!r} starts over, {why}: move robot {self._robot} to its start there, "
+                "and start its process again"
             )
 
     def _declare(self, core: Robot) -> None:

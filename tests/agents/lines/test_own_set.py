@@ -109,4 +109,4 @@ def test_a_robot_whose_measurements_exclude_each_other_stands_still_and_says_so(
 def test_it_goes_on_from_the_newest_measurement_where_it_may(caplog) -> None:
     report, note = lied_to("newest", caplog)
     assert report["positions"]["1"] == pytest.approx([0.18, 0.0], abs=0.005)
-    assert note.endswith("begins anew from the newest measurement")
+    assert note.endswith("starts over from the newest measurement")
