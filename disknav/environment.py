@@ -9,6 +9,7 @@ from typing import Any, Literal, SupportsFloat
 import numpy as np
 from numpy.typing import NDArray
 
+from deploy.run.local import seldom_collecting
 from disknav.recording import Floats
 from disknav.running import Simulation
 from disknav.scenarios import Source, ready
@@ -111,8 +112,9 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no types
             raise UsageError(
                 f"seed {seed} has robots {scenario.ids}; the environment has {self._scenario.ids}"
             )
-        self.simulation = Simulation(replace(scenario, seed=seed))
-        self.simulation.join()
+        with seldom_collecting():  # the episode before is garbage with cycles
+            self.simulation = Simulation(replace(scenario, seed=seed))
+            self.simulation.join()
         self._view.begin(scenario, self.simulation.positions)
         self.agents = self.possible_agents.copy()
         return self._observations(), self._infos(self._view.arrived)

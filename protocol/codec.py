@@ -146,9 +146,9 @@ def keeps_newest(make: Callable[[Told], Made]) -> Callable[[Told], Made]:
 
     def found(told: Told) -> Made:
         newest = kept[0] if kept else None  # read once: another thread may replace it
-        if newest is None or (told is not newest[0] and told != newest[0]):
-            newest = told, make(told)
-            kept[:] = [newest]
+        if newest is None or told is not newest[0]:
+            newest = told, make(told) if newest is None or told != newest[0] else newest[1]
+            kept[:] = [newest]  # the same object again is found without a comparison
         return newest[1]
 
     return found
