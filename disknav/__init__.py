@@ -15,14 +15,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from deploy.telemetry.recording.reader import Recording as Recording
+    from deploy.telemetry.recording.reader import read as read
+    from deploy.telemetry.recording.trajectory import Trajectory as Trajectory
     from disknav.environment import parallel_env as parallel_env
     from disknav.filtering import filtered as filtered
     from disknav.orders import FleetOrders as FleetOrders
     from disknav.orders import Orders as Orders
     from disknav.orders import operate as operate
-    from disknav.recording import Recording as Recording
-    from disknav.recording import Trajectory as Trajectory
-    from disknav.recording import read as read
     from disknav.running import Run as Run
     from disknav.running import Simulation as Simulation
     from disknav.running import run as run
@@ -35,10 +35,11 @@ if TYPE_CHECKING:
     from protocol.scenario.model import Scenario as Scenario
 
 _MODULES = {
+    "deploy.telemetry.recording.reader": ("Recording", "read"),
+    "deploy.telemetry.recording.trajectory": ("Trajectory",),
     "disknav.environment": ("parallel_env",),
     "disknav.filtering": ("filtered",),
     "disknav.orders": ("FleetOrders", "Orders", "operate"),
-    "disknav.recording": ("Recording", "Trajectory", "read"),
     "disknav.running": ("Run", "Simulation", "run"),
     "disknav.scenarios": ("build", "library", "load"),
     "protocol.errors": ("DisknavError", "ScenarioError", "UsageError"),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deploy.run.local import seldom_collecting
-from disknav.recording import Floats
+from disknav.filtering import Floats
 from disknav.running import Simulation
 from disknav.scenarios import Source, ready
 from protocol.draws import LARGEST_SEED, checked_seed

@@ -17,10 +17,9 @@ from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator
 from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name
 from deploy.run.result import complete
-from deploy.telemetry.recording.reader import Said, Truths
-from deploy.telemetry.recording.reader import read as read_recording
+from deploy.telemetry.recording.reader import read
+from deploy.telemetry.recording.trajectory import CompactTruth, Floats, Trajectory
 from disknav.orders import Orders, finite
-from disknav.recording import Floats, Trajectory
 from disknav.scenarios import Settings, Source, ready
 from protocol.errors import UsageError
 from protocol.keys import checked_run
@@ -80,7 +79,7 @@ class Simulation:
     @property
     def trajectory(self) -> Trajectory:
         """Trajectory from tick 0 to the current tick."""
-        return Trajectory.of(self.scenario, Truths.of(map(Said.of, self._truths)))
+        return Trajectory.of(map(CompactTruth.of, self._truths), self.scenario.time.step)
 
     def join(self) -> None:
         """Let all robots join the run; otherwise the first `step` does."""
@@ -198,5 +197,5 @@ def run(
         folder = stack.enter_context(TemporaryDirectory(prefix="disknav-"))
         path = Path(folder) / "run.mcap" if record is None else Path(record)
         result = execute(scenario, options, record=path, quiet=not progress)
-        trajectory = Trajectory.of(scenario, read_recording(path).truths)
+        trajectory = read(path).trajectory
     return Run(scenario, result, trajectory, None if record is None else path)

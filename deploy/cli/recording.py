@@ -17,7 +17,7 @@ from protocol.process.signals import STOP
 if TYPE_CHECKING:  # reading needs numpy, other commands do not
     from rich.table import Table
 
-    from deploy.telemetry.recording.reader import RecordedRun
+    from deploy.telemetry.recording.reader import Recording
 
 app = typer.Typer(name="recording", help="Inspect, draw and replay recordings.", no_args_is_help=True)
 
@@ -135,16 +135,16 @@ def replay(
         _show(found, run, pace)
 
 
-def _read(path: Path) -> RecordedRun:
+def _read(path: Path) -> Recording:
     from deploy.telemetry.recording.reader import read
 
     with bar(f"reading {path.name}") as progress:
         return read(path, progress)
 
 
-def _summary(recording: RecordedRun) -> dict[str, str]:
+def _summary(recording: Recording) -> dict[str, str]:
     scenario, result = recording.scenario, recording.result or {}
-    ticks = int(recording.truths.ticks[-1])
+    ticks = int(recording.trajectory.ticks[-1])
     return {
         "scenario": f"{scenario.name}, {len(scenario.robots)} robots, seed {scenario.seed}",
         "run": recording.run,
@@ -168,11 +168,11 @@ def _grid(rows: Mapping[str, str]) -> Table:
     return grid
 
 
-def _check(recording: RecordedRun) -> str:
-    from deploy.telemetry.recording.replay import trajectory
+def _check(recording: Recording) -> str:
+    from deploy.telemetry.recording.replay import recomputed
 
     try:
-        found = trajectory(recording)
+        found = recomputed(recording)
     except RecordingError as error:
         return f"cannot be checked: {error}"
     if recording.result is None:
@@ -181,20 +181,20 @@ def _check(recording: RecordedRun) -> str:
     return f"{found.sha256}, {'as in the result' if same else 'NOT the one in the result'}{found.remark}"
 
 
-def _streams(recording: RecordedRun) -> Table:
+def _streams(recording: Recording) -> Table:
     from rich.table import Table
 
     table = Table(box=None, padding=(0, 2), header_style="dim")
     table.add_column("key")
     table.add_column("messages", justify="right")
     table.add_column("per tick", justify="right")
-    ticks = max(1, int(recording.truths.ticks[-1]))
+    ticks = max(1, int(recording.trajectory.ticks[-1]))
     for key, count in sorted(recording.counts.items()):
         table.add_row(key, str(count), f"{count / ticks:.2f}")
     return table
 
 
-def _publish(recording: RecordedRun, router: str | None, run: str | None, speed: float) -> None:
+def _publish(recording: Recording, router: str | None, run: str | None, speed: float) -> None:
     from deploy.processes.router import listening
     from deploy.telemetry.recording.replay import publish
     from protocol.bus.connection import Connection, Endpoint
@@ -210,7 +210,7 @@ def _publish(recording: RecordedRun, router: str | None, run: str | None, speed:
         publish(recording, bus, run, speed=speed, progress=progress)
 
 
-def _show(recording: RecordedRun, run: str | None, speed: float) -> None:
+def _show(recording: Recording, run: str | None, speed: float) -> None:
     from deploy.telemetry.monitor.watcher import Player
     from deploy.telemetry.monitor.web import serve_in_thread
 

@@ -6,10 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 from deploy.output import check_target, writing
-from deploy.telemetry.recording.reader import RecordedRun, Truths, read
+from deploy.telemetry.recording.reader import Recording, read
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 
@@ -35,7 +33,7 @@ def check(target: Path) -> None:
 
 
 def draw(
-    recording: RecordedRun | Path,
+    recording: Recording | Path,
     target: Path,
     progress: Callable[[float], None] | None = None,
     width: int | None = None,
@@ -68,16 +66,13 @@ def draw(
             figure(recording).savefig(target, metadata=metadata)
 
 
-def until(recording: RecordedRun, seconds: float) -> RecordedRun:
+def until(recording: Recording, seconds: float) -> Recording:
     """The recording up to `seconds` of simulated time, at least tick 0; without result if cut."""
-    truths, step = recording.truths, recording.scenario.time.step
-    kept = truths.ticks * step <= max(seconds, 0.0) + 0.5 * step
+    whole, step = recording.trajectory, recording.scenario.time.step
+    kept = whole.times <= max(seconds, 0.0) + 0.5 * step
     if kept.all():
         return recording
-    there = ~np.isnan(truths.positions[kept, :, 0]).all(axis=0)
-    positions = truths.positions[kept][:, there]
-    measured = (column[kept] for column in (truths.clearance, truths.phi, truths.log_potential))
-    part = Truths(truths.robots[there], truths.ticks[kept], positions, *measured)
-    last = float(part.ticks[-1]) * step
+    part = whole.at(kept)
+    last = float(part.times[-1])
     entries = recording.entries.where(lambda entry: entry.time <= last + 0.5 * step)
-    return replace(recording, truths=part, entries=entries, result=None)
+    return replace(recording, trajectory=part, entries=entries, result=None)

@@ -28,16 +28,16 @@ from deploy.telemetry.plot.workspace import (
     draw_workspace,
     frame,
 )
-from deploy.telemetry.recording.reader import RecordedRun
+from deploy.telemetry.recording.reader import Recording
 from deploy.telemetry.recording.replay import Participant, participants
 from protocol.errors import UsageError
 from protocol.messages import State, Tick
 from protocol.scenario.network import Link as LinkFaults
 
 
-def measurement_ages(recording: RecordedRun) -> tuple[np.ndarray, np.ndarray]:
+def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     """Ticks, and (tick, robot) the age (s) of the newest own measurement; NaN if none."""
-    ids, ticks = recording.scenario.ids, recording.truths.ticks
+    ids, ticks = recording.scenario.ids, recording.trajectory.ticks
     ages = np.full((len(ticks), len(ids)), np.nan)
     row = {int(tick): index for index, tick in enumerate(ticks)}
     newest = dict.fromkeys(ids, -1)
@@ -58,7 +58,7 @@ class ReceivedStates:
     Only for robots of the scenario. Exact in lock-step; in real time without the delay of the network.
     """
 
-    def __init__(self, recording: RecordedRun) -> None:
+    def __init__(self, recording: Recording) -> None:
         self._recording = recording
         self._sent = 0
         self._ids = recording.scenario.ids
@@ -90,13 +90,13 @@ class ReceivedStates:
         return sum(link.lost for link in self._links.values()) / max(1, self._sent)
 
 
-def delayed_sensing(recording: RecordedRun) -> bool:
+def delayed_sensing(recording: Recording) -> bool:
     """Whether measurements of any robot are late or dropped."""
     entries = map(recording.scenario.sensing_of, recording.scenario.ids)
     return any(entry.dropout > 0.0 or entry.delay not in (0.0, (0.0, 0.0)) for entry in entries)
 
 
-def faulty_link(recording: RecordedRun) -> bool:
+def faulty_link(recording: Recording) -> bool:
     """Whether the scenario injects link faults."""
     return recording.scenario.link != LinkFaults()
 
@@ -105,9 +105,9 @@ _COLUMNS = 2000  # of ages; more than pixels
 _INFINITE = 300.0  # bound of `Truth.log_potential`
 
 
-def draw_clearance(axes: Axes, recording: RecordedRun) -> None:
+def draw_clearance(axes: Axes, recording: Recording) -> None:
     """Smallest gap between two disks, or disk and boundary, during each tick."""
-    _curve(axes, recording, 1000.0 * recording.truths.clearance)
+    _curve(axes, recording, 1000.0 * recording.trajectory.clearance)
     axes.axhline(0.0, color=INK, linewidth=0.8)
     low, high = axes.get_ylim()
     axes.set_ylim(min(low, -0.04 * high), high)
@@ -115,27 +115,27 @@ def draw_clearance(axes: Axes, recording: RecordedRun) -> None:
     axes.set(ylabel="clearance, mm")
 
 
-def draw_potential(axes: Axes, recording: RecordedRun) -> None:
+def draw_potential(axes: Axes, recording: Recording) -> None:
     """The potential, log10(gamma / beta^(1/k)); phi is 1 to all digits in a large fleet until the end."""
-    levels = recording.truths.log_potential
+    levels = recording.trajectory.log_potential
     _curve(axes, recording, np.where(np.abs(levels) < _INFINITE, levels, np.nan))
     axes.set(ylabel="log$_{10}$(γ / β$^{1/k}$)")
 
 
-def draw_measurement_ages(axes: Axes, recording: RecordedRun) -> None:
+def draw_measurement_ages(axes: Axes, recording: Recording) -> None:
     """Age of each robot's newest measurement of its own position."""
     _ages(axes, recording, *measurement_ages(recording))
     axes.set_title("age of own position", loc="left")
 
 
-def draw_heard_ages(axes: Axes, recording: RecordedRun) -> None:
+def draw_heard_ages(axes: Axes, recording: Recording) -> None:
     """Age of the oldest State among the newest of each robot's peers."""
     received = ReceivedStates(recording)
     _ages(axes, recording, *received.ages())
     axes.set_title(f"age of oldest peer state, {received.share_lost():.0%} lost", loc="left")
 
 
-def _ages(axes: Axes, recording: RecordedRun, ticks: np.ndarray, ages: np.ndarray) -> None:
+def _ages(axes: Axes, recording: Recording, ticks: np.ndarray, ages: np.ndarray) -> None:
     """One row per robot, darker for higher age, blank without information; a column is at least a pixel."""
     stride = -(-len(ticks) // _COLUMNS)
     ticks, ages = ticks[::stride], np.fmax.reduceat(ages, np.arange(0, len(ages), stride))
@@ -150,18 +150,18 @@ def _ages(axes: Axes, recording: RecordedRun, ticks: np.ndarray, ages: np.ndarra
     axes.figure.colorbar(mesh, ax=axes, label="s", pad=0.01, fraction=0.06)
 
 
-def _curve(axes: Axes, recording: RecordedRun, values: np.ndarray) -> None:
-    axes.plot(recording.truths.ticks * recording.scenario.time.step, values, color=colour(0))
+def _curve(axes: Axes, recording: Recording, values: np.ndarray) -> None:
+    axes.plot(recording.trajectory.times, values, color=colour(0))
 
 
-Panel = Callable[[Axes, RecordedRun], None]
+Panel = Callable[[Axes, Recording], None]
 _SIDE = 3.9  # inches, least side of a workspace
 _LEGEND = 0.35  # inches
 _COLUMN = 3.3  # inches, curves
 _PANEL = 1.2  # inches, height of one curve
 
 
-def figure(recording: RecordedRun) -> Figure:
+def figure(recording: Recording) -> Figure:
     """The workspace, and curves over time in a column beside it."""
     panels: list[Panel] = [draw_clearance, draw_potential]
     if delayed_sensing(recording):
@@ -184,9 +184,9 @@ def figure(recording: RecordedRun) -> Figure:
     return whole
 
 
-def _title(recording: RecordedRun) -> str:
+def _title(recording: Recording) -> str:
     verdict = "not finished" if recording.result is None else recording.result["verdict"]
-    seconds = recording.truths.ticks[-1] * recording.scenario.time.step
+    seconds = recording.trajectory.times[-1]
     return f"{recording.scenario.name}: {verdict} after {seconds:.1f} s"
 
 
@@ -201,7 +201,7 @@ _QUALITY = 50  # of a .webp: clean outlines, half the size of the default 80
 
 
 def animate(
-    recording: RecordedRun,
+    recording: Recording,
     target: Path,
     progress: Progress | None = None,
     width: int | None = None,
@@ -241,18 +241,18 @@ class _WebpWriter(PillowWriter):
         )
 
 
-def _steps(recording: RecordedRun, longest: float) -> Iterator[int]:
-    ticks = recording.truths.ticks
-    seconds = ticks[-1] * recording.scenario.time.step
+def _steps(recording: Recording, longest: float) -> Iterator[int]:
+    times = recording.trajectory.times
+    seconds = times[-1]
     count = int(min(max(2.0, seconds * _RATE), longest * _RATE))
-    yield from np.linspace(0, len(ticks) - 1, count).round().astype(int).tolist()
-    yield from [len(ticks) - 1] * _PAUSE
+    yield from np.linspace(0, len(times) - 1, count).round().astype(int).tolist()
+    yield from [len(times) - 1] * _PAUSE
 
 
 class _Film:
     """A figure whose artists are moved from frame to frame."""
 
-    def __init__(self, recording: RecordedRun) -> None:
+    def __init__(self, recording: Recording) -> None:
         self.figure = Figure(figsize=_INCHES, layout="constrained")
         self._recording = recording
         self._axes = self.figure.subplots()
@@ -282,7 +282,7 @@ class _Film:
 
     def show(self, step: int) -> None:
         """Move all artists to one recorded tick."""
-        truths, scenario = self._recording.truths, self._recording.scenario
+        whole, scenario = self._recording.trajectory, self._recording.scenario
         oldest = max(0, step - round(_TAIL / scenario.time.step)) if len(self._robots) > MANY else 0
         for robot, (disk, trail, label) in zip(self._robots, self._parts, strict=True):
             path = robot.path[: step + 1]
@@ -293,8 +293,8 @@ class _Film:
             if is_there:
                 disk.set_center(path[-1])
                 label.set_position(path[-1])
-        seconds = float(truths.ticks[step]) * scenario.time.step
+        seconds = float(whole.times[step])
         for patch, stay in self._obstacles:
             patch.set_visible(stay.since <= seconds < stay.until)
-        gap = 1000.0 * float(truths.clearance[step])
+        gap = 1000.0 * float(whole.clearance[step])
         self._title.set_text(f"{scenario.name}  t = {seconds:4.1f} s  clearance {gap:5.1f} mm")

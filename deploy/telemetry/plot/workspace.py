@@ -11,7 +11,7 @@ from matplotlib.legend_handler import HandlerPatch
 from matplotlib.patches import Circle, Patch, Polygon
 from matplotlib.patheffects import withStroke
 
-from deploy.telemetry.recording.reader import RecordedRun
+from deploy.telemetry.recording.reader import Recording
 from deploy.telemetry.recording.replay import participants
 from protocol.geometry import Disk, Shape
 from protocol.messages import Clock
@@ -90,7 +90,7 @@ class Stay(NamedTuple):
         return " ".join(filter(None, (came, went)))
 
 
-def stays(recording: RecordedRun) -> list[Stay]:
+def stays(recording: Recording) -> list[Stay]:
     """All obstacles of the run, by number, as the world's Clock reports them."""
     shapes = dict(recording.scenario.shapes)
     since, until = dict.fromkeys(shapes, 0.0), dict.fromkeys(shapes, math.inf)
@@ -108,7 +108,7 @@ def stays(recording: RecordedRun) -> list[Stay]:
     return [Stay(shapes[number], since[number], until[number]) for number in sorted(shapes)]
 
 
-def draw_obstacles(axes: Axes, recording: RecordedRun) -> list[tuple[Patch, Stay]]:
+def draw_obstacles(axes: Axes, recording: Recording) -> list[tuple[Patch, Stay]]:
     """Draw all obstacles of the run: filled if present at the end, dashed if removed."""
     drawn = []
     for stay in stays(recording):
@@ -136,7 +136,7 @@ _MOMENTS = 5  # disks drawn between start and end
 MANY = 20  # largest number of robots drawn with ids
 
 
-def draw_workspace(axes: Axes, recording: RecordedRun) -> None:
+def draw_workspace(axes: Axes, recording: Recording) -> None:
     """Draw one run: dotted disks at the starts, outlined goals, filled disks at the ends."""
     frame(axes, recording)
     robots = participants(recording)
@@ -156,7 +156,7 @@ def draw_workspace(axes: Axes, recording: RecordedRun) -> None:
                 _label(axes, path[0], str(each.robot), faint=True)
 
 
-def frame(axes: Axes, recording: RecordedRun) -> list[tuple[Patch, Stay]]:
+def frame(axes: Axes, recording: Recording) -> list[tuple[Patch, Stay]]:
     """Draw boundary, obstacles, equal scales and axes (m); returns the artists of the obstacles."""
     room = recording.scenario.workspace.shape
     obstacles = draw_obstacles(axes, recording)

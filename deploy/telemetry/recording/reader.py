@@ -9,11 +9,11 @@ from __future__ import annotations
 import json
 import struct
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
-from itertools import accumulate, chain, count
+from itertools import accumulate, count
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -25,8 +25,10 @@ from mcap.records import Channel, Chunk, McapRecord, Metadata
 from mcap.records import Message as McapMessage
 from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.writer import MCAP0_MAGIC
+from numpy.typing import NDArray
 
 from deploy.telemetry.recording.form import from_object
+from deploy.telemetry.recording.trajectory import CompactTruth, Trajectory, columns_of
 from protocol.codec import DAMAGED
 from protocol.errors import KeyGrammarError, RecordingError, ScenarioError, UsageError
 from protocol.keys import STREAMS, parse, world_key
@@ -220,57 +222,17 @@ class Entries:
         return Entries(self._found, lambda entry: self._keep(entry) and keep(entry))
 
 
-class Said(NamedTuple):
-    """A compact `Truth`: clearance, phi, log_potential, x, y, x, y, ..."""
-
-    tick: int
-    robots: tuple[int, ...]
-    numbers: np.ndarray
-
-    @classmethod
-    def of(cls, truth: Truth) -> Said:
-        places = chain.from_iterable(truth.positions)
-        return cls(
-            truth.tick, truth.robots, np.array([truth.clearance, truth.phi, truth.log_potential, *places])
-        )
-
-
-@dataclass(frozen=True)
-class Truths:
-    """True positions (tick, robot, 2), m, at the start of `ticks`, of `robots` by id; NaN where absent."""
-
-    robots: np.ndarray
-    ticks: np.ndarray
-    positions: np.ndarray
-    clearance: np.ndarray  # m, smallest gap during the previous tick
-    phi: np.ndarray
-    log_potential: np.ndarray
-
-    @classmethod
-    def of(cls, said: Iterable[Said]) -> Truths:
-        """From Truths in the order of ticks."""
-        rows = list(said)
-        robots = np.array(sorted(set(chain.from_iterable({row.robots for row in rows}))), dtype=np.int64)
-        positions = np.full((len(rows), len(robots), 2), np.nan)
-        for places, row in zip(positions, rows, strict=True):
-            places[np.searchsorted(robots, row.robots)] = row.numbers[3:].reshape(-1, 2)
-        measured = np.array([row.numbers[:3] for row in rows]).reshape(-1, 3).T
-        return cls(robots, np.array([row.tick for row in rows]), positions, *measured)
-
-    @property
-    def missing(self) -> int:
-        """Number of ticks missing from tick 0 to the last recorded one."""
-        return int(self.ticks[-1]) + 1 - len(self.ticks) if len(self.ticks) else 0
-
-
-@dataclass(frozen=True)
-class RecordedRun:
+@dataclass(frozen=True, eq=False)
+class Recording:
     """A recorded run.
 
     Attributes:
         run: name of the run.
         result: the result, as of `disknav run --json` or of the world; None if the recording ended earlier.
+        entries: all recorded messages in order, each with `time` (simulated s), `key` and `message`;
+            every iteration reads the file again.
         counts: number of messages by key.
+        trajectory: all ticks whose truth was recorded; a busy network may have dropped some.
         preceding: name of the file that this one continues; empty for the first.
         cut: a file was cut short, is damaged or lacks its next, or the disk was full; the rest is available.
     """
@@ -281,7 +243,7 @@ class RecordedRun:
     result: dict[str, Any] | None
     entries: Entries
     counts: Counter[str]
-    truths: Truths
+    trajectory: Trajectory
     preceding: str
     cut: bool
 
@@ -291,9 +253,25 @@ class RecordedRun:
             assert isinstance(entry.message, kind)
             yield entry.message
 
+    def columns(self, stream: str) -> dict[str, NDArray[Any]]:
+        """One row per message of `stream` ("command", "state", ...), a column for `time` (s) and each field.
 
-def read(path: Path | str, progress: Progress = lambda _: None) -> RecordedRun:
-    """Read a recording, complete or cut, with the files that follow it; `progress` receives the share done.
+        A position or velocity makes two columns, such as `position_x` and `position_y`, NaN where missing;
+        other values stay objects. docs/streams.md describes the fields.
+
+        Raises:
+            UsageError: no such stream.
+        """
+        if stream not in STREAMS:
+            raise UsageError(f"no stream {stream!r}; there are {', '.join(STREAMS)}")
+        entries = list(self.entries.of(STREAMS[stream].message))
+        times = np.array([entry.time for entry in entries])
+        return {"time": times, **columns_of(STREAMS[stream].message, [entry.message for entry in entries])}
+
+
+def read(path: Path | str, progress: Progress = lambda _: None) -> Recording:
+    """Read a recording of `run` or of the command, complete or cut, with the files that follow it; `progress`
+    receives the share done.
 
     Raises:
         UsageError: there is no such file.
@@ -305,11 +283,11 @@ def read(path: Path | str, progress: Progress = lambda _: None) -> RecordedRun:
     run, preceding = said.get("name", ""), said.get("preceding", "")
     result = found.metadata.get("result")
     with _by_this_version(path):
-        counts, truths = _looked_through(found, scenario, not preceding, progress)
+        counts, trajectory = _looked_through(found, scenario, not preceding, progress)
         report = None if result is None else json.loads(result["json"])
     recorder = found.metadata.get("recorder")
     cut = found.cut or recorder is None
-    return RecordedRun(path, run, scenario, report, Entries(found), counts, truths, preceding, cut)
+    return Recording(path, run, scenario, report, Entries(found), counts, trajectory, preceding, cut)
 
 
 @contextmanager
@@ -335,9 +313,9 @@ def _scenario(path: Path, found: Contents) -> Scenario:
 
 def _looked_through(
     found: Contents, scenario: Scenario, whole: bool, progress: Progress
-) -> tuple[Counter[str], Truths]:
+) -> tuple[Counter[str], Trajectory]:
     counts: Counter[str] = Counter()
-    said: dict[int, Said] = {}
+    said: dict[int, CompactTruth] = {}
     robots: tuple[int, ...] = ()
     truths = world_key(found.metadata.get("run", {}).get("name", ""), "truth")
     for key, _, data in found.messages(progress):
@@ -346,7 +324,7 @@ def _looked_through(
             truth = from_object(Truth, msgspec.json.decode(data))
             assert isinstance(truth, Truth)
             robots = robots if truth.robots == robots else truth.robots  # share equal tuples
-            said[truth.tick] = Said.of(truth)._replace(robots=robots)
+            said[truth.tick] = CompactTruth.of(truth)._replace(robots=robots)
     if whole or not said:
-        said.setdefault(0, Said.of(WorldCore(scenario).truth))  # the starts
-    return counts, Truths.of(said[tick] for tick in sorted(said))
+        said.setdefault(0, CompactTruth.of(WorldCore(scenario).truth))  # the starts
+    return counts, Trajectory.of((said[tick] for tick in sorted(said)), scenario.time.step)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from deploy.output import writing
 from deploy.telemetry.drawing import WORLD, frame
-from deploy.telemetry.recording.reader import RecordedRun
+from deploy.telemetry.recording.reader import Recording
 from deploy.telemetry.recording.writer import LIBRARY
 from protocol.bus.bus import Bus, Publish
 from protocol.codec import encode
@@ -50,24 +50,24 @@ class Participant(NamedTuple):
         return known
 
 
-def participants(recording: RecordedRun) -> list[Participant]:
+def participants(recording: Recording) -> list[Participant]:
     """All robots of the recording, by id."""
-    scenario, truths = recording.scenario, recording.truths
+    scenario, known = recording.scenario, recording.trajectory
     specs = {spec.id: spec for spec in (*scenario.newcomers, *scenario.robots)}
-    robots: list[int] = truths.robots.tolist()
+    robots: list[int] = known.robots.tolist()
     radii = _announced(recording, set(robots).difference(specs))
     return [
         Participant(
             robot,
             specs[robot].radius if robot in specs else radii.get(robot, 0.0),
             specs[robot].goal if robot in specs else None,
-            truths.positions[:, index],
+            known.positions[:, index],
         )
         for index, robot in enumerate(robots)
     ]
 
 
-def _announced(recording: RecordedRun, robots: set[int]) -> dict[int, float]:
+def _announced(recording: Recording, robots: set[int]) -> dict[int, float]:
     """Radii of robots that operators added, m, from recorded rosters."""
     radii: dict[int, float] = {}
     for tick in recording.said(Tick) if robots else ():
@@ -97,7 +97,7 @@ class CheckedTrajectory(NamedTuple):
         return f" ({self.restored} ticks reconstructed from odometry)" if self.restored else ""
 
 
-def trajectory(recording: RecordedRun) -> CheckedTrajectory:
+def recomputed(recording: Recording) -> CheckedTrajectory:
     """Recompute the trajectory's digest up to the last known tick, as the result has it: from the first tick
     of the run, or of the last of several worlds.
 
@@ -135,12 +135,12 @@ def trajectory(recording: RecordedRun) -> CheckedTrajectory:
     return CheckedTrajectory(digest.hexdigest(), len(missing))
 
 
-def _known(recording: RecordedRun) -> dict[int, _Plane]:
-    truths, result = recording.truths, recording.result or {}
+def _known(recording: Recording) -> dict[int, _Plane]:
+    recorded, result = recording.trajectory, recording.result or {}
     known: dict[int, _Plane] = {}
-    for tick, positions in zip(truths.ticks.tolist(), truths.positions, strict=True):
+    for tick, positions in zip(recorded.ticks.tolist(), recorded.positions, strict=True):
         there = ~np.isnan(positions[:, 0])
-        known[tick] = _Plane(tuple(truths.robots[there].tolist()), positions[there])
+        known[tick] = _Plane(tuple(recorded.robots[there].tolist()), positions[there])
     final = {int(robot): tuple(place) for robot, place in result.get("positions", {}).items()}
     if final and "ticks" in result:
         robots = tuple(sorted(final))
@@ -151,7 +151,7 @@ def _known(recording: RecordedRun) -> dict[int, _Plane]:
 class _Moves:
     """Motion of each robot in the tick before each of `ticks`, from odometry."""
 
-    def __init__(self, recording: RecordedRun, ticks: Set[int]) -> None:
+    def __init__(self, recording: Recording, ticks: Set[int]) -> None:
         self._path = recording.path
         self._said: defaultdict[int, dict[int, Vector]] = defaultdict(dict)
         self._commanded: dict[tuple[int, int], Vector] = {}
@@ -184,7 +184,7 @@ class Published(NamedTuple):
     payload: bytes
 
 
-def published(recording: RecordedRun, run: str | None = None) -> Iterator[Published]:
+def published(recording: Recording, run: str | None = None) -> Iterator[Published]:
     """All published messages, in order, under the keys of `run` (default: the recorded name)."""
     run = run or recording.run
     last = 0.0
@@ -197,7 +197,7 @@ def published(recording: RecordedRun, run: str | None = None) -> Iterator[Publis
         yield Published(last, world_key(run, "result"), encode(Result(json.dumps(recording.result))))
 
 
-def verify(recording: RecordedRun) -> CheckedTrajectory | None:
+def verify(recording: Recording) -> CheckedTrajectory | None:
     """The recomputed trajectory; None if the recording has no result or no beginning.
 
     Raises:
@@ -205,7 +205,7 @@ def verify(recording: RecordedRun) -> CheckedTrajectory | None:
     """
     if recording.result is None or recording.preceding:
         return None
-    found, said = trajectory(recording), recording.result.get("trajectory_sha256")
+    found, said = recomputed(recording), recording.result.get("trajectory_sha256")
     if found.sha256 != said:
         raise RecordingError(
             f"{recording.path}: the recorded trajectory has hash {found.sha256}, its result says {said}: "
@@ -215,7 +215,7 @@ def verify(recording: RecordedRun) -> CheckedTrajectory | None:
 
 
 def publish(
-    recording: RecordedRun,
+    recording: Recording,
     bus: Bus,
     run: str | None = None,
     *,
@@ -225,7 +225,7 @@ def publish(
     """Publish a recording on a bus, `speed` simulated seconds per second (0: as fast as possible)."""
     publishers: dict[str, Publish] = {}
     began = time.monotonic()
-    duration = float(recording.truths.ticks[-1]) * recording.scenario.time.step
+    duration = float(recording.trajectory.times[-1])
     for now, key, payload in published(recording, run):
         if key not in publishers:
             publishers[key] = bus.publisher(STREAMS[parse(key).stream], key)
@@ -240,7 +240,7 @@ def publish(
 _TF = "tf2_msgs/msg/TFMessage"
 
 
-def export(recording: RecordedRun, path: Path) -> None:
+def export(recording: Recording, path: Path) -> None:
     """Write the recorded Truths to `path` as ROS 2 transforms.
 
     Raises:
@@ -250,18 +250,18 @@ def export(recording: RecordedRun, path: Path) -> None:
         from agents.bases.ros_messages import Transform, Transforms, header_at
     except ModuleNotFoundError as error:
         raise missing_library("writing ROS 2 messages", "pycdr2", "ros2") from error
-    step, truths = recording.scenario.time.step, recording.truths
+    recorded = recording.trajectory
     with writing(path, "write ROS 2 messages"), path.open("wb") as file:
         writer: Any = Writer(file)  # partly untyped
         writer.start("ros2", LIBRARY)
         definition = (Path(__file__).parent / "TFMessage.msg").read_bytes()
         channel = writer.register_channel("/tf", "cdr", writer.register_schema(_TF, "ros2msg", definition))
-        for tick, positions in zip(truths.ticks.tolist(), truths.positions, strict=True):
-            time = round(tick * step * 1e9)
+        for seconds, positions in zip(recorded.times.tolist(), recorded.positions, strict=True):
+            time = round(seconds * 1e9)
             header = header_at(time, WORLD)
             poses = [
                 Transform(header, frame(robot), [x, y, 0.0], [0.0, 0.0, 0.0, 1.0])
-                for robot, (x, y) in zip(truths.robots.tolist(), positions.tolist(), strict=True)
+                for robot, (x, y) in zip(recorded.robots.tolist(), positions.tolist(), strict=True)
                 if not math.isnan(x)
             ]
             writer.add_message(channel, time, Transforms(poses).serialize(), time)

@@ -21,7 +21,7 @@ from deploy.run.fleet import Fleet
 from deploy.run.operator import operating
 from deploy.run.options import RunOptions, Transport, fresh_run_name
 from deploy.telemetry.recording.reader import read
-from deploy.telemetry.recording.replay import trajectory
+from deploy.telemetry.recording.replay import recomputed
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, RecordingError
@@ -106,7 +106,7 @@ def test_a_run_and_its_recording_go_on(transport: Transport, tmp_path: Path) -> 
     recording = read(path)
     assert recording.result is not None
     try:
-        assert trajectory(recording).sha256 == report["trajectory_sha256"]
+        assert recomputed(recording).sha256 == report["trajectory_sha256"]
     except RecordingError as error:  # no router holds a tick back until the recorder has found the new world
         assert transport == "mesh"
         assert f"tick {report['worlds'][-1]}, the first of" in str(error)

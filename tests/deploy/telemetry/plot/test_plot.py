@@ -13,7 +13,7 @@ from PIL import Image
 from deploy.telemetry.plot.draw import check, draw, until
 from deploy.telemetry.plot.figure import ReceivedStates, measurement_ages
 from deploy.telemetry.plot.workspace import COLOURS, colour, dash
-from deploy.telemetry.recording.reader import RecordedRun, read
+from deploy.telemetry.recording.reader import Recording, read
 from protocol.errors import UsageError
 from protocol.scenario.model import Sensing
 from protocol.scenario.network import Link
@@ -25,14 +25,14 @@ STEP = 0.05
 
 
 @pytest.fixture(scope="module")
-def recording(tmp_path_factory) -> RecordedRun:
+def recording(tmp_path_factory) -> Recording:
     path = tmp_path_factory.mktemp("plot") / "three.mcap"
     record(path)
     return read(path)
 
 
 @pytest.fixture(scope="module")
-def faulty(tmp_path_factory) -> RecordedRun:
+def faulty(tmp_path_factory) -> Recording:
     """Measurements two ticks late, States three ticks late and two in five lost."""
     path = tmp_path_factory.mktemp("plot") / "faulty.mcap"
     record(path, sensing=(Sensing(delay=0.1),), link=Link(delay=0.15, loss=0.4))
@@ -55,10 +55,10 @@ def test_a_picture_shows_every_robot_and_the_words(recording, tmp_path):
 
 def test_an_excerpt_ends_where_it_was_cut(recording, tmp_path):
     part = until(recording, 3.2 * STEP)
-    assert part.truths.ticks.tolist() == [0, 1, 2, 3]
-    assert len(part.truths.positions) == len(part.truths.phi) == len(part.truths.clearance) == 4
+    assert part.trajectory.ticks.tolist() == [0, 1, 2, 3]
+    assert len(part.trajectory.positions) == len(part.trajectory.phi) == len(part.trajectory.clearance) == 4
     assert max(entry.time for entry in part.entries) <= 3.5 * STEP
-    assert len(until(recording, 0.0).truths.ticks) == 1
+    assert len(until(recording, 0.0).trajectory.ticks) == 1
     assert until(recording, 1e9) is recording
     draw(part, tmp_path / "a.svg")
     assert "three: not finished after" in (tmp_path / "a.svg").read_text()
@@ -68,7 +68,7 @@ def test_a_run_cut_before_anything_happened_can_be_drawn(recording, tmp_path):
     data = recording.path.read_bytes()
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(data[: data.index(b"scenario") + 3000])
-    assert read(cut).truths.ticks.tolist() == [0]
+    assert read(cut).trajectory.ticks.tolist() == [0]
     draw(cut, tmp_path / "a.gif", width=200, seconds=1.0)
     assert (tmp_path / "a.gif").stat().st_size > 1000
 

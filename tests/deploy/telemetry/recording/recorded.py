@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from deploy.run.local import LocalFleet
-from deploy.telemetry.recording.reader import RecordedRun
+from deploy.telemetry.recording.reader import Recording
 from protocol import joining
 from protocol.bus.bus import Query
 from protocol.keys import STREAMS, parse, world_key, world_token
@@ -29,7 +29,7 @@ def record(path: Path, **changes: Any) -> dict[str, Any]:
         return fleet.execute()
 
 
-def said_by(recording: RecordedRun, kind: type[Any], robot: int) -> list[Any]:
+def said_by(recording: Recording, kind: type[Any], robot: int) -> list[Any]:
     return [message for message in recording.said(kind) if message.robot == robot]
 
 

@@ -18,7 +18,7 @@ from rosbags.highlevel import AnyReader
 
 from deploy.run.local import LocalFleet
 from deploy.telemetry.recording.reader import Contents, read
-from deploy.telemetry.recording.replay import export, trajectory
+from deploy.telemetry.recording.replay import export, recomputed
 from deploy.telemetry.scene import TOPICS
 from protocol.errors import RecordingError, UsageError
 from protocol.keys import parse
@@ -144,13 +144,13 @@ def test_a_recording_holds_a_scene_that_follows_the_truth(recorded):
         ]
     assert {topic for topic, _ in drawn} == set(TOPICS)
     frames = [message for topic, message in drawn if topic == "/tf"]
-    ticks = found.truths.ticks.tolist()
+    ticks = found.trajectory.ticks.tolist()
     assert len(frames) >= len(ticks) // 2
     for frame in frames:
         row = ticks.index(round(frame.log_time / 1e9 / 0.05))
         moved = json.loads(frame.data)["transforms"]
         told = [(each["translation"]["x"], each["translation"]["y"]) for each in moved]
-        assert np.allclose(told, found.truths.positions[row], rtol=0.0, atol=1e-5)
+        assert np.allclose(told, found.trajectory.positions[row], rtol=0.0, atol=1e-5)
         assert [each["child_frame_id"] for each in moved] == ["robot_1", "robot_2", "robot_7"]
 
 
@@ -164,7 +164,7 @@ def test_ros_tools_open_what_is_exported(recorded, tmp_path):
         *_, (_, _, last) = bag.messages()
         final = bag.deserialize(last, connection.msgtype).transforms[1].transform.translation
     assert times == [tick * 50_000_000 for tick in range(report["ticks"] + 1)]
-    assert [final.x, final.y] == read(path).truths.positions[-1][1].tolist()
+    assert [final.x, final.y] == read(path).trajectory.positions[-1][1].tolist()
 
 
 def test_any_mcap_reader_reads_it(recorded):
@@ -192,11 +192,11 @@ def test_what_is_read_is_what_was_run(recorded):
     assert found.scenario == scenario()
     assert found.result == report
     assert not found.cut
-    assert trajectory(found).sha256 == report["trajectory_sha256"]
-    assert found.truths.ticks.tolist() == list(range(report["ticks"] + 1))
-    assert found.truths.missing == 0
-    assert found.truths.clearance.min() == report["min_clearance"]
-    assert np.array_equal(found.truths.positions[0], [spec.start for spec in ROBOTS])
+    assert recomputed(found).sha256 == report["trajectory_sha256"]
+    assert found.trajectory.ticks.tolist() == list(range(report["ticks"] + 1))
+    assert found.trajectory.missing == 0
+    assert found.trajectory.clearance.min() == report["min_clearance"]
+    assert np.array_equal(found.trajectory.positions[0], [spec.start for spec in ROBOTS])
     for spec in ROBOTS:
         told = [tick.tick for tick in said_by(found, Tick, spec.id) if not tick.over]
         assert told == list(range(report["ticks"]))

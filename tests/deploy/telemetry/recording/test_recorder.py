@@ -14,7 +14,7 @@ from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from deploy.telemetry.recording.reader import read
 from deploy.telemetry.recording.recorder import Recorder
-from deploy.telemetry.recording.replay import trajectory
+from deploy.telemetry.recording.replay import recomputed
 from deploy.telemetry.recording.writer import RecordingWriter
 from protocol import joining
 from protocol.bus.local import LocalBus, LocalNetwork
@@ -111,7 +111,7 @@ def test_a_fleet_is_recorded_to_the_last_message(tmp_path):
         assert fleet.recordings() == [str(path)]
     found = read(path)
     assert (found.cut, found.result) == (False, report | {"transport": "routed"})
-    assert trajectory(found) == (report["trajectory_sha256"], 0)
+    assert recomputed(found) == (report["trajectory_sha256"], 0)
     for spec in ROBOTS:
         assert [state.tick for state in said_by(found, State, spec.id)] == list(range(report["ticks"]))
         assert [command.tick for command in said_by(found, Command, spec.id)] == list(range(report["ticks"]))
@@ -143,9 +143,9 @@ def test_a_fleet_whose_recorder_is_killed_goes_on(restarts, tmp_path, caplog):
     assert report["verdict"] == "arrived"
     before = read(path)
     assert before.cut
-    assert before.truths.missing == 0
-    assert before.truths.ticks[-1] > 0
+    assert before.trajectory.missing == 0
+    assert before.trajectory.ticks[-1] > 0
     if restarts:
         after = read(more)
         assert (after.cut, after.result) == (False, report)
-        assert after.truths.ticks[-1] == report["ticks"]
+        assert after.trajectory.ticks[-1] == report["ticks"]

@@ -14,7 +14,7 @@ from deploy.library.load import load
 from deploy.processes.router import listening
 from deploy.run.local import LocalFleet
 from deploy.telemetry.plot.draw import until
-from deploy.telemetry.recording.reader import Contents, RecordedRun, Truths, read
+from deploy.telemetry.recording.reader import Contents, Recording, read
 from deploy.telemetry.recording.replay import participants, publish, published, verify
 from protocol.bus.bus import Sample
 from protocol.bus.connection import Connection
@@ -33,7 +33,7 @@ def path(recorded) -> Path:
 
 
 @pytest.fixture(scope="module")
-def recording(path) -> RecordedRun:
+def recording(path) -> Recording:
     return read(path)
 
 
@@ -58,15 +58,13 @@ def test_the_trajectory_is_the_results(recording):
     assert verify(recording) == (recording.result["trajectory_sha256"], 0)
 
 
-def _without_truths(recording: RecordedRun, lost: set[int]) -> RecordedRun:
-    truths = recording.truths
-    keep = ~np.isin(truths.ticks, list(lost))
-    columns = (truths.ticks, truths.positions, truths.clearance, truths.phi, truths.log_potential)
-    return replace(recording, truths=Truths(truths.robots, *(column[keep] for column in columns)))
+def _without_truths(recording: Recording, lost: set[int]) -> Recording:
+    whole = recording.trajectory
+    return replace(recording, trajectory=whole.at(~np.isin(whole.ticks, list(lost))))
 
 
 def test_lost_truths_are_worked_out_from_measurements_to_the_last_bit(recording):
-    last = int(recording.truths.ticks[-1])
+    last = int(recording.trajectory.ticks[-1])
     found = verify(_without_truths(recording, {5, 6, 20, last}))
     assert found == (recording.result["trajectory_sha256"], 3)
     assert found.remark == " (3 ticks reconstructed from odometry)"
@@ -138,7 +136,7 @@ def test_commands_say_what_they_found(path, recording, tmp_path, capsys):
 
 @pytest.mark.process
 def test_exit_status_of_the_command(path, recording, disknav, tmp_path):
-    x = repr(recording.truths.positions[20, 0, 0].item()).encode()
+    x = repr(recording.trajectory.positions[20, 0, 0].item()).encode()
     other = x[:-1] + (b"1" if x[-1:] != b"1" else b"2")
     altered = _altered(path, tmp_path / "altered.mcap", x, other)
     said = "altered.mcap: the recorded trajectory has hash"
@@ -159,26 +157,26 @@ GUEST = RobotSpec(5, 0.03, (0.0, 0.0), (0.0, 0.2))
 ORDERS = (Order(0.2, add=GUEST), Order(1.0, remove=2))
 
 
-def run_recorded(scenario: Scenario, path: Path) -> RecordedRun:
+def run_recorded(scenario: Scenario, path: Path) -> Recording:
     with LocalFleet(scenario, record=path) as fleet:
         fleet.execute()
     return read(path)
 
 
 @pytest.fixture(scope="module")
-def guested(tmp_path_factory: pytest.TempPathFactory) -> RecordedRun:
+def guested(tmp_path_factory: pytest.TempPathFactory) -> Recording:
     course = replace(load("swap-3", ["time.limit=3.0"]), orders=ORDERS)
     return run_recorded(course, tmp_path_factory.mktemp("recorded") / "come.mcap")
 
 
-def there(recording: RecordedRun, robot: int) -> list[int]:
-    index = recording.truths.robots.tolist().index(robot)
-    return recording.truths.ticks[~np.isnan(recording.truths.positions[:, index, 0])].tolist()
+def there(recording: Recording, robot: int) -> list[int]:
+    index = recording.trajectory.robots.tolist().index(robot)
+    return recording.trajectory.ticks[~np.isnan(recording.trajectory.positions[:, index, 0])].tolist()
 
 
-def test_each_is_where_it_was_while_it_was_there(guested: RecordedRun) -> None:
-    last = int(guested.truths.ticks[-1])
-    assert guested.truths.robots.tolist() == [1, 2, 3, 5]
+def test_each_is_where_it_was_while_it_was_there(guested: Recording) -> None:
+    last = int(guested.trajectory.ticks[-1])
+    assert guested.trajectory.robots.tolist() == [1, 2, 3, 5]
     assert there(guested, 1) == list(range(last + 1))
     assert there(guested, 2) == list(range(21))
     assert there(guested, 5)[0] > 4
@@ -186,7 +184,7 @@ def test_each_is_where_it_was_while_it_was_there(guested: RecordedRun) -> None:
     assert said_by(guested, State, 5)
 
 
-def test_a_lost_truth_is_worked_out_unless_somebody_came_or_went(guested: RecordedRun) -> None:
+def test_a_lost_truth_is_worked_out_unless_somebody_came_or_went(guested: Recording) -> None:
     found = verify(_without_truths(guested, {30}))
     assert (found.sha256, found.restored) == (guested.result["trajectory_sha256"], 1)
     with pytest.raises(RecordingError, match="robots appeared or left before tick 22"):
@@ -199,7 +197,7 @@ def test_a_robot_that_takes_up_a_part_leaves_the_trajectory_the_results(tmp_path
     assert verify(recording) == (recording.result["trajectory_sha256"], 0)
 
 
-def test_participants_have_what_is_known_of_them(guested: RecordedRun) -> None:
+def test_participants_have_what_is_known_of_them(guested: Recording) -> None:
     found = {each.robot: each for each in participants(guested)}
     assert (found[5].radius, found[5].goal) == (GUEST.radius, GUEST.goal)
     assert found[5].known[0] == pytest.approx(GUEST.start)

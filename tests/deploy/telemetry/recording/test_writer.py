@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from deploy.telemetry.recording.reader import read
-from deploy.telemetry.recording.replay import trajectory, verify
+from deploy.telemetry.recording.replay import recomputed, verify
 from deploy.telemetry.recording.writer import RecordingFile, RecordingWriter, Rotation, rotation
 from protocol.codec import encode
 from protocol.errors import RecordingError, UsageError
@@ -93,25 +93,25 @@ def test_a_recording_goes_on_in_another_file_and_is_read_as_one(tmp_path: Path) 
     assert all(80_000 <= Path(each).stat().st_size < 120_000 for each in named[:-1])
     whole = read(path)
     assert (whole.cut, whole.result) == (False, {"verdict": "arrived"})
-    assert whole.truths.ticks.tolist() == list(range(201))
+    assert whole.trajectory.ticks.tolist() == list(range(201))
     assert [clock.tick for clock in whole.said(Clock)] == list(range(1, 201))
     assert whole.counts == {world_key("r", "truth"): 200, world_key("r", "clock"): 200}
     assert all(one.time <= other.time for one, other in pairwise(whole.entries))
     later = read(Path(named[1]))
     assert not later.cut
-    assert 1 < later.truths.ticks[0] < later.truths.ticks[-1] == 200
+    assert 1 < later.trajectory.ticks[0] < later.trajectory.ticks[-1] == 200
     assert later.preceding == "r.mcap"
     assert verify(later) is None
     with pytest.raises(RecordingError, match=r"continues r\.mcap: name the first file of the recording"):
-        trajectory(later)
+        recomputed(later)
     with pytest.raises(RecordingError, match="Truth of tick 0, the first of the trajectory, was not"):
-        trajectory(replace(later, preceding=""))
+        recomputed(replace(later, preceding=""))
     Path(named[-1]).unlink()
     lacking = read(path)
     assert (lacking.cut, lacking.result) == (True, None)
-    assert len(lacking.truths.ticks) > 150
+    assert len(lacking.trajectory.ticks) > 150
     Path(named[-1]).write_bytes(path.read_bytes())  # leads in a circle, or to another run
-    assert read(path).truths.ticks[-1] == lacking.truths.ticks[-1]
+    assert read(path).trajectory.ticks[-1] == lacking.trajectory.ticks[-1]
 
 
 def test_one_that_is_old_enough_is_followed_by_another(tmp_path: Path) -> None:
@@ -124,7 +124,7 @@ def test_one_that_is_old_enough_is_followed_by_another(tmp_path: Path) -> None:
     assert sorted(each.name for each in tmp_path.iterdir()) == [
         "r-2.mcap", "r-3.mcap", "r-4.mcap", "r.mcap"
     ]  # fmt: skip
-    assert read(tmp_path / "r.mcap").truths.ticks.tolist() == [0, 1, 2, 3]
+    assert read(tmp_path / "r.mcap").trajectory.ticks.tolist() == [0, 1, 2, 3]
 
 
 # -- a disk that is full
@@ -156,5 +156,5 @@ def test_a_run_goes_on_when_the_disk_is_full(small_disk: Path) -> None:
     assert "No space left on device" in done.stderr
     found = read(path)
     assert found.cut
-    assert found.truths.ticks[-1] > 1
-    assert trajectory(found).restored == 0
+    assert found.trajectory.ticks[-1] > 1
+    assert recomputed(found).restored == 0

@@ -1,25 +1,36 @@
-"""Trajectories and recordings as arrays: every stream as columns, for data frames of pandas or polars."""
+"""Trajectories as arrays, and messages as columns, for data frames of pandas or polars."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from itertools import chain
 from types import NoneType, UnionType
-from typing import Annotated, Any, get_args, get_origin
+from typing import Annotated, Any, NamedTuple, get_args, get_origin
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from deploy.telemetry.recording import reader
-from deploy.telemetry.recording.reader import Truths
 from protocol.errors import UsageError
-from protocol.keys import STREAMS
-from protocol.messages import Vector
-from protocol.scenario.model import Scenario
+from protocol.messages import Truth, Vector
 
 Floats = NDArray[np.float64]
+
+
+class CompactTruth(NamedTuple):
+    """A `Truth` with its numbers in one array: clearance, phi, log_potential, x, y, x, y, ..."""
+
+    tick: int
+    robots: tuple[int, ...]
+    numbers: Floats
+
+    @classmethod
+    def of(cls, truth: Truth) -> CompactTruth:
+        places = chain.from_iterable(truth.positions)
+        return cls(
+            truth.tick, truth.robots, np.array([truth.clearance, truth.phi, truth.log_potential, *places])
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +45,7 @@ class Trajectory:
         clearance: m, shape (n,), smallest gap between two disks, or a disk and the boundary or an obstacle,
             during the tick before, over continuous time; negative is overlap.
         phi: shape (n,), the navigation function, 0 at the goal.
+        log_potential: shape (n,), log10(gamma / beta^(1/k)).
     """
 
     robots: NDArray[np.int64]
@@ -42,12 +54,31 @@ class Trajectory:
     positions: Floats
     clearance: Floats
     phi: Floats
+    log_potential: Floats
 
     @classmethod
-    def of(cls, scenario: Scenario, truths: Truths) -> Trajectory:
-        """Arrays of recorded truths, with times from the scenario's tick."""
-        times = truths.ticks * scenario.time.step
-        return cls(truths.robots, truths.ticks, times, truths.positions, truths.clearance, truths.phi)
+    def of(cls, truths: Iterable[CompactTruth], step: float) -> Trajectory:
+        """From truths in the order of ticks, with a period of `step` s."""
+        rows = list(truths)
+        robots = np.array(sorted(set(chain.from_iterable({row.robots for row in rows}))), dtype=np.int64)
+        positions = np.full((len(rows), len(robots), 2), np.nan)
+        for places, row in zip(positions, rows, strict=True):
+            places[np.searchsorted(robots, row.robots)] = row.numbers[3:].reshape(-1, 2)
+        measured = np.array([row.numbers[:3] for row in rows]).reshape(-1, 3).T
+        ticks = np.array([row.tick for row in rows])
+        return cls(robots, ticks, ticks * step, positions, *measured)
+
+    def at(self, rows: NDArray[np.bool_]) -> Trajectory:
+        """The part at some ticks, of the robots that are present then."""
+        there = ~np.isnan(self.positions[rows, :, 0]).all(axis=0)
+        measured = (each[rows] for each in (self.clearance, self.phi, self.log_potential))
+        positions = self.positions[rows][:, there]
+        return Trajectory(self.robots[there], self.ticks[rows], self.times[rows], positions, *measured)
+
+    @property
+    def missing(self) -> int:
+        """Number of ticks missing from tick 0 to the last known one."""
+        return int(self.ticks[-1]) + 1 - len(self.ticks) if len(self.ticks) else 0
 
     def of_robot(self, robot: int) -> Floats:
         """Positions of one robot, m, shape (n, 2).
@@ -70,62 +101,16 @@ class Trajectory:
         return {name: found[name] for name in ("tick", "time", "robot", "x", "y", "clearance", "phi")}
 
 
-@dataclass(frozen=True, eq=False)
-class Recording:
-    """A recorded run.
-
-    Attributes:
-        entries: all recorded messages in order, each with `time` (simulated s), `key` and `message`;
-            every iteration reads the file again.
-        result: as of `disknav.Run`; None if the recording ended before it.
-        cut: whether the file is truncated or damaged; the part before the cut is available.
-    """
-
-    path: Path
-    scenario: Scenario
-    result: dict[str, Any] | None
-    trajectory: Trajectory
-    entries: reader.Entries
-    cut: bool
-
-    def columns(self, stream: str) -> dict[str, NDArray[Any]]:
-        """One row per message of `stream` ("command", "state", ...), a column for `time` (s) and each field.
-
-        A position or velocity makes two columns, such as `position_x` and `position_y`, NaN where missing;
-        other values stay objects. docs/streams.md describes the fields.
-
-        Raises:
-            UsageError: no such stream.
-        """
-        if stream not in STREAMS:
-            raise UsageError(f"no stream {stream!r}; there are {', '.join(STREAMS)}")
-        entries = list(self.entries.of(STREAMS[stream].message))
-        times = np.array([entry.time for entry in entries])
-        return {"time": times, **_flat(STREAMS[stream].message, [entry.message for entry in entries])}
-
-
-def read(path: str | Path) -> Recording:
-    """Read a recording of `run` or of the command, complete or truncated.
-
-    Its trajectory has all ticks whose truth was recorded; a busy network may have dropped some.
-
-    Raises:
-        UsageError: no such file.
-        RecordingError: it is not a recording of a run.
-    """
-    found = reader.read(path)
-    trajectory = Trajectory.of(found.scenario, found.truths)
-    return Recording(found.path, found.scenario, found.result, trajectory, found.entries, found.cut)
-
-
-def _flat(struct: type[msgspec.Struct], values: Sequence[Any], prefix: str = "") -> dict[str, NDArray[Any]]:
+def columns_of(
+    struct: type[msgspec.Struct], values: Sequence[Any], prefix: str = ""
+) -> dict[str, NDArray[Any]]:
     """A column for every field of `struct`; None among `values` is a nested struct that is not there."""
     columns: dict[str, NDArray[Any]] = {}
     for field in msgspec.structs.fields(struct):
         hint, name = _bare(field.type), prefix + field.name
         inner = [None if value is None else getattr(value, field.name) for value in values]
         if isinstance(hint, type) and issubclass(hint, msgspec.Struct):
-            columns |= _flat(hint, inner, f"{name}_")
+            columns |= columns_of(hint, inner, f"{name}_")
         elif hint == Vector:
             plane = np.array([(np.nan, np.nan) if each is None else each for each in inner]).reshape(-1, 2)
             columns |= {f"{name}_x": plane[:, 0], f"{name}_y": plane[:, 1]}
