@@ -6,7 +6,6 @@ both are static.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Generic
 
 from mypy_extensions import mypyc_attr
@@ -104,10 +103,6 @@ class Ledger(Generic[R, L]):
         self.version += 1
         disk.held.stand(self.version, place)
         self._geometry.note(disk)
-
-    def obeys(self, disk: DiskRecord[R], life: int) -> bool:
-        """Whether the base of a disk executes commands of this life."""
-        return disk.phase == PRESENT and disk.life == life
 
     # -- regions
 
@@ -229,32 +224,20 @@ class Ledger(Generic[R, L]):
         self._geometry.note(found)
         return found
 
-    def appear(self, news: Iterable[DiskRecord[R]], instead: Iterable[DiskRecord[R]] = ()) -> None:
-        """Make announced disks present, in place of static ones without a life."""
-        gone, come = list(instead), list(news)
-        for disk in gone:
-            require(disk.life == NO, "appear: what goes has no life")
-        for disk in come:
-            require(disk.phase == ANNOUNCED, "appear: what comes was announced")
-        staying = [each for each in self.disks.values() if each.phase == PRESENT and each not in gone]
-        for index, disk in enumerate(come):
-            for other in [*staying, *come[:index]]:
-                if not self.tied(other, disk):
-                    require(self._geometry.apart(other.held, disk.held), "appear: apart from others, or tied")
+    def appear(self, disk: DiskRecord[R]) -> None:
+        """Make an announced disk present."""
+        require(disk.phase == ANNOUNCED, "appear: the disk was announced")
+        for other in self.disks.values():
+            if other.phase == PRESENT and not self.tied(other, disk):
+                require(self._geometry.apart(other.held, disk.held), "appear: apart from others, or tied")
         self.version += 1
-        for disk in gone:
-            self._vanish(disk)
-        for disk in come:
-            disk.phase = PRESENT
+        disk.phase = PRESENT
 
     def remove(self, disk: DiskRecord[R]) -> None:
         """Remove a static disk, an announced disk, or a part that has become part of a robot's body."""
         require(disk.phase != GONE, "remove: the disk is there")
         require(disk.life == NO, "remove: the disk has no life")
         self.version += 1
-        self._vanish(disk)
-
-    def _vanish(self, disk: DiskRecord[R]) -> None:
         disk.phase = GONE
         self._geometry.note(disk)
         for peer in list(self.pairs[disk.name]):

@@ -182,7 +182,7 @@ class Walk:
         current = [each for each in self.processes if self.current(each) and each.robot.name == self.carrier]
         if self.carrier and not (current and current[0].robot.part == PART):
             raise RefusedError("its carrier does not put it down")
-        self.ledger.appear([disk])
+        self.ledger.appear(disk)
         if self.carrier:
             self.truth[self.carrier] = current[0].robot.own
             self.carrier = NO
@@ -278,7 +278,8 @@ class Walk:
 
     def _execute(self, process: Process, after: Span, part: int) -> None:
         robot = process.robot
-        if self.ledger.obeys(self.ledger.disks[robot.name], robot.life):
+        disk = self.ledger.disks[robot.name]
+        if disk.phase == PRESENT and disk.life == robot.life:  # its base executes commands of this life
             self.truth[robot.name] = after
         body = self.truth[robot.name]
         robot.locate(body, (body[0], body[1] - 1) if part else body)

@@ -97,7 +97,7 @@ class Keeper:
         disk = self._ledger.disks[name]
         clear = self._is_ready(disk, disk.held.regions[0][1])
         if clear:
-            self._ledger.appear([disk])
+            self._ledger.appear(disk)
         return clear
 
     def remove(self, name: int) -> None:
