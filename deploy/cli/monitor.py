@@ -19,6 +19,7 @@ from protocol.process.signals import STOP
 if TYPE_CHECKING:
     from deploy.telemetry.monitor.foxglove import FoxgloveServer
     from deploy.telemetry.monitor.snapshot import Source, Steerable
+    from deploy.telemetry.monitor.watcher import Watcher
 
 _TIMEOUT = 5.0  # s to reach the fleet
 _NICENESS = 10  # a fleet on the same machine goes first
@@ -76,10 +77,9 @@ def monitor(
     role = membership.viewer if web else MONITOR
     connection = _connection(router, membership, role)
     with ExitStack() as stack:
-        listener = None
+        source = stack.enter_context(closing(attach(connection, name)))
         if foxglove:
-            listener = stack.enter_context(closing(_foxglove(name, None if web else port)))
-        source = stack.enter_context(closing(attach(connection, name, listener=listener)))
+            stack.enter_context(closing(_foxglove(source, name, None if web else port)))
         if metrics is not None:
             _export(source, metrics)
         if web:
@@ -99,12 +99,12 @@ def _connection(endpoints: list[str] | None, membership: KeyRing, role: str) -> 
     return Connection("peer", connect=tuple(map(Endpoint, endpoints)), timeout=_TIMEOUT)
 
 
-def _foxglove(run: str, port: int | None) -> FoxgloveServer:
+def _foxglove(source: Watcher, run: str, port: int | None) -> FoxgloveServer:
     try:
         from deploy.telemetry.monitor.foxglove import FoxgloveServer
     except ImportError as error:
         raise missing_library("--foxglove", "foxglove-sdk", "foxglove") from error
-    server = FoxgloveServer(run, port)
+    server = FoxgloveServer(source, run, port)
     print(f"{server.address}  (open it in Foxglove)", flush=True)
     return server
 

@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from functools import cache
 from itertools import pairwise
 from typing import Any
 
-from protocol import messages
+from deploy.telemetry.live import RobotView
 from protocol.geometry import ConvexPolygon, Shape
-from protocol.scenario.model import RobotSpec, Scenario
+from protocol.messages import Line, Vector
+from protocol.scenario.model import RobotSpec
 
 Json = dict[str, Any]
 WORLD = "world"  # frame of all positions
@@ -40,106 +41,96 @@ def update(entities: list[Json], gone: Json | None = None) -> Json:
     return {"entities": entities, "deletions": deletions}
 
 
-def frames(stamp: Json, places: Mapping[int, messages.Vector]) -> Json:
-    """Frames of robots at `places`, m, without rotation."""
+def frames(stamp: Json, robots: Iterable[RobotView]) -> Json:
+    """Frames of robots, without rotation."""
     return {
         "transforms": [
             {
                 "timestamp": stamp,
                 "parent_frame_id": WORLD,
-                "child_frame_id": frame(robot),
-                "translation": _point(*place),
+                "child_frame_id": frame(robot.spec.id),
+                "translation": _point(*robot.position),
                 "rotation": _UNTURNED,
             }
-            for robot, place in places.items()
+            for robot in robots
         ]
     }
 
 
-class Drawing:
-    """Draws the robots of one run. The first argument of its methods is the time of the drawing.
+def room(stamp: Json, boundary: Shape, shapes: Iterable[Shape]) -> Json:
+    """Boundary and obstacles."""
+    outlines = [boundary.outline(), *(shape.outline() for shape in shapes)]
+    edges = [_line(_LOOP, [_point(x, y) for x, y in each], _color(_GREY)) for each in outlines]
+    solid = [_fan(each, _color(_GREY, 0.3)) for each in outlines[1:]]
+    return _entity(stamp, WORLD, "room", lines=edges, triangles=solid)
 
-    Args:
-        radii: of all robots to draw, m; the mapping may grow later.
-    """
 
-    def __init__(self, scenario: Scenario, radii: Mapping[int, float]) -> None:
-        self._scenario, self._radii = scenario, radii
-        self._ranks = {robot: rank for rank, robot in enumerate(scenario.ids)}
+def disk(stamp: Json, robot: RobotView) -> Json:
+    """One robot, in its own frame; red without a life."""
+    number, height = robot.spec.id, robot.radius / 2
+    color = _color(_RED) if robot.fenced else _hue(number)
+    label = {
+        "pose": _pose(_point(0.0, 0.0, 1.5 * height)),
+        "billboard": True,
+        "font_size": 0.8 * robot.radius,
+        "scale_invariant": False,
+        "color": _color(_DARK),
+        "text": str(number),
+    }
+    cylinder = _disk((0.0, 0.0), robot.radius, height, color)
+    return _entity(stamp, frame(number), f"robot {number}", cylinders=[cylinder], texts=[label])
 
-    def room(self, stamp: Json, shapes: Collection[Shape]) -> Json:
-        """Boundary and obstacles."""
-        outlines = [self._scenario.workspace.shape.outline(), *(shape.outline() for shape in shapes)]
-        edges = [_line(_LOOP, [_point(x, y) for x, y in each], _color(_GREY)) for each in outlines]
-        solid = [_fan(each, _color(_GREY, 0.3)) for each in outlines[1:]]
-        return _entity(stamp, WORLD, "room", lines=edges, triangles=solid)
 
-    def robot(self, stamp: Json, robot: int, *, down: bool) -> Json:
-        """One robot, in its own frame."""
-        radius = self._radii[robot]
-        height = radius / 2
-        disk = _disk((0.0, 0.0), radius, height, _color(_RED) if down else self._hue(robot))
-        label = {
-            "pose": _pose(_point(0.0, 0.0, 1.5 * height)),
-            "billboard": True,
-            "font_size": 0.8 * radius,
-            "scale_invariant": False,
-            "color": _color(_DARK),
-            "text": str(robot),
-        }
-        return _entity(stamp, frame(robot), f"robot {robot}", cylinders=[disk], texts=[label])
+def goals(stamp: Json, robots: Iterable[RobotView]) -> Json:
+    """Known goals of robots."""
+    disks = [
+        _disk(robot.goal, robot.spec.radius, robot.spec.radius / 50, _hue(robot.spec.id, 0.3))
+        for robot in robots
+        if robot.goal is not None
+    ]
+    return _entity(stamp, WORLD, "goals", cylinders=disks)
 
-    def goals(self, stamp: Json, goals: Mapping[int, messages.Vector]) -> Json:
-        """Goals of robots, m."""
-        disks = [
-            _disk(goal, radius := self._radii[robot], radius / 50, self._hue(robot, 0.3))
-            for robot, goal in goals.items()
-        ]
-        return _entity(stamp, WORLD, "goals", cylinders=disks)
 
-    def trails(
-        self, stamp: Json, moments: Sequence[Mapping[int, messages.Vector]], robots: Iterable[int]
-    ) -> Json:
-        """Past paths of robots."""
-        lines = [
-            _line(_STRIP, [_point(*place) for place in places], self._hue(robot, 0.6))
-            for robot in robots
-            if len(places := [each[robot] for each in moments if robot in each]) > 1
-        ]
-        return _entity(stamp, WORLD, "trails", lines=lines)
+def trails(stamp: Json, robots: Iterable[RobotView], limit: int) -> Json:
+    """Past paths of robots, each of at most about `limit` points."""
+    lines = [
+        _line(
+            _STRIP,
+            [_point(*place) for place in places[:: -(-len(places) // limit)]],
+            _hue(robot.spec.id, 0.6),
+        )
+        for robot in robots
+        if len(places := robot.trail.items) > 1
+    ]
+    return _entity(stamp, WORLD, "trails", lines=lines)
 
-    def separating_lines(
-        self,
-        stamp: Json,
-        lines: Mapping[int, tuple[messages.Line, ...]],
-        places: Mapping[int, messages.Vector],
-    ) -> Json:
-        """The lines that each robot obeys, drawn near the peer of each."""
-        pieces = [
-            _line(_LIST, points, self._hue(robot))
-            for robot, obeyed in lines.items()
-            if (points := [point for line in obeyed for point in self._piece(robot, line, places)])
-        ]
-        return _entity(stamp, WORLD, "lines", lines=pieces)
 
-    def _piece(
-        self, robot: int, line: messages.Line, places: Mapping[int, messages.Vector]
-    ) -> tuple[Json, ...]:
-        peer, nx, ny, limit = line
-        if peer not in places:
-            return ()
-        radius = self._radii[robot]
-        (x, y), (u, v) = places[robot], places[peer]
-        if math.hypot(u - x, v - y) > (2 + _NEAR) * radius:
-            return ()
-        mx, my = (x + u) / 2, (y + v) / 2
-        off, reach = limit - nx * mx - ny * my, 1.1 * radius
-        fx, fy = mx + off * nx, my + off * ny
-        return _point(fx - ny * reach, fy + nx * reach), _point(fx + ny * reach, fy - nx * reach)
+def separating_lines(stamp: Json, robots: Mapping[int, RobotView]) -> Json:
+    """The lines that each robot obeys, drawn near the peer of each."""
+    pieces = [
+        _line(_LIST, points, _hue(robot.spec.id))
+        for robot in robots.values()
+        if (points := [point for line in robot.lines for point in _piece(robot, line, robots)])
+    ]
+    return _entity(stamp, WORLD, "lines", lines=pieces)
 
-    def _hue(self, robot: int, opacity: float = 1.0) -> Json:
-        rank = self._ranks.setdefault(robot, len(self._ranks))
-        return _color(_HUES[rank % len(_HUES)], opacity)
+
+def _piece(robot: RobotView, line: Line, robots: Mapping[int, RobotView]) -> tuple[Json, ...]:
+    peer, nx, ny, limit = line
+    if peer not in robots:
+        return ()
+    radius = robot.spec.radius
+    (x, y), (u, v) = robot.position, robots[peer].position
+    if math.hypot(u - x, v - y) > (2 + _NEAR) * radius:
+        return ()
+    mx, my = (x + u) / 2, (y + v) / 2
+    off, reach = limit - nx * mx - ny * my, 1.1 * radius
+    fx, fy = mx + off * nx, my + off * ny
+    return _point(fx - ny * reach, fy + nx * reach), _point(fx + ny * reach, fy - nx * reach)
+
+
+def _hue(robot: int, opacity: float = 1.0) -> Json:
+    return _color(_HUES[robot % len(_HUES)], opacity)
 
 
 def _entity(stamp: Json, frame_id: str, name: str, **primitives: list[Json]) -> Json:
@@ -167,7 +158,7 @@ def _color(hexadecimal: str, opacity: float = 1.0) -> Json:
     return {"r": red, "g": green, "b": blue, "a": opacity}
 
 
-def _disk(center: messages.Vector, radius: float, height: float, color: Json) -> Json:
+def _disk(center: Vector, radius: float, height: float, color: Json) -> Json:
     size = {"x": 2 * radius, "y": 2 * radius, "z": height}
     pose = _pose({"x": center[0], "y": center[1], "z": height / 2})
     return {"pose": pose, "size": size, "color": color, "bottom_scale": 1.0, "top_scale": 1.0}
@@ -182,7 +173,7 @@ def _line(joined: int, points: list[Json], color: Json) -> Json:
     return {"type": joined, "thickness": 1.5, "scale_invariant": True} | _points(points, color)
 
 
-def _fan(outline: list[messages.Vector], color: Json) -> Json:
+def _fan(outline: list[Vector], color: Json) -> Json:
     """A convex polygon as triangles that share its first corner."""
     first, *others = (_point(x, y) for x, y in outline)
     return _points([corner for pair in pairwise(others) for corner in (first, *pair)], color)
@@ -202,10 +193,12 @@ def _schema(value: Any) -> Json:
     return {"type": kinds[type(value)]}
 
 
+EXAMPLE = RobotView(RobotSpec(1, 1.0, (0.0, 0.0), (0.0, 0.0)), trail=1)
+
+
 def example() -> Json:
     """An update with one of each kind of primitive that is drawn."""
     square = ConvexPolygon(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)))
-    drawing = Drawing(Scenario((RobotSpec(1, 1.0, (0.0, 0.0), (0.0, 0.0)),)), {1: 1.0})
-    room, robot = drawing.room(_FOR_EVER, [square]), drawing.robot(_FOR_EVER, 1, down=False)
-    whole = {name: room[name] or robot[name] for name in room}
-    return update([whole], _FOR_EVER)
+    around = room(_FOR_EVER, square, [square])
+    robot = disk(_FOR_EVER, EXAMPLE)
+    return update([{name: around[name] or robot[name] for name in around}], _FOR_EVER)

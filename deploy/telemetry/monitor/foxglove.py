@@ -9,18 +9,20 @@ from queue import SimpleQueue
 from foxglove import Capability, Channel, Context, Schema, start_server
 from foxglove.websocket import ChannelView, Client, ServerListener
 
-from deploy.telemetry.scene import DRAWN, TOPICS, FleetScene, Picture
+from deploy.telemetry.live import FleetView
+from deploy.telemetry.monitor.watcher import Watcher
+from deploy.telemetry.scene import TOPICS, FleetScene, Picture
 from protocol.errors import UsageError
 from protocol.messages import Message
-from protocol.scenario.model import Scenario
 
 HOST, PORT = "127.0.0.1", 8765  # Foxglove's default
 
 
 class FoxgloveServer:
-    """Sends the scene of a `Watcher`'s messages to viewers.
+    """Sends the scene of a watcher's view to viewers.
 
     Args:
+        watcher: of the run.
         run: name of the run, shown to viewers.
         port: default Foxglove's; 0: a free one.
 
@@ -31,9 +33,9 @@ class FoxgloveServer:
         UsageError: the port is taken.
     """
 
-    def __init__(self, run: str, port: int | None = None) -> None:
-        self._scene: FleetScene | None = None
-        self._lock = threading.Lock()
+    def __init__(self, watcher: Watcher, run: str, port: int | None = None) -> None:
+        self._watcher = watcher
+        self._scene: FleetScene | None = None  # under the lock of the watcher's view
         self._wanted: SimpleQueue[str | None] = SimpleQueue()
         port = PORT if port is None else port
         self._context = Context()  # closes its channels when it is deleted
@@ -52,40 +54,32 @@ class FoxgloveServer:
         self.address = f"ws://{HOST}:{self._server.port}"
         self._thread = threading.Thread(target=self._welcome, name="foxglove newcomers", daemon=True)
         self._thread.start()
+        watcher.follow = self._follow
 
-    def begin(self, scenario: Scenario) -> None:
-        """Start the scene of a scenario."""
-        with self._lock:
-            self._scene = FleetScene(scenario)
+    def _follow(self, view: FleetView, message: Message | None) -> None:
+        if view.scenario is None:
+            return
+        if self._scene is None or message is None:  # a scenario begins
+            self._scene = FleetScene(view)
             self._log(self._scene.whole())
-
-    def meet(self, scenario: Scenario) -> None:
-        """Take the specs of added robots."""
-        with self._lock:
-            if self._scene is not None:
-                self._scene.meet(scenario)
-
-    def hear(self, message: Message) -> None:
-        """Take a published message."""
-        if type(message) in DRAWN:
-            with self._lock:
-                if self._scene is not None:
-                    self._log(self._scene.hear(message))
+        else:
+            self._log(self._scene.after(message))
 
     def close(self) -> None:
         """Disconnect all viewers and stop; may be called twice."""
+        self._watcher.follow = lambda *_: None
         self._wanted.put(None)
         self._thread.join()
-        with self._lock:
-            self._scene = None
         self._server.stop()
 
     def _welcome(self) -> None:
         """Send the newest message to new subscribers, since a topic may not change again."""
         while (topic := self._wanted.get()) is not None:
-            with self._lock:
-                if self._scene is not None:
-                    self._log(self._scene.latest(topic))
+            self._watcher.change(lambda *_, topic=topic: self._show(topic))
+
+    def _show(self, topic: str) -> None:
+        if self._scene is not None:
+            self._log(self._scene.latest(topic))
 
     def _log(self, pictures: Iterable[Picture]) -> None:
         for picture in pictures:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from deploy.telemetry.monitor.live import FleetView
+from deploy.telemetry.live import FleetView
 from deploy.telemetry.monitor.snapshot import Source
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library

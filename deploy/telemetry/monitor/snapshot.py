@@ -9,7 +9,7 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from typing import Any, TypeVar
 
-from deploy.telemetry.monitor.live import ALARMS, FleetView, RobotView
+from deploy.telemetry.live import ALARMS, FleetView, RobotView
 from protocol.geometry import Disk, Shape
 from protocol.messages import PlacedObstacle, Truth
 from protocol.operations import Outcome, Steer

@@ -9,11 +9,10 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from functools import partial
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING
 
 import msgspec
 
-from deploy.telemetry.monitor.live import FleetView
+from deploy.telemetry.live import FleetView
 from deploy.telemetry.monitor.snapshot import Steerable
 from protocol.bus.bus import Bus, Event, Presence, Sample
 from protocol.bus.connection import Connection
@@ -25,10 +24,6 @@ from protocol.keys import checked_run, every_robot, parse, robot_tokens, world_k
 from protocol.messages import Message
 from protocol.operations import Outcome, Reply, Steer, Steering, decode_reply
 from protocol.scenario.model import Operation, Scenario
-
-if TYPE_CHECKING:
-    from deploy.telemetry.monitor.foxglove import FoxgloveServer
-
 
 PERIOD = 0.05  # s between handling requests of viewers
 RETRY = 0.5  # s between queries for the scenario
@@ -43,18 +38,20 @@ class Watcher(Steerable):
     Args:
         bus: a connection of its own.
         run: name of the run.
-        listener: receives the same messages, in the thread that owns the bus.
 
     Attributes:
         rejected: number of invalid messages and tokens, by reason.
+        follow: called with the view, under its lock, after each message that it has taken; and with None
+            instead of the message when a scenario begins.
     """
 
-    def __init__(self, bus: Bus, run: str, *, listener: FoxgloveServer | None = None) -> None:
+    def __init__(self, bus: Bus, run: str) -> None:
         super().__init__(run)
+        self.follow: Callable[[FleetView, Message | None], None] = lambda *_: None
         self.finished = False
         self.rejected: Counter[str] = Counter()
         self.deadline = time.monotonic()
-        self._bus, self._run, self._listener = bus, run, listener
+        self._bus, self._run = bus, run
         self._tokens: defaultdict[int | None, set[str]] = defaultdict(set)  # by robot; None for worlds
         self._wishes: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._there, self._known = False, False  # whether a world is present, its scenario known
@@ -125,9 +122,11 @@ class Watcher(Steerable):
             return
         if self._known and self.change(lambda view, _: view.is_news(message)):
             self._learn()
-        self.change(lambda view, now: view.on_message(message, now))
-        if self._known and self._listener is not None:
-            self._listener.hear(message)
+        self.change(lambda view, now: self._take(view, message, now))
+
+    def _take(self, view: FleetView, message: Message, now: float) -> None:
+        view.on_message(message, now)
+        self.follow(view, message)
 
     def _learn(self) -> None:
         """Query the scenario; without an answer a later `wake` repeats it."""
@@ -135,10 +134,7 @@ class Watcher(Steerable):
         self._known = reply is not None
         if reply is not None:
             self.change(lambda view, _: view.begin(reply.scenario, reply.lockstep, reply.goals))
-            if self._listener is not None:
-                self._listener.begin(reply.scenario)
-                for status in reply.goals:
-                    self._listener.hear(status)
+            self.change(lambda view, _: self.follow(view, None))
             self._ask_for(Steer())  # changes nothing; the answer has the settings in force
 
     def _meet(self) -> None:
@@ -147,8 +143,6 @@ class Watcher(Steerable):
             self._known = False
             return
         self.change(lambda view, _: view.meet(reply.scenario, reply.goals))
-        if self._listener is not None:
-            self._listener.meet(reply.scenario)
 
     def _pass_on(self) -> None:
         while True:
@@ -168,7 +162,7 @@ class Watcher(Steerable):
         reply = min(replies, key=lambda each: each.accepted)
         status = None if operation.goal is None else reply.goal(operation.goal.robot)
         if status is not None:
-            self.change(lambda view, now: view.on_message(status, now))
+            self.change(lambda view, now: self._take(view, status, now))
         return reply
 
     def _ask_for(self, steer: Steer) -> None:
@@ -186,8 +180,8 @@ _LONGEST_WAIT = 0.05  # s until `close` takes effect
 class Attachment(Watcher):
     """A watcher with a thread of its own, until `close`."""
 
-    def __init__(self, bus: Bus, run: str, *, listener: FoxgloveServer | None = None) -> None:
-        super().__init__(bus, run, listener=listener)
+    def __init__(self, bus: Bus, run: str) -> None:
+        super().__init__(bus, run)
         self._thread = threading.Thread(target=self._loop, name=f"monitor of {run}", daemon=True)
         self._thread.start()
 
@@ -209,7 +203,7 @@ class Attachment(Watcher):
         self._thread.join()
 
 
-def attach(connection: Connection, run: str, *, listener: FoxgloveServer | None = None) -> Attachment:
+def attach(connection: Connection, run: str) -> Attachment:
     """Watch `run` over a new session, also before it starts.
 
     It cannot slow down the fleet: messages that this process cannot keep up with are dropped.
@@ -219,7 +213,7 @@ def attach(connection: Connection, run: str, *, listener: FoxgloveServer | None 
         KeyGrammarError: the run name is invalid.
     """
     checked_run(run)
-    return Attachment(ZenohBus(connection), run, listener=listener)
+    return Attachment(ZenohBus(connection), run)
 
 
 _NAP = 0.01  # s, longest wait between checks of the steering

@@ -18,8 +18,9 @@ import msgspec
 from mcap.writer import Writer
 
 from deploy.output import check_target
+from deploy.telemetry.live import VIEWED, FleetView
 from deploy.telemetry.recording.form import schema, to_object
-from deploy.telemetry.scene import DRAWN, TOPICS, FleetScene, Picture
+from deploy.telemetry.scene import TOPICS, FleetScene, Picture
 from protocol.codec import Reader
 from protocol.errors import KeyGrammarError, MessageError, RecordingError, UsageError
 from protocol.keys import STREAMS, Address, parse
@@ -127,7 +128,9 @@ class RecordingFile:
             before = {"preceding": preceding} if preceding else {}
             self._writer.add_metadata("run", {"name": run, "protocol": str(VERSION), **before})
             self._writer.add_metadata("scenario", {"json": _JSON.encode(scenario).decode()})
-            self._scene = FleetScene(scenario)
+            self._view = FleetView(run, recent=1)
+            self._view.begin(scenario, lockstep=True)
+            self._scene = FleetScene(self._view)
             self._topics = {name: self._register(name, *topic, {}) for name, topic in TOPICS.items()}
             self._draw(self._scene.whole())
             self._writer.flush()
@@ -172,8 +175,9 @@ class RecordingFile:
         self._count += 1
         if isinstance(message, Truth) and not self._robots.issuperset(message.robots):
             self._robots = self._robots.union(message.robots)  # added by an operator
-        if type(message) in DRAWN:
-            self._draw(self._scene.hear(message))
+        if type(message) in VIEWED:
+            self._view.on_message(message, 0.0)
+            self._draw(self._scene.after(message))
 
     def _draw(self, pictures: Iterable[Picture]) -> None:
         for topic, when, data in pictures:

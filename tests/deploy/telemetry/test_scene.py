@@ -10,9 +10,10 @@ from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate  # type: ignor
 from google.protobuf import json_format
 from msgspec.structs import replace
 
+from deploy.telemetry.live import FleetView
 from deploy.telemetry.scene import FleetScene, Picture
 from protocol import messages
-from protocol.messages import Clock, GoalStatus, Health, Member, Roster, Standing, Tick, Truth
+from protocol.messages import Clock, GoalStatus, Health, Member, Message, Roster, Standing, Tick, Truth
 from protocol.scenario.model import Obstacle, Order, RobotSpec, Scenario
 
 ROBOTS = (RobotSpec(3, 0.03, (-0.1, 0.0), (0.1, 0.0)), RobotSpec(7, 0.02, (0.0, 0.0), (0.0, 0.1)))
@@ -21,6 +22,19 @@ THINGS = (
     Obstacle(points=((0.1, -0.2), (0.2, -0.2), (0.15, -0.1))),
 )
 SCENARIO = Scenario(ROBOTS, name="two", obstacles=THINGS)
+
+
+class ViewedScene(FleetScene):
+    """A scene of a view of its own."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.view = FleetView("r")
+        self.view.begin(scenario, True)
+        super().__init__(self.view)
+
+    def hear(self, message: Message) -> list[Picture]:
+        self.view.on_message(message, 0.0)
+        return self.after(message)
 
 
 def truth(tick: int, x: float = 0.0) -> Truth:
@@ -35,7 +49,7 @@ def content(picture: Picture) -> dict[str, Any]:
     return dict(json.loads(picture.data))
 
 
-def drawn(scene: FleetScene, topic: str) -> list[dict[str, Any]]:
+def drawn(scene: ViewedScene, topic: str) -> list[dict[str, Any]]:
     return list(content(scene.picture(topic))["entities"])
 
 
@@ -47,9 +61,9 @@ def untimed(value: Any) -> Any:
 
 
 def test_every_update_is_one_by_foxgloves_own_definition() -> None:
-    scene = FleetScene(SCENARIO)
+    scene = ViewedScene(SCENARIO)
     for message in (truth(1), truth(4, 0.01), health(3, 7), health(7, 3)):
-        list(scene.hear(message))
+        scene.hear(message)
     updates = [picture for picture in scene.whole() if picture.topic.startswith("/scene/")]
     assert len(updates) == 5
     for picture in updates:
@@ -58,7 +72,7 @@ def test_every_update_is_one_by_foxgloves_own_definition() -> None:
 
 
 def test_goals_move_with_orders_and_robots_that_are_down_turn_red() -> None:
-    scene = FleetScene(SCENARIO)
+    scene = ViewedScene(SCENARIO)
     (goals,) = scene.hear(GoalStatus(7, 4, 1, "under way", (-0.1, 0.2)))
     (entity,) = content(goals)["entities"]
     assert [each["pose"]["position"]["x"] for each in entity["cylinders"]] == [0.1, -0.1]
@@ -66,11 +80,11 @@ def test_goals_move_with_orders_and_robots_that_are_down_turn_red() -> None:
     (robots,) = scene.hear(Clock(4, 0.2, (3,), (Standing(7, 1, (0.0, 0.0)),), ""))
     after = [each["cylinders"][0]["color"] for each in content(robots)["entities"]]
     assert (after[0], after[1] != before[1]) == (before[0], True)
-    assert not list(scene.hear(Clock(5, 0.25, (3,), (Standing(7, 1, (0.0, 0.0)),), "")))
+    assert not scene.hear(Clock(5, 0.25, (3,), (Standing(7, 1, (0.0, 0.0)),), ""))
 
 
 def test_obstacles_that_come_or_go_change_the_room() -> None:
-    scene = FleetScene(SCENARIO)
+    scene = ViewedScene(SCENARIO)
     came = messages.PlacedObstacle(3, "standing", ((0.2, 0.1),), 0.01)
     (room,) = scene.hear(Clock(1, 0.05, (3, 7), (), "", obstacles=(came, messages.PlacedObstacle(1, "gone"))))
     (entity,) = content(room)["entities"]
@@ -84,27 +98,27 @@ def test_obstacles_that_come_or_go_change_the_room() -> None:
 
 
 def test_lines_are_drawn_between_near_robots() -> None:
-    scene = FleetScene(SCENARIO)
-    list(scene.hear(health(3, 7)))
-    list(scene.hear(truth(1, 0.0)))
+    scene = ViewedScene(SCENARIO)
+    scene.hear(health(3, 7))
+    scene.hear(truth(1, 0.0))
     (near,) = drawn(scene, "/scene/lines")
     assert [point["x"] for point in near["lines"][0]["points"]] == pytest.approx([0.03, 0.03])
-    list(scene.hear(truth(2, -0.2)))
+    scene.hear(truth(2, -0.2))
     (far,) = drawn(scene, "/scene/lines")
     assert far["lines"] == []
 
 
 def test_pictures_come_at_a_bounded_rate() -> None:
-    scene = FleetScene(SCENARIO)
+    scene = ViewedScene(SCENARIO)
     counts = Counter(picture.topic for tick in range(1, 201) for picture in scene.hear(truth(tick)))
     assert counts == {"/tf": 100, "/measures": 100, "/scene/lines": 10, "/scene/trails": 5}
 
 
-def drawn_robots(scene: FleetScene) -> list[str]:
+def drawn_robots(scene: ViewedScene) -> list[str]:
     return [entity["id"] for entity in drawn(scene, "/scene/robots")]
 
 
-def frames(scene: FleetScene) -> dict[str, float]:
+def frames(scene: ViewedScene) -> dict[str, float]:
     read = json_format.ParseDict(untimed(content(scene.picture("/tf"))), FrameTransforms())  # strict
     return {each.child_frame_id: each.translation.x for each in read.transforms}
 
@@ -112,17 +126,17 @@ def frames(scene: FleetScene) -> dict[str, float]:
 def test_robots_that_orders_add_are_drawn_while_they_are_there() -> None:
     far, near = RobotSpec(5, 0.01, (-0.2, 0.0), (0.2, 0.2)), RobotSpec(5, 0.04, (0.2, 0.0), (0.2, -0.2))
     orders = (Order(0.0, add=far), Order(0.1, add=near))
-    scene = FleetScene(Scenario(ROBOTS, orders=orders))
-    list(scene.hear(truth(1)))
+    scene = ViewedScene(Scenario(ROBOTS, orders=orders))
+    scene.hear(truth(1))
     three = Truth(2, (3, 5, 7), ((0.1, 0.0), (0.2, 0.01), (0.3, 0.0)), 0.01, 0.5)
     changed = [picture.topic for picture in scene.hear(three)]
     assert {"/tf", "/scene/robots", "/scene/goals"} <= {*changed}
     assert drawn_robots(scene) == ["robot 3", "robot 5", "robot 7"]
     assert frames(scene) == {"robot_3": 0.1, "robot_5": 0.2, "robot_7": 0.3}
     (goals,) = drawn(scene, "/scene/goals")
-    assert [each["size"]["x"] for each in goals["cylinders"]] == [0.06, 0.04, 0.08]  # the one that began near
-    list(scene.hear(health(7, 3)))
-    list(scene.hear(Truth(10, (3, 5), ((0.1, 0.0), (0.0, 0.1)), 0.01, 0.5)))
+    assert [each["size"]["x"] for each in goals["cylinders"]] == [0.06, 0.08, 0.04]  # the one that began near
+    scene.hear(health(7, 3))
+    scene.hear(Truth(10, (3, 5), ((0.1, 0.0), (0.0, 0.1)), 0.01, 0.5))
     (robots,) = scene.latest("/scene/robots")
     assert content(robots)["deletions"] == [
         {"timestamp": {"sec": 0, "nsec": 500_000_000}, "type": 1, "id": ""}
@@ -135,25 +149,25 @@ def test_robots_that_orders_add_are_drawn_while_they_are_there() -> None:
 
 
 def test_a_robot_that_an_operator_adds_is_drawn_as_large_as_the_roster_says() -> None:
-    scene = FleetScene(SCENARIO)
+    scene = ViewedScene(SCENARIO)
     there = Truth(1, (3, 7, 9), ((0.0, 0.0), (0.05, 0.01), (0.3, 0.3)), 0.01, 0.5)
-    list(scene.hear(there))
+    scene.hear(there)
     assert drawn_robots(scene) == ["robot 3", "robot 7"]
     member = Member(9, 0, "appearing", 0.05, (0.3, 0.3))
-    list(scene.hear(Tick(3, 1, 0, (), roster=Roster(2, (member,)))))
-    list(scene.hear(replace(there, tick=2)))
+    scene.hear(Tick(3, 1, 0, (), roster=Roster(2, (member,))))
+    scene.hear(replace(there, tick=2))
     assert drawn(scene, "/scene/robots")[-1]["cylinders"][0]["size"]["x"] == 0.1
     assert len(drawn(scene, "/scene/goals")[0]["cylinders"]) == 2  # its goal is unknown
-    list(scene.hear(GoalStatus(9, 2, 1, "under way", (-0.1, 0.2))))
+    scene.hear(GoalStatus(9, 2, 1, "under way", (-0.1, 0.2)))
     assert len(drawn(scene, "/scene/goals")[0]["cylinders"]) == 3
 
 
 def test_strangers_and_unknown_times_change_nothing() -> None:
-    scene = FleetScene(SCENARIO)
-    list(scene.hear(truth(0)))
+    scene = ViewedScene(SCENARIO)
+    scene.hear(truth(0))
     before = [*scene.whole()]
-    assert not list(scene.hear(truth(2**53)))
-    list(scene.hear(Truth(0, (3, 7, 9), ((0.0, 0.0), (0.05, 0.01), (0.3, 0.3)), 0.01, 0.5)))
-    list(scene.hear(health(9, 3)))
-    list(scene.hear(GoalStatus(9, 1, 1, "under way", (0.0, 0.0))))
+    assert not scene.hear(truth(2**53))
+    scene.hear(Truth(0, (3, 7, 9), ((0.0, 0.0), (0.05, 0.01), (0.3, 0.3)), 0.01, 0.5))
+    scene.hear(health(9, 3))
+    scene.hear(GoalStatus(9, 1, 1, "under way", (0.0, 0.0)))
     assert [*scene.whole()] == before

@@ -14,12 +14,12 @@ from websockets.typing import Subprotocol
 
 from deploy.run.local import LocalFleet
 from deploy.telemetry.monitor.foxglove import FoxgloveServer
-from deploy.telemetry.monitor.watcher import Watcher
 from deploy.telemetry.scene import TOPICS, measures
+from protocol.bus.local import LocalNetwork
 from protocol.errors import UsageError
 from protocol.messages import Truth
 from protocol.operations import Steer
-from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, until
+from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, until, watch_local
 
 LAYOUT = Path(__file__).parents[4] / "docs" / "guides" / "foxglove-layout.json"
 _DATA = struct.Struct("<BIQ")  # opcode, subscription, time in ns
@@ -50,9 +50,8 @@ def subscribed(client: ClientConnection, channel: dict[str, Any]) -> Iterator[tu
 
 def test_foxglove_sees_a_run_live_and_after_its_end() -> None:
     fleet = LocalFleet(ring(), "r")
-    with closing(FoxgloveServer("r", 0)) as server:
-        bus = fleet.network.connect()
-        watcher = bus.node = Watcher(bus, "r", listener=server)
+    watcher = watch_local(fleet.network, "r")
+    with closing(FoxgloveServer(watcher, "r", 0)) as server:
         watcher.steer(Steer(speed=1.0))
         with running(fleet):
             until(lambda: watcher.snapshot()["tick"] >= 2)
@@ -76,7 +75,7 @@ def test_a_taken_port_is_named() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         with pytest.raises(UsageError, match=str(port)):
-            FoxgloveServer("r", port)
+            FoxgloveServer(watch_local(LocalNetwork(), "r"), "r", port)
 
 
 def test_the_layout_shows_topics_that_there_are() -> None:

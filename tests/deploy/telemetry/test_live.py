@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console, RenderableType
 
+from deploy.telemetry.live import FleetView
 from deploy.telemetry.monitor import snapshot as telling
-from deploy.telemetry.monitor.live import FleetView
 from deploy.telemetry.monitor.terminal import table
 from protocol.messages import Clock, Errand, GoalStatus, Health, Message, PartPlace, Standing, Truth
 from protocol.operations import Steering

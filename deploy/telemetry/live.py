@@ -1,18 +1,29 @@
 """A running fleet as a watcher sees it: messages and tokens in, one row per robot out.
 
 It needs only liveliness tokens and streams that the network may drop (clock, truth, health, goalstatus), so
-that no watcher can block publishers of States or Commands.
+that no watcher can block publishers of States or Commands. Ticks, which a recorder also receives, give the
+radii of robots that operators add.
 """
 
 from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterable, Set
-from typing import Any
+from collections.abc import Callable, Iterable, Set
+from typing import Any, Generic, TypeVar
 
-from deploy.telemetry.scene import Cast, Thinned
-from protocol.messages import Clock, GoalStatus, Health, Line, Message, PlacedObstacle, Truth, Vector
+from protocol.geometry import Shape
+from protocol.messages import (
+    Clock,
+    GoalStatus,
+    Health,
+    Line,
+    Message,
+    PlacedObstacle,
+    Tick,
+    Truth,
+    Vector,
+)
 from protocol.operations import Steering
 from protocol.scenario.model import RobotSpec, Scenario
 
@@ -20,6 +31,35 @@ SILENCE = 1.5  # s without a message, while its peers go on, after which a robot
 ALARMS = ("dead", "fenced", "silent")
 ABANDONED = ("cancelled", "given up")  # the robot stays at its place
 _DIGITS = 6  # decimals of a metre
+T = TypeVar("T")
+
+
+class Thinned(Generic[T]):
+    """At most `limit` entries (even), each standing for equally many appended ones.
+
+    When full, pairs of neighbours are merged by `merge(earlier, later)`; the last entry may still grow.
+    """
+
+    def __init__(self, limit: int, merge: Callable[[T, T], T]) -> None:
+        self.items: list[T] = []
+        self._limit, self._merge = limit + limit % 2, merge
+        self._stride = 1  # appended entries per kept one
+        self._count = 0
+
+    def append(self, item: T) -> None:
+        """Append an entry."""
+        if self._count % self._stride:
+            self.items[-1] = self._merge(self.items[-1], item)
+        else:
+            self._make_room()
+            self.items.append(item)
+        self._count += 1
+
+    def _make_room(self) -> None:
+        if len(self.items) == self._limit:
+            pairs = zip(self.items[::2], self.items[1::2], strict=True)
+            self.items = [self._merge(earlier, later) for earlier, later in pairs]
+            self._stride *= 2
 
 
 class RobotView:
@@ -29,9 +69,10 @@ class RobotView:
         spec: the robot in the scenario.
         trail: number of past places to keep.
         first: incarnation of its first life in this scenario; None: the first one received.
+        aims: whether the goal of `spec` is known to be its goal.
     """
 
-    def __init__(self, spec: RobotSpec, trail: int, first: int | None = 1) -> None:
+    def __init__(self, spec: RobotSpec, trail: int, first: int | None = 1, *, aims: bool = True) -> None:
         self.spec = spec
         self.radius = spec.radius  # m, of its disk, with a carried part
         self.alive: bool | None = None  # whether its token exists; None: none seen yet
@@ -45,7 +86,7 @@ class RobotView:
         self.position: Vector = spec.start
         self.velocity: Vector = (0.0, 0.0)
         self.trail: Thinned[Vector] = Thinned(trail, lambda _, later: later)
-        self._first = first
+        self._first, self._aims = first, aims
         self._said: float | None = None
         self._reported = 0.0
         self._rate: float | None = None
@@ -71,7 +112,7 @@ class RobotView:
     def ordered(self, status: GoalStatus) -> None:
         """Take the status of an order, unless a newer one is known."""
         if (status.number, status.tick) >= (self.errand.number, self.errand.tick):
-            self.errand = status
+            self.errand, self._aims = status, True
 
     def moved(self, position: Vector, seconds: float) -> None:
         """Take the true position, `seconds` of simulated time after the previous one."""
@@ -85,6 +126,11 @@ class RobotView:
     def restarts(self) -> int:
         """Number of lives after the first."""
         return max(0, self.incarnation - (self._first or 0)) if self.incarnation else 0
+
+    @property
+    def goal(self) -> Vector | None:
+        """Present goal, m; None if no message gave it."""
+        return self.errand.goal if self._aims else None
 
     @property
     def distance(self) -> float:
@@ -139,8 +185,11 @@ class RobotView:
 HISTORY = 1024  # kept points of clearance and potential
 _TRAILS = 12_800  # kept points of all trails together
 _RECENT = 256  # Truths between two snapshots
+_LATEST = float(1 << 31)  # s of simulated time, the end of viewers' time
 _NEAR = 8  # radii; lines to robots farther away are not shown
 
+# The messages of which a view is made.
+VIEWED = frozenset((Clock, Truth, Health, GoalStatus, Tick))
 Point = tuple[float, float, float]  # simulated time, s; clearance, m; log_potential
 
 
@@ -149,10 +198,18 @@ def _worst(earlier: Point, later: Point) -> Point:
 
 
 class FleetView:
-    """Everything known of one run. `now` is the watcher's clock, s, of which only differences matter."""
+    """Everything known of one run. `now` is the watcher's clock, s, of which only differences matter.
 
-    def __init__(self, run: str) -> None:
-        self.run = run
+    Args:
+        run: name of the run.
+        recent: number of Truths kept for snapshots.
+
+    Attributes:
+        strangers: ids of present disks of which no message gave the radius.
+    """
+
+    def __init__(self, run: str, recent: int = _RECENT) -> None:
+        self.run, self._recent = run, recent
         self.scenario: Scenario | None = None
         self.lockstep = True
         self.epoch = 0  # counts scenarios under this run name, and changes of membership
@@ -160,7 +217,6 @@ class FleetView:
         self.robots: dict[int, RobotView] = {}
         self.world_alive: bool | None = None
         self._tokens: dict[int, bool] = {}
-        self._cast: Cast | None = None
         self._trail = 0  # number of past places kept for each robot
         self._clear()
 
@@ -171,7 +227,11 @@ class FleetView:
         self.smallest: float | None = None
         self.obstacles: tuple[PlacedObstacle, ...] = ()  # placed or removed during the run
         self.history: Thinned[Point] = Thinned(HISTORY, _worst)
-        self.recent: deque[Truth] = deque(maxlen=_RECENT)
+        self.recent: deque[Truth] = deque(maxlen=self._recent)
+        self.strangers: Set[int] = frozenset()
+        self._newcomers: tuple[RobotSpec, ...] = ()
+        self._announced: dict[int, float] = {}  # radii by rosters, m
+        self._told: tuple[int, ...] = ()  # robots of the newest Truth
         self._pace: deque[tuple[float, int]] = deque(maxlen=32)
 
     def begin(self, scenario: Scenario, lockstep: bool, goals: Iterable[GoalStatus] = ()) -> None:
@@ -180,7 +240,7 @@ class FleetView:
         self.epoch += 1
         self.scenario, self.lockstep = scenario, lockstep
         self._trail = max(32, _TRAILS // len(scenario.robots))
-        self._cast = Cast(scenario)
+        self._newcomers, self._told = scenario.newcomers, scenario.ids
         first = 1 if self.epoch == 1 else None  # incarnations count on in later scenarios
         self.robots = {robot: RobotView(scenario.spec(robot), self._trail, first) for robot in scenario.ids}
         for robot, alive in self._tokens.items():
@@ -191,15 +251,10 @@ class FleetView:
 
     def meet(self, scenario: Scenario, goals: Iterable[GoalStatus] = ()) -> None:
         """Take the specs of strangers from the world's present scenario; the next Truth shows them."""
-        if self._cast is not None:
-            self._cast.meet(scenario)
+        self._newcomers += tuple(spec for spec in scenario.robots if spec.id in self.strangers)
+        self._told, self.strangers = (), frozenset()
         for status in goals:
             self._on_goal(status)
-
-    @property
-    def strangers(self) -> Set[int]:
-        """Ids of present disks of which no message gave the radius."""
-        return frozenset() if self._cast is None else self._cast.strangers
 
     def is_news(self, message: Message) -> bool:
         """Whether `message` belongs to another scenario, since its clock is behind."""
@@ -232,6 +287,10 @@ class FleetView:
             self._on_health(message, now)
         elif isinstance(message, GoalStatus):
             self._on_goal(message)
+        elif isinstance(message, Tick) and message.roster is not None:
+            for each in message.roster.members:
+                if each.status != "gone" and each.robot not in self.robots:
+                    self._announced[each.robot], self._told = each.radius, ()
 
     def _on_clock(self, clock: Clock) -> None:
         self.tick, self.verdict, self.reason = max(self.tick, clock.tick), clock.verdict, clock.reason
@@ -250,7 +309,7 @@ class FleetView:
         assert self.scenario is not None
         step = self.scenario.time.step
         known = self.recent[-1].tick if self.recent else 0
-        if truth.tick <= known:
+        if truth.tick <= known or truth.tick * step >= _LATEST:
             return
         self._recast(truth)
         elapsed = (truth.tick - known) * step if known or truth.tick == 1 else 0.0
@@ -264,19 +323,31 @@ class FleetView:
 
     def _recast(self, truth: Truth) -> None:
         """Add robots that appeared and delete those that left; viewers then redraw everything."""
-        assert self._cast is not None
-        came, went = self._cast.see(truth)
-        for robot in went:
-            del self.robots[robot]
+        if truth.robots == self._told:
+            return
+        self._told = truth.robots
+        places = dict(zip(truth.robots, truth.positions, strict=False))
+        known = self.robots.keys() | {spec.id for spec in self._newcomers} | self._announced.keys()
+        self.strangers = frozenset(truth.robots) - known
+        before = self.robots
+        self.robots = {
+            robot: before[robot] if robot in before else self._newcomer(robot, place)
+            for robot, place in sorted(places.items())
+            if robot in known
+        }
+        for robot in before.keys() - self.robots.keys():  # another robot may get this id
             self._tokens.pop(robot, None)
-        for robot in came:
-            radius, place = self._cast.radii[robot], self._cast.places[robot]
-            spec = RobotSpec(robot, radius, place, self._cast.goals[robot])
-            self.robots[robot] = RobotView(spec, self._trail, None)
-            self.robots[robot].alive = self._tokens.get(robot)
-        if came or went:
-            self.robots = dict(sorted(self.robots.items()))
-            self.epoch += 1
+            self._announced.pop(robot, None)
+        self.epoch += before.keys() != self.robots.keys()
+
+    def _newcomer(self, robot: int, place: Vector) -> RobotView:
+        """A robot that appeared; of several orders for its id, by that with the nearest start."""
+        specs = [spec for spec in self._newcomers if spec.id == robot]
+        spec = min(specs, key=lambda each: math.dist(each.start, place), default=None)
+        size, goal = (self._announced[robot], place) if spec is None else (spec.radius, spec.goal)
+        view = RobotView(RobotSpec(robot, size, place, goal), self._trail, None, aims=spec is not None)
+        view.alive = self._tokens.get(robot)
+        return view
 
     def _moved(
         self, robot: RobotView, position: tuple[float, float], elapsed: float, tick: int, now: float
@@ -303,6 +374,14 @@ class FleetView:
             self.robots[status.robot].ordered(status)
 
     # -- state of the run
+
+    @property
+    def shapes(self) -> dict[int, Shape]:
+        """Present obstacles, by number."""
+        listed = {} if self.scenario is None else self.scenario.shapes
+        changed = {each.number for each in self.obstacles}
+        there = {each.number: each.shape for each in self.obstacles if each.status == "standing"}
+        return {number: shape for number, shape in listed.items() if number not in changed} | there
 
     @property
     def phase(self) -> str:
