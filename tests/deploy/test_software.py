@@ -58,3 +58,19 @@ def test_an_old_twin_is_refused(tmp_path: Path) -> None:
     os.utime(twin, (1e9, 1e9))
     with pytest.raises(UsageError, match=r"agents/law\.py has changed since it was compiled"):
         check_compiled(tmp_path)
+
+
+@pytest.mark.campaign
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+def test_a_wheel_is_compiled(tmp_path: Path) -> None:
+    """In an environment with what the build declares, and nothing else."""
+    uv = shutil.which("uv") or str(Path(sys.executable).with_name("uv"))
+    environment = {key: value for key, value in os.environ.items() if key != "HATCH_BUILD_NO_HOOKS"}
+    subprocess.run(
+        [uv, "build", "--quiet", "--wheel", "--out-dir", tmp_path, "--python", sys.executable, ROOT],
+        env=environment,
+        timeout=1200,
+        check=True,
+    )
+    (wheel,) = tmp_path.glob("*.whl")
+    assert not wheel.name.endswith("none-any.whl")
