@@ -1,8 +1,9 @@
-"""Paths among very many obstacles: clearance on a grid, and Dijkstra's distances to a goal over it.
+"""Paths among obstacles: clearance on a grid, and distances to a goal over it, by A* (Hart, Nilsson and
+Raphael, 1968) from the goal towards the robot.
 
-The visibility graph of `agents.law.obstacles` has an edge for any two corners in sight of each other, too
-many for a floor plan of thousands of pieces. Here the time to find a path depends on the area. Paths only use
-passages that are wider than the robot by about one grid step.
+The time to find a path depends on the area, not on the number of obstacles. A grid shows a passage that is
+wider than the robot by one step. A narrower one is found on points that are too close to obstacles by half a
+step, and no path leads through a gap that is known to be closed.
 """
 
 from __future__ import annotations
@@ -16,17 +17,21 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.law.passages import Gap, crosses
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.messages import Vector
 
 Reals = NDArray[np.float64]
+Plane = NDArray[np.complex128]
 
 MARGIN: Final = 0.02  # clearance of paths from obstacles, own radii
 REACH: Final = 8.0  # distance within which obstacles repel, own radii
 _STEP: Final = 0.5  # grid step, own radii
-_MOST: Final = 250_000  # points of the grid
+MANY: Final = 64  # obstacles beyond which a grid is finer, and only near obstacles repel
+_POINTS: Final = 60_000, 250_000  # most of the grid, with few obstacles and with many
 _NEARER: Final = 0.98  # share of its clearance that a robot beside an obstacle has to keep
 _BESIDE: Final = 2  # steps within which a robot joins a path
+_CLOSEST: Final = 0.5  # least share of its radius that a disk keeps, by the grid, in narrow passages
 _INFINITE: Final = math.inf
 
 
@@ -41,8 +46,10 @@ class Clearances:
 
     def __init__(self, room: Shape, shapes: Sequence[Shape], radius: float) -> None:
         (left, low), (right, high) = room.box
-        self.step = max(_STEP * radius, math.sqrt((right - left) * (high - low) / _MOST))
-        self._left, self._low, self.reach = left - self.step, low - self.step, REACH * radius
+        most = _POINTS[len(shapes) > MANY]
+        self.step = max(_STEP * radius, math.sqrt((right - left) * (high - low) / most))
+        self._left, self._low = left - self.step, low - self.step
+        self.reach = max(REACH * radius, 2.0 * self.step)
         self.width, self._height = (
             math.ceil((right - left) / self.step) + 3,
             math.ceil((high - low) / self.step) + 3,
@@ -60,6 +67,8 @@ class Clearances:
             part = clear[k:m, i:j]
             np.minimum(part, distances(shape, xs[None, i:j], ys[k:m, None]), out=part)
         clear[[0, -1], :] = clear[:, [0, -1]] = -self.step  # a rim, so that all others have 8 neighbours
+        thin = self.step > 2.0 * radius  # walls may lie between two points that are clear of them
+        self._sides = _sides(shapes if thin else ())
         self.clear: list[float] = clear.ravel().tolist()
 
     def near(self, x: float, y: float, more: float) -> list[Shape]:
@@ -100,7 +109,18 @@ class Clearances:
             if here < needed:
                 return False
             done += max(0.5 * self.step, here - needed)
-        return True
+        return not self._crosses_side(complex(*begin), complex(*end))
+
+    def _crosses_side(self, begin: complex, end: complex) -> bool:
+        """Whether a straight line crosses a side of an obstacle that the grid may not show."""
+        one, other = self._sides
+        apart = ((end - begin) * (one - begin).conj()).imag * (
+            (end - begin) * (other - begin).conj()
+        ).imag <= 0.0
+        across = ((other - one) * (begin - one).conj()).imag * (
+            (other - one) * (end - one).conj()
+        ).imag <= 0.0
+        return bool((apart & across).any())
 
 
 @lru_cache(maxsize=16)
@@ -110,10 +130,22 @@ def clearances(room: Shape, shapes: tuple[Shape, ...], radius: float) -> Clearan
 
 
 class FieldRoute:
-    """Short ways to one goal after the other, which keep `clear` m of everything."""
+    """Short paths to one goal after the other, for disks of radius `clear`, m.
 
-    def __init__(self, map_: Clearances, clear: float) -> None:
+    Args:
+        map_: of the obstacles.
+        clear: distance to keep from obstacles and walls, m.
+        closed: all gaps that such a disk does not pass, so that paths may use all others; without them paths
+            use passages that are wider by a step of the grid.
+    """
+
+    def __init__(self, map_: Clearances, clear: float, closed: Sequence[Gap] | None = None) -> None:
         self._map, self._clear = map_, clear * (1.0 + MARGIN)
+        self._closed, self._guarded = closed or (), bytearray(len(map_.clear))
+        if closed is not None:
+            self._clear = max(clear - 0.5 * map_.step, _CLOSEST * clear)
+            for gap in closed:
+                self._guard(gap)
         width, straight = map_.width, map_.step
         self._steps = [
             (row * width + column, straight * math.hypot(row, column))
@@ -122,6 +154,7 @@ class FieldRoute:
             if row or column
         ]
         self._goal: Vector | None = None
+        self._focus = 0, 0  # row and column of the robot as the search began
         self._rest: list[float] = []  # distance of each point from the goal, m
         self._next: list[int] = []  # next point of each point's path
         self._settled = bytearray()
@@ -131,9 +164,12 @@ class FieldRoute:
         self._seen: tuple[Vector, Vector, float] | None = None  # from, to, and rest of the path, m
 
     def ahead(self, position: Vector, goal: Vector) -> tuple[Vector, float] | None:
-        """As `agents.law.obstacles.Route.ahead`."""
+        """First corner of a short path to the goal, and the path's length, m.
+
+        The goal itself if nothing is in between; None if no path was found.
+        """
         if goal != self._goal:
-            self._begin(goal)
+            self._begin(goal, position)
         seen = self._seen
         if seen is None or not self._is_fresh(position, seen[0], seen[1]):
             seen = self._seen = self._look(position, goal)
@@ -146,9 +182,9 @@ class FieldRoute:
 
     def _look(self, position: Vector, goal: Vector) -> tuple[Vector, Vector, float] | None:
         """The farthest visible point of the path, and the rest from there, m."""
-        if self._map.sees(position, goal, self._clear):
+        if self._sees(position, goal):
             return position, goal, 0.0
-        if not self._way or not self._map.sees(position, self._map.place(self._way[self._sent]), self._clear):
+        if not self._way or not self._sees(position, self._map.place(self._way[self._sent])):
             begin = self._join(position)
             if begin is None:
                 return None
@@ -157,14 +193,33 @@ class FieldRoute:
         index = self._way[self._sent]
         return position, self._map.place(index), self._rest[index]
 
-    def _begin(self, goal: Vector) -> None:
+    def _sees(self, begin: Vector, end: Vector) -> bool:
+        return self._map.sees(begin, end, self._clear) and not self._bars(begin, end)
+
+    def _bars(self, begin: Vector, end: Vector) -> bool:
+        """Whether a straight line crosses a closed gap."""
+        return any(crosses(gap.begin, gap.end, begin, end) for gap in self._closed)
+
+    def _is_barred(self, index: int, other: int) -> bool:
+        return self._bars(self._map.place(index), self._map.place(other))
+
+    def _guard(self, gap: Gap) -> None:
+        """Mark the points with a neighbour beyond a closed gap."""
+        (x0, y0), (x1, y1), width = gap.begin, gap.end, self._map.width
+        low, high = self._map.index(min(x0, x1), min(y0, y1)), self._map.index(max(x0, x1), max(y0, y1))
+        for row in range(low // width - 1, high // width + 2):
+            for column in range(low % width - 1, high % width + 2):
+                self._guarded[row * width + column] = 1
+
+    def _begin(self, goal: Vector, position: Vector) -> None:
         count = len(self._map.clear)
+        self._focus = divmod(self._map.index(*position), self._map.width)
         self._goal, self._way, self._seen = goal, [], None
         self._rest, self._next, self._settled = [_INFINITE] * count, [-1] * count, bytearray(count)
         self._open = []
         for index in self._around(goal):
             self._rest[index] = math.dist(goal, self._map.place(index))
-            heappush(self._open, (self._rest[index], index))
+            heappush(self._open, (self._rest[index] + self._least(index), index))
 
     def _around(self, place: Vector) -> list[int]:
         centre, reach = self._map.index(*place), range(-_BESIDE, _BESIDE + 1)
@@ -174,7 +229,7 @@ class FieldRoute:
             for index in near
             if 0 <= index < len(self._map.clear)
             and self._map.clear[index] >= self._clear
-            and self._map.sees(place, self._map.place(index), self._clear)
+            and self._sees(place, self._map.place(index))
         ]
 
     def _join(self, position: Vector) -> int | None:
@@ -187,19 +242,28 @@ class FieldRoute:
         return best
 
     def _distance(self, wanted: int) -> float:
-        """Distance of a point from the goal, m, by continuing Dijkstra's algorithm as far as needed."""
+        """Distance of a point from the goal, m, by continuing the search as far as needed."""
         clear, rest, settled, open_ = self._map.clear, self._rest, self._settled, self._open
+        guarded = self._guarded
         while open_ and not settled[wanted]:
-            length, index = heappop(open_)
+            _, index = heappop(open_)
             if settled[index]:
                 continue
-            settled[index] = 1
+            settled[index], length = 1, rest[index]
             for step, far in self._steps:
                 other = index + step
-                if clear[other] >= self._clear and length + far < rest[other]:
+                if clear[other] < self._clear or clear[index] + clear[other] < far:
+                    continue  # a coarse grid does not show walls between its points
+                if length + far < rest[other] and not (guarded[index] and self._is_barred(index, other)):
                     rest[other], self._next[other] = length + far, index
-                    heappush(open_, (length + far, other))
+                    heappush(open_, (length + far + self._least(other), other))
         return rest[wanted]
+
+    def _least(self, index: int) -> float:
+        """Least length of a path over the grid from a point to where the search was begun, m."""
+        row, column = divmod(index, self._map.width)
+        down, aside = abs(row - self._focus[0]), abs(column - self._focus[1])
+        return self._map.step * (max(down, aside) + (math.sqrt(2.0) - 1.0) * min(down, aside))
 
     def _follow(self, index: int) -> list[int]:
         way = [index]
@@ -212,13 +276,23 @@ class FieldRoute:
         stride, last = 1, len(self._way) - 1
         while self._sent < last and stride:
             to = min(self._sent + stride, last)
-            if self._map.sees(position, self._map.place(self._way[to]), self._clear):
+            if self._sees(position, self._map.place(self._way[to])):
                 self._sent, stride = to, 2 * stride
             else:
                 stride //= 4
         here = self._map.place(self._way[self._sent])
         if self._sent < last and math.dist(position, here) < 0.5 * self._map.step:
             self._sent += 1  # clearance may be smaller between two grid points
+
+
+def _sides(shapes: Sequence[Shape]) -> tuple[Plane, Plane]:
+    """Both ends of all sides of polygons, as complex numbers x + iy."""
+    points = [shape.points for shape in shapes if isinstance(shape, ConvexPolygon)]
+    ends = [
+        (complex(*a), complex(*b)) for each in points for a, b in zip(each, (*each[1:], each[0]), strict=True)
+    ]
+    one, other = np.array(ends, dtype=np.complex128).reshape(-1, 2).T
+    return one, other
 
 
 def distances(shape: Shape, x: Reals, y: Reals) -> Reals:
