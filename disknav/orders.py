@@ -11,8 +11,6 @@ from pathlib import Path
 from typing import Any, SupportsFloat
 
 from deploy.run.operator import Operator, operating
-from deploy.security.membership import KeyRing
-from deploy.security.roster import OPERATOR
 from disknav.scenarios import written
 from protocol.errors import MessageError, UsageError
 from protocol.geometry import Shape
@@ -167,8 +165,6 @@ def operate(
         BusError: no router listens there, or no world of this run answers.
         CertificateError: the certificates are missing or not accepted.
     """
-    membership = KeyRing(None if secure is None else Path(secure))
-    connection = membership.client(OPERATOR, (router or membership.default_router,))
-    with operating(connection, membership.run(run) or run, within) as operator:
+    with operating(run, router, None if secure is None else Path(secure), within) as operator:
         operator.reach(within)
         yield FleetOrders(operator)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,7 +13,6 @@ import typer
 from deploy.cli import options
 from deploy.output import EXIT_OTHERWISE, check_json, is_standard_output, write_json
 from deploy.security.membership import KeyRing
-from deploy.security.roster import OPERATOR
 from protocol.errors import MessageError, UsageError
 from protocol.messages import GoalStatus, PlacedObstacle, Vector
 from protocol.operations import Reply, read_operation
@@ -256,20 +255,13 @@ def probe(
     from deploy.run.operator import probe as listen
 
     membership = KeyRing(secure)
-    name, endpoint = membership.named_run(run), router or membership.default_router
-    listen(membership.client(role, (endpoint,), timeout=within), name, role, within)
+    listen(membership.client(role, (router,), timeout=within), membership.named_run(run), role, within)
 
 
-@contextmanager
-def _operating(run: str, router: str | None, secure: Path | None) -> Iterator[Operator]:
-    """A connection to the world of `run`, with the operator's key if there are keys."""
-    from deploy.run import operator
+def _operating(run: str, router: str | None, secure: Path | None) -> AbstractContextManager[Operator]:
+    from deploy.run.operator import operating
 
-    membership = KeyRing(secure)
-    membership.run(run)  # refuses keys of another run
-    connection = membership.client(OPERATOR, (router or membership.default_router,))
-    with operator.operating(connection, run) as session:
-        yield session
+    return operating(run, router, secure)
 
 
 def _operation(asked: dict[str, Any]) -> Operation:

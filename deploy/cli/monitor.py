@@ -95,7 +95,7 @@ def monitor(
 def _connection(endpoints: list[str] | None, membership: KeyRing, role: str) -> Connection:
     """One link to a router, which relays all messages; or one to each process of a mesh, which relay none."""
     if endpoints is None or len(endpoints) == 1 or membership.directory is not None:
-        return membership.client(role, endpoints or (membership.default_router,), timeout=_TIMEOUT)
+        return membership.client(role, endpoints or (None,), timeout=_TIMEOUT)
     return Connection("peer", connect=tuple(map(Endpoint, endpoints)), timeout=_TIMEOUT)
 
 

@@ -64,7 +64,7 @@ def robot(
     role, name = robot_role(robot_id), membership.named_run(run)
     robot_key(name, robot_id, "join")  # refuses an invalid id
     # Errors in its files are reported here,
-    (endpoint,) = membership.client(role, (router or membership.default_router,)).connect
+    (endpoint,) = membership.client(role, (router,)).connect
     begin(f"robot-{robot_id}", name, log)  # as are those of its log
     # A fresh interpreter, without the libraries of this command line. -P: without the working directory,
     # which may hold another folder `agents`.
@@ -114,7 +114,7 @@ def world(
     loaded = load(scenario, settings, seed)
     if loaded.has_topics:
         options.refuse_bases(secure)
-    connection = membership.client(WORLD, (router or membership.default_router,), timeout=wait)
+    connection = membership.client(WORLD, (router,), timeout=wait)
     run_name = membership.named_run(run)
     set_process_title("world", run_name)
     begin("world", run_name, log)

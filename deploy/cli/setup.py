@@ -204,10 +204,8 @@ def calibrate(
     if robot not in loaded.ids:
         raise UsageError(f"{scenario} has no robot {robot}; there are {', '.join(map(str, loaded.ids))}")
     table = loaded.base_of(robot) or Base()
-    membership = KeyRing()
-    connection = membership.client(OPERATOR, (router or membership.default_router,))
     driver = Driver(table, robot, square(side, speed, rate))
-    bus = ZenohBus(connection)
+    bus = ZenohBus(KeyRing().client(OPERATOR, (router,)))
     drive(Calibration(bus, driver, wait), bus)
     STOP.check()
     found = bounds(driver.log)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
-from dataclasses import replace
+from pathlib import Path
 from typing import TypeVar
 
 import msgspec
 
-from deploy.security.roster import ROUTER, WORLD
+from deploy.security.membership import KeyRing
+from deploy.security.roster import OPERATOR, ROUTER, WORLD
 from protocol.bus.bus import Bus, Publish, Sample
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
@@ -156,15 +157,21 @@ class Operator:
 
 
 @contextmanager
-def operating(connection: Connection, run: str, within: float = ANSWER) -> Iterator[Operator]:
-    """An operator with its own session.
-    Raises BusError if no router is reached at the endpoint of `connection` within `within` s.
+def operating(
+    run: str, router: str | None = None, secure: Path | None = None, within: float = ANSWER
+) -> Iterator[Operator]:
+    """An operator of `run` with its own session, through the router at this endpoint (by default the usual
+    one), with the operator's key of the directory `secure`, if any.
+
+    Raises:
+        BusError: no router is reached within `within` s.
+        CertificateError: the keys are of another run, or do not fit.
+        UsageError: the endpoint is invalid.
     """
-    bus = ZenohBus(replace(connection, timeout=within))
-    try:
-        yield Operator(bus, run)
-    finally:
-        bus.close()
+    membership = KeyRing(secure)
+    name = membership.named_run(run)
+    with closing(ZenohBus(membership.client(OPERATOR, (router,), timeout=within))) as bus:
+        yield Operator(bus, name)
 
 
 def probed_key(run: str, role: str) -> str:

@@ -71,15 +71,14 @@ class KeyRing:
             return OPERATOR
         return MONITOR
 
-    def client(self, role: str, routers: Sequence[str], *, timeout: float = 20.0) -> Connection:
-        """Connection of `role` to the first router of `routers` that answers.
+    def client(self, role: str, routers: Sequence[str | None], *, timeout: float = 20.0) -> Connection:
+        """Connection of `role` to the first router of `routers` that answers; the default one for None.
 
         Raises CertificateError if the files of this role are missing, readable by others, or do not match;
         UsageError if an endpoint is invalid, or of the other kind of network.
         """
-        return Connection(
-            connect=tuple(map(self.endpoint, routers)), timeout=timeout, credentials=self._credentials(role)
-        )
+        found = tuple(self.default_router if each is None else self.endpoint(each) for each in routers)
+        return Connection(connect=found, timeout=timeout, credentials=self._credentials(role))
 
     def router(self, listen: Sequence[str] = (), connect: Sequence[str] = (), host: str = "") -> Connection:
         """Connection of a router, with the rules that it enforces; raises as `client`.

@@ -157,7 +157,7 @@ def test_a_world_under_another_launcher(tmp_path: Path) -> None:
         connection = Connection(connect=(supervisor.report(table.ROUTER, 20.0),))
         command = [sys.executable, "-m", "disknav", "node", "world", PAIR.name, "--run", name]
         command += ["--router", connection.connect[0], "--checkpoint", str(checkpoint)]
-        with subprocess.Popen(command) as first, operating(connection, name) as operator:
+        with subprocess.Popen(command) as first, operating(name, connection.connect[0]) as operator:
             _steer(connection, name, Steer(step=60))
             supervisor.start([table.robot(connection, name, robot) for robot in PAIR.ids])
             until(lambda: operator.operate().tick >= 60, 60.0)

@@ -104,7 +104,7 @@ class Guests:
         self._connection = self._connection or fleet.topology.observer()
         comes, goes = clock.tick >= 10 and not self.told, len(self.told) == 1 and 7 in clock.active
         if comes or goes:
-            with operating(self._connection, fleet._options.run) as operator:
+            with operating(fleet._options.run, self._connection.connect[0]) as operator:
                 self.told.append(operator.operate(Operation(add=GUEST) if comes else Operation(remove=7)))
 
 

@@ -72,7 +72,7 @@ def test_keep_and_send(tmp_path: Path) -> None:
     endpoint = f"tcp/127.0.0.1:{free_ports(1)[0]}"
     with served(endpoint, tmp_path / "result.json") as fleet:
         until(lambda: reachable(endpoint), 30.0)
-        with operating(Connection(connect=(endpoint,)), "yard") as operator:
+        with operating("yard", endpoint) as operator:
             until(answering(operator), 30.0)
             reply = operator.operate(sent(1, PLACE, (0.1, 0.1)))
             assert operator.outcome(1, reply.number, 60.0).status == "arrived"

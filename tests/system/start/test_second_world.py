@@ -38,7 +38,7 @@ def router(supervisor: Supervisor, *others: str) -> Connection:
 def driving(supervisor: Supervisor, connection: Connection, run: str) -> Iterator[Operator]:
     """A fleet that goes round and round, and its operator."""
     supervisor.start(rows(connection, run))
-    with operating(connection, run) as operator:
+    with operating(run, connection.connect[0]) as operator:
         until(lambda: begun(operator))
         assert operator.operate(ASIDE).accepted
         yield operator
