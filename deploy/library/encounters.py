@@ -6,13 +6,14 @@ Symmetric starts lie exactly on a saddle of the navigation function.
 from __future__ import annotations
 
 import math
+from itertools import repeat
 
 import numpy as np
 
+from deploy.library.instances import numbered
 from protocol.draws import Purpose, generator
 from protocol.errors import UsageError
 from protocol.scenario.body import PRESETS
-from protocol.scenario.file import validated
 from protocol.scenario.model import Control, Obstacle, Point, RobotSpec, Scenario, Time, Workspace
 
 RADIUS = 0.03  # m
@@ -29,10 +30,8 @@ def swap(count: int, jitter: float = 0.0, seed: int = 0) -> Scenario:
         jitter: largest displacement of a start, m, which takes the fleet off the saddle.
 
     Raises:
-        UsageError: `count` is below 2 or above 1000, or `jitter` is out of range.
+        UsageError: `jitter` is out of range.
     """
-    if not 2 <= count <= 1000:
-        raise UsageError(f"{count} robots cannot swap: choose between 2 and 1000")
     if not 0.0 <= jitter <= LARGEST_JITTER:
         raise UsageError(f"jitter {jitter:g}: choose between 0 and {LARGEST_JITTER} m")
     circle = max(CIRCLE, SPACING / (2.0 * math.sin(math.pi / count)))
@@ -40,7 +39,7 @@ def swap(count: int, jitter: float = 0.0, seed: int = 0) -> Scenario:
     text = f"{count} robots on a circle change places" + (
         f", starts off by up to {jitter:g} m" if jitter else ""
     )
-    return validated(Scenario(robots, f"swap-{count}", text, seed, Workspace(circle + MARGIN)))
+    return Scenario(robots, f"swap-{count}", text, seed, Workspace(circle + MARGIN))
 
 
 def circle(count: int, jitter: float = 0.0, seed: int = 0) -> Scenario:
@@ -49,39 +48,26 @@ def circle(count: int, jitter: float = 0.0, seed: int = 0) -> Scenario:
 
     Args:
         jitter: largest displacement of a start, m.
-
-    Raises:
-        UsageError: `count` is below 2 or above 250, or `jitter` is above 0.5 m.
     """
-    if not 2 <= count <= 250:
-        raise UsageError(f"{count} robots on RVO2's circle: choose between 2 and 250")
-    if not 0.0 <= jitter <= 0.5:
-        raise UsageError(f"jitter {jitter:g}: choose between 0 and 0.5 m")
-    return validated(
-        Scenario(
-            _opposite(_circle(count, 200.0), 1.5, jitter, seed),
-            f"circle-{count}",
-            f"{count} robots on a circle of 200 m change places; sizes as in RVO2",
-            seed,
-            Workspace(220.0),
-            Time(step=0.25, limit=800.0, tolerance=1.5),
-            Control(speed=2.0),
-        )
+    return Scenario(
+        _opposite(_circle(count, 200.0), 1.5, jitter, seed),
+        f"circle-{count}",
+        f"{count} robots on a circle of 200 m change places; sizes as in RVO2",
+        seed,
+        Workspace(220.0),
+        Time(step=0.25, limit=800.0, tolerance=1.5),
+        Control(speed=2.0),
     )
 
 
 def head_on(seed: int = 0) -> Scenario:
     """Two robots that face each other and change places, exactly on the saddle."""
     robots = (RobotSpec(1, 0.04, (-0.20, 0.0), (0.20, 0.0)), RobotSpec(2, 0.04, (0.20, 0.0), (-0.20, 0.0)))
-    return validated(Scenario(robots, "head-on", "two robots change places, exactly symmetric", seed))
+    return Scenario(robots, "head-on", "two robots change places, exactly symmetric", seed)
 
 
 def turtlebots(count: int, seed: int = 0) -> Scenario:
-    """TurtleBots on a circle, each with the opposite point as goal, in random headings.
-    Raises UsageError if `count` is not in 2 to 100.
-    """
-    if not 2 <= count <= 100:
-        raise UsageError(f"{count} robots cannot swap on wheels: choose between 2 and 100")
+    """TurtleBots on a circle, each with the opposite point as goal, in random headings."""
     body = PRESETS["turtlebot3-burger"]
     radius = body.disk or 0.0
     circle = max(4.0 * radius, (2.0 * radius + SPACING) / (2.0 * math.sin(math.pi / count)))
@@ -90,16 +76,14 @@ def turtlebots(count: int, seed: int = 0) -> Scenario:
         RobotSpec(n + 1, radius, (x, y), (0.0 - x, 0.0 - y), round(draws[n], 6))
         for n, (x, y) in enumerate(_circle(count, circle))
     )
-    return validated(
-        Scenario(
-            robots,
-            f"turtlebots-{count}",
-            f"{count} robots on two wheels each change places on a circle",
-            seed,
-            Workspace(round(circle + radius + 2.0 * SPACING, 6)),
-            Time(limit=300.0, tolerance=0.02),
-            body="turtlebot3-burger",
-        )
+    return Scenario(
+        robots,
+        f"turtlebots-{count}",
+        f"{count} robots on two wheels each change places on a circle",
+        seed,
+        Workspace(round(circle + radius + 2.0 * SPACING, 6)),
+        Time(limit=300.0, tolerance=0.02),
+        body="turtlebot3-burger",
     )
 
 
@@ -129,23 +113,19 @@ _Corners = tuple[Point, ...]
 
 def forest(count: int, seed: int = 0) -> Scenario:
     """40 boxes of 0.5 m in 10 m by 10 m; robots of 0.15 m change places on a circle of 4 m (LSC-DR)."""
-    if not 1 <= count <= 20:
-        raise UsageError(f"{count} robots do not fit on the circle: choose between 1 and 20")
     robots = _opposite(_circle(count, 4.0), 0.15)
     random = generator(seed, Purpose.SCENARIO)
     keep = [(point, spec.radius + 0.05) for spec in robots for point in (spec.start, spec.goal)]
     boxes = _scattered(random, keep, many=40, reach=4.5, sides=(0.5, 0.5), turned=False)
-    return validated(
-        Scenario(
-            robots,
-            f"forest-{count}",
-            f"{count} robots change places among 40 boxes; starts as in LSC-DR's forest10",
-            seed,
-            Workspace(points=_box((0.0, 0.0), 5.0, 5.0)),
-            Time(step=0.2, limit=120.0, tolerance=0.1),
-            Control(speed=1.0),
-            obstacles=boxes,
-        )
+    return Scenario(
+        robots,
+        f"forest-{count}",
+        f"{count} robots change places among 40 boxes; starts as in LSC-DR's forest10",
+        seed,
+        Workspace(points=_box((0.0, 0.0), 5.0, 5.0)),
+        Time(step=0.2, limit=120.0, tolerance=0.1),
+        Control(speed=1.0),
+        obstacles=boxes,
     )
 
 
@@ -154,27 +134,24 @@ def boxes(count: int, seed: int = 0) -> Scenario:
     random = generator(seed, Purpose.SCENARIO)
     obstacles = _scattered(random, (), many=8, reach=1.8, sides=(0.1, 0.5), turned=True)
     starts, goals = (_free_places(random, obstacles, count) for _ in range(2))
-    robots = tuple(RobotSpec(n + 1, 0.05, starts[n], goals[n]) for n in range(count))
-    return validated(
-        Scenario(
-            robots,
-            f"boxes-{count}",
-            f"{count} robots with random goals among 8 boxes, sizes as in GCBF+",
-            seed,
-            Workspace(points=_box((0.0, 0.0), 2.0, 2.0)),
-            Time(step=0.03, limit=60.0, tolerance=0.1),
-            Control(speed=1.0),
-            obstacles=obstacles,
-        )
+    return Scenario(
+        numbered(repeat(0.05), starts, goals),
+        f"boxes-{count}",
+        f"{count} robots with random goals among 8 boxes, sizes as in GCBF+",
+        seed,
+        Workspace(points=_box((0.0, 0.0), 2.0, 2.0)),
+        Time(step=0.03, limit=60.0, tolerance=0.1),
+        Control(speed=1.0),
+        obstacles=obstacles,
     )
 
 
 def blocks(count: int, seed: int = 0) -> Scenario:
     """Four groups cross between four square blocks (RVO2, Blocks: 25 each); here each robot has its own goal.
-    Raises UsageError if `count` is not a multiple of 4 up to 100.
+    Raises UsageError if `count` is not a multiple of 4.
     """
-    if count % 4 or not 4 <= count <= 100:
-        raise UsageError(f"{count} robots are not four groups of up to 25: choose a multiple of 4 up to 100")
+    if count % 4:
+        raise UsageError(f"{count} robots are not four groups: choose a multiple of 4")
     robots = []
     for n in range(count):
         group, member = divmod(n, count // 4)
@@ -182,17 +159,15 @@ def blocks(count: int, seed: int = 0) -> Scenario:
         x, y = (i, j, -i, -j)[group], (j, -i, -j, i)[group]
         robots.append(RobotSpec(n + 1, 2.0, (x, y), (-x, -y)))
     corners = [(sx * 25.0, sy * 25.0) for sx in (1, -1) for sy in (1, -1)]
-    return validated(
-        Scenario(
-            tuple(robots),
-            f"blocks-{count}",
-            f"four groups of {count // 4} robots cross between four blocks; sizes as in RVO2",
-            seed,
-            Workspace(points=_box((0.0, 0.0), 110.0, 110.0)),
-            Time(step=0.25, limit=600.0, tolerance=1.0),
-            Control(speed=2.0),
-            obstacles=tuple(Obstacle(points=_box(centre, 15.0, 15.0)) for centre in corners),
-        )
+    return Scenario(
+        tuple(robots),
+        f"blocks-{count}",
+        f"four groups of {count // 4} robots cross between four blocks; sizes as in RVO2",
+        seed,
+        Workspace(points=_box((0.0, 0.0), 110.0, 110.0)),
+        Time(step=0.25, limit=600.0, tolerance=1.0),
+        Control(speed=2.0),
+        obstacles=tuple(Obstacle(points=_box(centre, 15.0, 15.0)) for centre in corners),
     )
 
 
@@ -205,14 +180,12 @@ def sphere_world(seed: int = 0) -> Scenario:
         (0.12, -0.12, 0.035),
         (-0.1, -0.14, 0.04),
     )
-    return validated(
-        Scenario(
-            (RobotSpec(1, 0.015, (-0.25, 0.02), (0.25, -0.01)),),
-            "sphere-world",
-            "one robot among five static disks: Koditschek and Rimon's theorem applies",
-            seed,
-            obstacles=tuple(Obstacle(center=(x, y), radius=radius) for x, y, radius in disks),
-        )
+    return Scenario(
+        (RobotSpec(1, 0.015, (-0.25, 0.02), (0.25, -0.01)),),
+        "sphere-world",
+        "one robot among five static disks: Koditschek and Rimon's theorem applies",
+        seed,
+        obstacles=tuple(Obstacle(center=(x, y), radius=radius) for x, y, radius in disks),
     )
 
 
@@ -222,14 +195,12 @@ def beads(count: int, seed: int = 0) -> Scenario:
     radius, length = 0.02, 0.06 * count
     starts, goals = (_spaced(random, count, 2.2 * radius, length) for _ in range(2))
     robots = tuple(RobotSpec(n + 1, radius, (starts[n], 0.0), (goals[n], 0.0)) for n in range(count))
-    return validated(
-        Scenario(
-            robots,
-            f"beads-{count}",
-            f"{count} robots in a corridor, which keep their order",
-            seed,
-            Workspace(points=_box((0.0, 0.0), length + 2.0 * radius, 1.5 * radius)),
-        )
+    return Scenario(
+        robots,
+        f"beads-{count}",
+        f"{count} robots in a corridor, which keep their order",
+        seed,
+        Workspace(points=_box((0.0, 0.0), length + 2.0 * radius, 1.5 * radius)),
     )
 
 

@@ -10,14 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, repeat
 
 import numpy as np
 from numpy.typing import NDArray
 
 from protocol.draws import Purpose, generator
 from protocol.errors import UsageError
-from protocol.scenario.file import validated
 from protocol.scenario.model import Control, Part, Point, ProcessFault, RobotSpec, Scenario, Time, Workspace
 from protocol.scenario.network import Link
 
@@ -26,15 +25,20 @@ WORKSPACE = 0.30  # m
 GAIN = 60.0  # the paper's k
 
 
+def numbered(
+    radii: Iterable[float], starts: Iterable[Point], goals: Iterable[Point]
+) -> tuple[RobotSpec, ...]:
+    """Robots 1, 2, ... with these radii, starts and goals, m."""
+    ends = zip(radii, zip(starts, goals, strict=True), strict=False)
+    return tuple(RobotSpec(n, radius, *each) for n, (radius, each) in enumerate(ends, 1))
+
+
 def paper_scenario(
     name: str, description: str, seed: int, starts: Iterable[Point], goals: Iterable[Point]
 ) -> Scenario:
-    """Robots 1, 2, ... in the paper's setting: radius 0.04 m in a workspace of radius 0.30 m, k = 60."""
-    robots = tuple(
-        RobotSpec(n, RADIUS, start, goal)
-        for n, (start, goal) in enumerate(zip(starts, goals, strict=True), start=1)
-    )
-    return validated(Scenario(robots, name, description, seed, Workspace(WORKSPACE), control=Control(k=GAIN)))
+    """Robots in the paper's setting: radius 0.04 m in a workspace of radius 0.30 m, k = 60."""
+    robots = numbered(repeat(RADIUS), starts, goals)
+    return Scenario(robots, name, description, seed, Workspace(WORKSPACE), control=Control(k=GAIN))
 
 
 def figure_1(seed: int = 0) -> Scenario:
@@ -134,12 +138,8 @@ def admissible(seed: int = 0) -> Scenario:
         (0.3 * math.cos(angle), 0.3 * math.sin(angle))
         for angle in (math.pi / 2, math.pi / 2 + 2 * math.pi / 3, math.pi / 2 - 2 * math.pi / 3)
     ]
-    robots = tuple(
-        RobotSpec(index + 1, 0.04, start, goal)
-        for index, (start, goal) in enumerate(zip(goals[1:] + goals[:1], goals, strict=True))
-    )
     return Scenario(
-        robots,
+        numbered(repeat(RADIUS), goals[1:] + goals[:1], goals),
         name="admissible",
         description="three robots with goals that satisfy the paper's assumptions",
         seed=seed,
@@ -194,25 +194,18 @@ def random_instance(
     Raises:
         UsageError: no such instance can be drawn.
     """
-    if not 1 <= count <= 1000:
-        raise UsageError(f"{count} robots: choose between 1 and 1000")
     if not 0.0 < density <= LARGEST_DENSITY:
         raise UsageError(f"density {density:g}: choose above 0, at most {LARGEST_DENSITY}")
     if not 0.0 <= unequal <= LARGEST_UNEQUAL:
         raise UsageError(f"unequal {unequal:g}: choose between 0 and {LARGEST_UNEQUAL}")
     spread = generator(seed, Purpose.SCENARIO, 2).uniform(-unequal, unequal, count)
     radii = [round(RADIUS * (1.0 + float(part)), 4) for part in spread]
-    workspace = float(np.sqrt((np.array(radii) ** 2).sum() / density))
-    workspace = round(max(workspace, _room(radii)) + 5e-7, 6)
-    starts, goals = (random_starts(radii, workspace, seed, stream) for stream in (0, 1))
-    robots = tuple(
-        RobotSpec(n + 1, radius, start, goal)
-        for n, (radius, start, goal) in enumerate(zip(radii, starts, goals, strict=True))
-    )
+    workspace = workspace_for(radii, density)
+    robots = random_robots(radii, workspace, seed)
     text = f"{count} robots, random starts and goals, density {density:.3g}"
     across = 2.0 * workspace / Control().speed
     time = Time(limit=max(Time().limit, math.ceil(3.0 * across)))
-    return validated(Scenario(robots, name or f"random-{count}", text, seed, Workspace(workspace), time))
+    return Scenario(robots, name or f"random-{count}", text, seed, Workspace(workspace), time)
 
 
 def in_turn(count: int, seed: int = 0) -> Scenario:
@@ -224,9 +217,15 @@ def in_turn(count: int, seed: int = 0) -> Scenario:
     return replace(drawn, description=text, control=turns, time=limit)
 
 
-def _room(radii: Sequence[float]) -> float:
-    """Radius of a workspace that holds the two largest disks side by side, m."""
-    return (1.0 + 2.0 * _GAP) * sum(sorted(radii)[-2:])
+def random_robots(radii: Sequence[float], workspace: float, seed: int) -> tuple[RobotSpec, ...]:
+    """Robots with random starts and goals; arguments and errors as of `random_starts`."""
+    return numbered(radii, *(random_starts(radii, workspace, seed, stream) for stream in (0, 1)))
+
+
+def workspace_for(radii: Sequence[float], density: float) -> float:
+    """Radius of a workspace in which disks have this density, m; the two largest fit in side by side."""
+    filled = float(np.sqrt((np.array(radii) ** 2).sum() / density))
+    return round(max(filled, (1.0 + 2.0 * _GAP) * sum(sorted(radii)[-2:])) + 5e-7, 6)
 
 
 def _thrown(random: np.random.Generator, radii: Array, workspace: float) -> Array:
@@ -268,31 +267,25 @@ def _relaxed(points: Array, radii: Array, workspace: float) -> Array | None:
 
 DENSITY = 0.2  # area of all disks over that of the workspace
 _ROBOT, _PART = 0.03, 0.035  # m, radii; a robot's disk grows with a part
-_MOST = 40
 
 
 def parts(count: int, seed: int = 0, robots: int = 3, density: float = DENSITY) -> Scenario:
     """Random parts with random goals, and robots that carry them, at this density.
 
-    Robots end at their starts. No part's goal overlaps a robot's. Raises UsageError if `count` is not in 1
-    to 40.
+    Robots end at their starts. No part's goal overlaps a robot's.
     """
-    if not 1 <= count <= _MOST:
-        raise UsageError(f"{count} parts: choose between 1 and {_MOST}")
     radii = [_ROBOT] * robots + [_PART] * count
-    workspace = round(math.sqrt(sum(radius**2 for radius in radii) / density) + 5e-7, 6)
+    workspace = workspace_for(radii, density)
     starts = random_starts(radii, workspace, seed, 0)
     goals = _goals(radii, workspace, seed, starts[:robots])
-    return validated(
-        Scenario(
-            tuple(RobotSpec(n + 1, _ROBOT, starts[n], starts[n]) for n in range(robots)),
-            f"parts-{count}",
-            f"{robots} robots bring {count} parts to their goals, density {density:.3g}",
-            seed,
-            Workspace(workspace),
-            Time(limit=600.0, deadlock=60.0),
-            parts=tuple(Part(_PART, starts[robots + n], goals[n]) for n in range(count)),
-        )
+    return Scenario(
+        tuple(RobotSpec(n + 1, _ROBOT, starts[n], starts[n]) for n in range(robots)),
+        f"parts-{count}",
+        f"{robots} robots bring {count} parts to their goals, density {density:.3g}",
+        seed,
+        Workspace(workspace),
+        Time(limit=600.0, deadlock=60.0),
+        parts=tuple(Part(_PART, starts[robots + n], goals[n]) for n in range(count)),
     )
 
 

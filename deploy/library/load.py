@@ -14,33 +14,11 @@ from typing import NamedTuple
 from agents.law import GuardedLaw, View
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
-from deploy.library.encounters import (
-    beads,
-    blocks,
-    boxes,
-    circle,
-    forest,
-    head_on,
-    sphere_world,
-    swap,
-    turtlebots,
-)
-from deploy.library.instances import (
-    TIGHTNESS,
-    admissible,
-    crash,
-    delay_6,
-    figure_1,
-    figure_2,
-    figure_3,
-    in_turn,
-    parts,
-    random_instance,
-)
+from deploy.library import encounters, instances
 from deploy.theory.tuning import gain_for
 from protocol.draws import checked_seed
 from protocol.errors import LawError, ScenarioError, UsageError
-from protocol.scenario.file import apply_settings, document_of, parse_document, read_document
+from protocol.scenario.file import apply_settings, document_of, parse_document, read_document, validated
 from protocol.scenario.model import Scenario
 from protocol.scenario.tables import Document
 from world.plants.plant import require as require_plant
@@ -54,14 +32,20 @@ MAPS = {  # deploy/library/maps
 
 
 class CatalogueEntry(NamedTuple):
-    """One name of the library; `N` in it is a number of robots."""
+    """One name of the library; `N` in it is a number of robots, or of parts."""
 
     name: str
     robots: str
     text: str
 
 
-_Build = Callable[[int], Scenario]
+class Series(NamedTuple):
+    """The scenarios of one name, by a number of robots, or of parts, from `least` to `most`, and a seed."""
+
+    build: Callable[[int, int], Scenario]
+    least: int
+    most: int
+    text: str
 
 
 def _on_map(name: str, count: int, seed: int) -> Scenario:
@@ -70,81 +54,88 @@ def _on_map(name: str, count: int, seed: int) -> Scenario:
     return parse_document(library_map(name, count, seed))
 
 
-# name -> scenario by seed, number of robots, description
-_FIXED: dict[str, tuple[_Build, str, str]] = {
-    "figure-1": (figure_1, "6", "robot 1 passes between four others that nudge aside"),
-    "figure-2": (figure_2, "3", "goals too close together: they can block each other"),
-    **{
-        f"figure-3{letter}": (
-            partial(figure_3, letter),
-            "6",
-            f"goal set of tightness {tight:.2f}, random starts",
-        )
-        for letter, tight in TIGHTNESS.items()
-    },
-    "head-on": (head_on, "2", "two robots change places, exactly on the saddle"),
-    "admissible": (admissible, "3", "goals for which the paper's guarantee holds"),
-    "delay-6": (delay_6, "6", "figure-3d with 0 to 0.3 s of delay and 10 % loss"),
-    "sphere-world": (sphere_world, "1", "among static disks: Koditschek and Rimon's theorem applies"),
-    "crash": (crash, "6", "figure-3c; one robot is killed and started again"),
+_FIXED: dict[str, Callable[[int], Scenario]] = {
+    "figure-1": instances.figure_1,
+    "figure-2": instances.figure_2,
+    **{f"figure-3{letter}": partial(instances.figure_3, letter) for letter in instances.TIGHTNESS},
+    "head-on": encounters.head_on,
+    "admissible": instances.admissible,
+    "delay-6": instances.delay_6,
+    "sphere-world": encounters.sphere_world,
+    "crash": instances.crash,
 }
-# the same by the number in the name, and a seed
-_COUNTED: dict[str, tuple[Callable[[int, int], Scenario], str, str]] = {
-    "swap": (
-        lambda count, seed: swap(count, seed=seed),
-        "2 to 1000",
+_COUNTED: dict[str, Series] = {
+    "swap": Series(
+        lambda count, seed: encounters.swap(count, seed=seed),
+        2,
+        1000,
         "robots on a circle change places, exactly on the saddle",
     ),
-    "circle": (
-        lambda count, seed: circle(count, seed=seed),
-        "2 to 250",
+    "circle": Series(
+        lambda count, seed: encounters.circle(count, seed=seed),
+        2,
+        250,
         "robots of 1.5 m change places on a circle of 200 m, as in RVO2",
     ),
-    "turtlebots": (turtlebots, "2 to 100", "robots on two wheels each change places on a circle"),
-    "forest": (forest, "1 to 20", "among 40 boxes, as in LSC-DR's forest10"),
-    "blocks": (blocks, "4 to 100", "four groups cross between four blocks, as in RVO2"),
-    "boxes": (boxes, "1 to 100", "random goals among 8 boxes, as in GCBF+"),
-    "beads": (beads, "1 to 100", "in a corridor, where all keep their order"),
-    "in-turn": (in_turn, "1 to 100", "only one robot moves at a time"),
-    "parts": (parts, "3", "robots bring N parts to their goals"),
+    "turtlebots": Series(
+        encounters.turtlebots, 2, 100, "robots on two wheels each change places on a circle"
+    ),
+    "forest": Series(encounters.forest, 1, 20, "among 40 boxes, as in LSC-DR's forest10"),
+    "blocks": Series(encounters.blocks, 4, 100, "four groups cross between four blocks, as in RVO2"),
+    "boxes": Series(encounters.boxes, 1, 100, "random goals among 8 boxes, as in GCBF+"),
+    "beads": Series(encounters.beads, 1, 100, "in a corridor, where all keep their order"),
+    "in-turn": Series(instances.in_turn, 1, 100, "only one robot moves at a time"),
+    "parts": Series(instances.parts, 1, 40, "N parts, which 3 robots bring to their goals"),
     **{
-        name: (partial(_on_map, name), "1 to 100", f"random goals on a floor plan: {text}")
+        name: Series(partial(_on_map, name), 1, 100, f"random goals on a floor plan: {text}")
         for name, text in MAPS.items()
     },
-    "random": (random_instance, "1 to 1000", "random starts and goals at the paper's density"),
+    "random": Series(instances.random_instance, 1, 1000, "random starts and goals at the paper's density"),
 }
 _NUMBERED = re.compile(rf"({'|'.join(_COUNTED)})-([1-9][0-9]{{0,5}})")
 
 
 def catalogue() -> list[CatalogueEntry]:
     """All names, in the order of display."""
-    fixed = [CatalogueEntry(name, robots, text) for name, (_, robots, text) in _FIXED.items()]
-    return fixed + [CatalogueEntry(f"{name}-N", robots, text) for name, (_, robots, text) in _COUNTED.items()]
+    made = {name: make(DEFAULT_SEED) for name, make in _FIXED.items()}
+    fixed = [CatalogueEntry(name, str(len(each.robots)), each.description) for name, each in made.items()]
+    counted = (
+        CatalogueEntry(f"{name}-N", f"{each.least} to {each.most}", each.text)
+        for name, each in _COUNTED.items()
+    )
+    return [*fixed, *counted]
 
 
 def suggestions(name: str) -> str:
     """Suggestions for an unknown name."""
-    known = [entry.name for entry in catalogue()]
+    known = [*_FIXED, *(f"{each}-N" for each in _COUNTED)]
     near = get_close_matches(name, known, 3, 0.5)
     return f"did you mean {' or '.join(near)}?" if near else f"the library has {', '.join(known)}"
 
 
 def build(name: str, seed: int | None = None) -> Scenario:
     """The library's scenario of this name; `seed` (default 0) determines all random values.
-    Raises UsageError if the name is unknown or the seed is invalid.
+    Raises UsageError if the name is unknown, its number out of range, or the seed is invalid.
     """
     seed = DEFAULT_SEED if seed is None else checked_seed(seed)
     if name in _FIXED:
-        return _FIXED[name][0](seed)
+        return validated(_FIXED[name](seed))
     if found := _NUMBERED.fullmatch(name):
-        return _COUNTED[found[1]][0](int(found[2]), seed)
+        return validated(_COUNTED[found[1]].build(_in_range(found[1], int(found[2])), seed))
     raise UsageError(f"no scenario {name!r}; {suggestions(name)}")
+
+
+def _in_range(name: str, count: int) -> int:
+    series = _COUNTED[name]
+    if not series.least <= count <= series.most:
+        raise UsageError(f"{name}-{count}: choose from {series.least} to {series.most}")
+    return count
 
 
 _COUNT = 6  # default number of robots
 _KINDS: dict[str, tuple[Callable[..., Scenario], tuple[str, ...]]] = {
-    "random": (random_instance, ("robots", "density", "unequal")),
-    "swap": (swap, ("robots", "jitter")),
+    "random": (instances.random_instance, ("robots", "density", "unequal")),
+    "swap": (encounters.swap, ("robots", "jitter")),
 }
 
 
@@ -165,7 +156,8 @@ def generate(kind: str, seed: int, options: Mapping[str, float]) -> Scenario:
     if make is None:
         return build(kind, seed)
     others = {key: value for key, value in options.items() if key != "robots"}
-    return make(int(options.get("robots", _COUNT)), seed=seed, **others)
+    count = _in_range(kind, int(options.get("robots", _COUNT)))
+    return validated(make(count, seed=seed, **others))
 
 
 TRIES = 5  # steps, of which the quickest is judged

@@ -9,14 +9,12 @@ from functools import partial
 from itertools import combinations
 from typing import Any, Literal
 
-import numpy as np
-
 from deploy.library.encounters import swap
-from deploy.library.instances import figure_3, random_starts
+from deploy.library.instances import figure_3, random_robots, workspace_for
 from deploy.library.load import resolved
 from deploy.studies.study import Build, Cell, Result, Row, Study, arrived, error, figures, mean, untouched
 from protocol.draws import Purpose, generator
-from protocol.scenario.model import RobotSpec, Scenario, Sensing, Time, Workspace
+from protocol.scenario.model import Scenario, Sensing, Time, Workspace
 from protocol.scenario.network import Link
 
 LIMIT = 120.0  # s of simulated time
@@ -207,15 +205,10 @@ def crowd(density: float, noise: float, seed: int) -> Scenario:
     count = int(draw.integers(ROBOTS[0], ROBOTS[1] + 1))
     radii = [round(float(radius), 4) for radius in draw.uniform(*RADII, count)]
     late, loss = (round(float(draw.uniform(0.0, most)), 3) for most in (LATEST, LOSS))
-    workspace = round(float(np.sqrt((np.array(radii) ** 2).sum() / density)) + 5e-7, 6)
-    starts, goals = (random_starts(radii, workspace, seed, stream) for stream in (0, 1))
-    robots = tuple(
-        RobotSpec(n + 1, radius, start, goal)
-        for n, (radius, start, goal) in enumerate(zip(radii, starts, goals, strict=True))
-    )
+    workspace = workspace_for(radii, density)
     return resolved(
         Scenario(
-            robots,
+            random_robots(radii, workspace, seed),
             "crowd",
             f"{count} unequal robots, density {density:g}, random starts and goals",
             seed,
