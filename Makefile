@@ -44,8 +44,8 @@ lock: $(READY)  ## renew the versions that `make setup` and `make test` install
 	  --no-header --no-annotate --no-emit-index-url pyproject.toml -o requirements.lock
 
 compile: $(COMPILED)  ## make C again of the modules that run for every message, and test it as their sources are tested; three minutes
-	$(BIN)/python -m pytest -n auto -m 'not slow and not process and not alone and not campaign' tests/agents tests/protocol
-	$(BIN)/python -m pytest tests/deploy/test_software.py
+	$(BIN)/python -m pytest -n auto -m 'not slow and not process and not alone and not campaign' tests/agents tests/protocol tests/world
+	$(BIN)/python -m pytest -m 'not process and not campaign' tests/deploy/test_software.py tests/system/orders/test_scheduled_orders.py
 
 $(DEMO): pyproject.toml
 	$(call install,demo)

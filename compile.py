@@ -14,22 +14,27 @@ from mypyc.build import mypycify
 from setuptools import setup
 from setuptools._distutils import ccompiler
 
-FOLDERS = ("protocol/bodies", "protocol/bus", "protocol/kernel", "agents")
-FILES = tuple(f"protocol/{name}.py" for name in ("codec", "crowd", "geometry", "line", "region"))
+FOLDERS = ("protocol/bodies", "protocol/bus", "protocol/kernel", "agents", "world/coordinator")
+FILES = (
+    *(f"protocol/{name}.py" for name in ("codec", "crowd", "geometry", "line", "region")),
+    "world/plants/integrator.py",
+    "world/simulation.py",
+)
 LEFT_OUT = ("agents/bases", "agents/parts")  # not what every message passes
 _PROCESS = "process.py"  # run by `python -m`, which takes sources only
+# Of what they declare, mypyc makes classes that cannot be decoded or unpickled.
+_UNSUITED = ("msgspec.Struct", "@dataclass(frozen=True", "@dataclass(slots=True")
 
 
 def modules() -> list[str]:
-    """The files, and every module of the folders but `__init__` and those that declare structs of msgspec or
-    frozen dataclasses: mypyc would make classes of them that cannot be decoded or unpickled."""
+    """The files, and every module of the folders but `__init__` and the unsuited ones."""
     found = [*map(Path, FILES), *(path for each in FOLDERS for path in sorted(Path(each).rglob("*.py")))]
     return [
         path.as_posix()
         for path in found
         if path.name not in ("__init__.py", _PROCESS)
         and not path.as_posix().startswith(LEFT_OUT)
-        and not any(each in path.read_text() for each in ("msgspec.Struct", "@dataclass(frozen=True"))
+        and not any(each in path.read_text() for each in _UNSUITED)
     ]
 
 

@@ -216,7 +216,7 @@ class SimulatedFleet:
 
     def moving(self) -> frozenset[int]:
         """Robots that do not stand."""
-        return frozenset(self.plant.ids) - self.resting().keys()
+        return frozenset(self.plant.ids).difference(self.resting())
 
     def set_fleet(self, scenario: Scenario) -> None:
         """Set the robots; a new one is at its start."""
