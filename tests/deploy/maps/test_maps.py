@@ -1,6 +1,7 @@
 """Floor plans: maps of map_server, the obstacles that stand for them, and scenarios that name them."""
 
 import math
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from PIL import Image
 from scipy import ndimage
 from typer.testing import CliRunner
 
+from deploy import library
 from deploy.cli.scenario import app
 from deploy.library.load import MAPS, build, load, read
 from deploy.maps.occupancy import MOST_CELLS, Mask, Occupancy, read_map
@@ -284,6 +286,15 @@ def test_import_writes_a_scenario_that_names_the_map(tmp_path: Path) -> None:
     assert 'file = "../m.yaml"' in out.read_text()
     assert "error = 0.2" in out.read_text()
     assert len(load(str(out)).robots) == 3
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_maps_of_the_library_are_read_without_a_warning(
+    tmp_path: Path, name: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    folder = shutil.copytree(Path(library.__file__).with_name("maps"), tmp_path / "maps")
+    read_map(folder / f"{name}.yaml")
+    assert not caplog.records
 
 
 @pytest.mark.slow
