@@ -142,10 +142,7 @@ def findings() -> Iterator[Finding]:
 
 
 def _installation() -> Finding:
-    try:
-        number = version("disknav")
-    except PackageNotFoundError:
-        number = "without metadata"
+    number = _version("disknav") or "without metadata"
     kind = f"checkout {ROOT}" if is_checkout() else f"wheel in {ROOT}"
     python = f"Python {platform.python_version()} ({sys.executable}), {platform.system()}"
     text = f"disknav {number}, {kind}; {python}"
@@ -183,20 +180,12 @@ def _extras() -> Iterator[Finding]:
         if match is not None and match[2] not in _COLLECTIONS:
             wanted.setdefault(match[2], []).append(match[1])
     for extra, libraries in wanted.items():
-        missing = [library for library in libraries if not _is_installed(library)]
+        missing = [library for library in libraries if _version(library) is None]
         if missing:
             text = f"{', '.join(missing)} not installed"
             yield Finding(f"extra {extra}", "note", text, how_to_install(extra))
         else:
             yield Finding(f"extra {extra}", "good", ", ".join(libraries))
-
-
-def _is_installed(library: str) -> bool:
-    try:
-        version(library)
-    except PackageNotFoundError:
-        return False
-    return True
 
 
 def _program(what: str, names: tuple[str, ...], purpose: str, package: str) -> Finding:

@@ -18,7 +18,7 @@ from protocol.process.signals import STOP
 
 if TYPE_CHECKING:
     from deploy.telemetry.monitor.foxglove import FoxgloveServer
-    from deploy.telemetry.monitor.snapshot import Source, Steerable
+    from deploy.telemetry.monitor.snapshot import Source
     from deploy.telemetry.monitor.watcher import Watcher
 
 _TIMEOUT = 5.0  # s to reach the fleet
@@ -115,7 +115,7 @@ def _export(source: Source, where: str) -> None:
     print(f"{export(source, where)}  (Ctrl-C ends it)", flush=True)
 
 
-def _serve(source: Steerable, port: int | None) -> None:
+def _serve(source: Watcher, port: int | None) -> None:
     from deploy.telemetry.monitor.web import serve_in_thread
 
     with closing(serve_in_thread(source, port)) as server:

@@ -110,7 +110,7 @@ def run(
         None if router is None else membership.endpoint(router),
         asked or (checked_run(loaded.name) if keep else fresh_run_name()),
         secure,
-        None if hosts is None else read_hosts(hosts, loaded.ids, [spec.id for spec in loaded.newcomers]),
+        None if hosts is None else read_hosts(hosts, loaded),
         open_to_all,
         speed if speed is not None else 1.0 if (web or keep) and clock == "lockstep" else 0.0,
         restarts(restart or (_KEPT if keep else "never")),

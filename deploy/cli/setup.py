@@ -69,13 +69,12 @@ def keys(
 
     name = fresh_run_name() if run is None else checked_run(run)
     found = read(scenario)
-    ids, newcomers = found.ids, [spec.id for spec in found.newcomers]
     if hosts is not None and host:
         raise UsageError("the table has the address of each router: leave out --host, or --hosts")
     if hosts is None:
-        roster = KeyRoster(name, tuple(sorted({*ids, *newcomers})))
+        roster = KeyRoster(name, tuple(sorted({*found.ids, *(spec.id for spec in found.newcomers)})))
     else:
-        roster = roster_of(name, read_hosts(hosts, ids, newcomers))
+        roster = roster_of(name, read_hosts(hosts, found))
     end = create(directory, roster, hosts=host or (), days=days, force=force)
     print(
         f"{directory}: {len(roster.roles)} certificates for the run {name}, "
@@ -95,9 +94,9 @@ def hosts(
 
     Exit status: 0 all are fit for a run, 1 one is not, 2 the table is invalid.
     """
-    from deploy.processes.hosts.table import read_any_hosts
+    from deploy.processes.hosts.table import read_hosts
 
-    found = read_any_hosts(table).hosts
+    found = read_hosts(table).hosts
     raise typer.Exit(EXIT_ARRIVED if _are_fit(found) else EXIT_OTHERWISE)
 
 
@@ -234,29 +233,18 @@ def doctor(json_file: options.Json = None) -> None:
     found = [*findings(), _trial()]
     write_json([finding._asdict() for finding in found], json_file)
     if not is_standard_output(json_file):
-        _print(found)
+        _print([("", each) for each in found])
     raise typer.Exit(EXIT_OTHERWISE if any(each.level == "bad" for each in found) else EXIT_ARRIVED)
 
 
 def _are_fit(hosts: Sequence[Host]) -> bool:
     from concurrent.futures import ThreadPoolExecutor
 
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
-
     from deploy.processes.hosts.prepare import check
-    from deploy.processes.hosts.ssh import printable
 
     with ThreadPoolExecutor(len(hosts)) as pool:
         findings = list(pool.map(check, hosts))
-    rows = Table(box=None, pad_edge=False)
-    for title in ("host", "", "check", "finding"):
-        rows.add_column(title)
-    for host, about in zip(hosts, findings, strict=True):
-        for each in about:
-            rows.add_row(host.name, _MARKS[each.level][0], each.what, Text(printable(each.text)))
-    Console(soft_wrap=True, highlight=False).print(rows)
+    _print([(host.name, each) for host, about in zip(hosts, findings, strict=True) for each in about])
     return all(each.level != "bad" for about in findings for each in about)
 
 
@@ -279,13 +267,18 @@ def _trial() -> Finding:
     return Finding("fleet", "bad", text, "disknav run head-on")
 
 
-def _print(found: list[Finding]) -> None:
+def _print(found: Sequence[tuple[str, Finding]]) -> None:
+    """A line for each finding, after the host that it is about, if any; lines that can be copied."""
     from rich.console import Console
     from rich.text import Text
 
+    from deploy.processes.hosts.ssh import printable
+
     console = Console(soft_wrap=True)
-    width = max(len(finding.what) for finding in found)
-    for finding in found:
-        console.print(Text.assemble(_MARKS[finding.level], f"  {finding.what:<{width}}  {finding.text}"))
-        if finding.remedy:
-            console.print(Text.assemble(" " * (width + 4), ("→ ", "dim"), finding.remedy))
+    labels = [(host, each.what) for host, each in found]
+    names, width = (max(map(len, column)) for column in zip(*labels, strict=True))
+    for host, each in found:
+        before, text = f"{host:<{names}}  " if names else "", printable(each.text)
+        console.print(Text.assemble(before, _MARKS[each.level], f"  {each.what:<{width}}  {text}"))
+        if each.remedy:
+            console.print(Text.assemble(" " * (len(before) + width + 4), ("→ ", "dim"), each.remedy))

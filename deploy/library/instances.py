@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from itertools import combinations, repeat
+from itertools import repeat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,14 +90,6 @@ GOAL_SETS: dict[str, tuple[Point, ...]] = {
     "e": ((-0.075, -0.069), (-0.042, 0.03), (0.024, -0.132), (0.035, -0.03), (0.062, 0.07), (0.104, -0.085)),
 }
 TIGHTNESS = {"a": 2.44, "b": 2.63, "c": 2.87, "d": 3.30, "e": 3.45}  # by the paper
-
-
-def tightness(goals: Sequence[Point], radii: Sequence[float]) -> float:
-    """`tight` of the paper's section 4: 100 / log10 prod(|g_ij|^2 - rho_ij^2) in cm; arguments in m."""
-    total = 0.0
-    for (g, r), (h, s) in combinations(zip(goals, radii, strict=True), 2):
-        total += math.log10(1e4 * (math.dist(g, h) ** 2 - (r + s) ** 2))
-    return 100.0 / total
 
 
 def figure_3(letter: str, seed: int = 0) -> Scenario:

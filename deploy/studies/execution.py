@@ -40,8 +40,7 @@ FAILED = "failed"  # verdict of a run that ended with an exception, which is a b
 KEPT = (
     "seed", "verdict", "reason", "arrived", "collisions", "contacts", "min_clearance",
     "nrl", "tight", "k", "robots", "ticks", "sim_time", "wall_time",
-    "ticks_per_second", "missed_commands", "down", "positions", "trajectory_sha256", "cpu_s", "max_rss_mb",
-    "processes",
+    "ticks_per_second", "missed_commands", "down", "positions", "trajectory_sha256", "processes",
 )
 # fmt: on
 
@@ -69,10 +68,9 @@ def _in_process(build: Build, seed: int) -> Result:
         report = LocalFleet(build(seed)).execute()
     except Exception:  # noqa: BLE001  a failed run must not end the study
         return {"seed": seed, "verdict": FAILED, "reason": traceback.format_exc(limit=-3)}
-    result = complete(report, RunOptions("local"), [])
-    result["cpu_s"] = time.thread_time() - began
-    result["max_rss_mb"] = psutil.Process().memory_info().rss / 2**20
-    return result
+    memory = psutil.Process().memory_info().rss / 2**20
+    whole = {"name": "local", "cpu_s": time.thread_time() - began, "max_rss_mb": memory}
+    return complete(report, RunOptions("local"), [whole])
 
 
 def _on_processes(build: Build, seed: int, transport: Transport) -> Result:

@@ -125,29 +125,24 @@ def instance(count: int, seed: int) -> Scenario:
 def _costs(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
     """Adds speed, CPU and memory; resident memory is summed, so shared pages count for each process."""
     robots = labels["robots"]
-    own = [process["max_rss_mb"] for result in results for process in _robots(result)]
+    rows = [process for result in results for process in result["processes"]]
+    own = [row["max_rss_mb"] for row in rows if row["name"].startswith("robot-")]
     return {
         **labels,
         **figures(results),
         "k": results[0]["k"],
         "ticks_per_second": mean([result["ticks_per_second"] for result in results]),
-        "cpu_per_robot_tick_us": mean([1e6 * _cpu(result) / result["ticks"] / robots for result in results]),
-        "memory_mb": mean([_memory(result) for result in results]),
+        "cpu_per_robot_tick_us": mean(
+            [1e6 * _sum(result, "cpu_s") / result["ticks"] / robots for result in results]
+        ),
+        "memory_mb": mean([_sum(result, "max_rss_mb") for result in results]),
         "memory_per_robot_mb": mean(own),
     }
 
 
-def _robots(result: Result) -> list[dict[str, Any]]:
-    return [process for process in result["processes"] if process["name"].startswith("robot-")]
-
-
-def _memory(result: Result) -> float:
-    return float(result.get("max_rss_mb") or sum(process["max_rss_mb"] for process in result["processes"]))
-
-
-def _cpu(result: Result) -> float:
-    """CPU time of all processes, s, start and end included."""
-    return float(result.get("cpu_s") or sum(process["cpu_s"] for process in result["processes"]))
+def _sum(result: Result, name: str) -> float:
+    """Over all processes, their start and end included."""
+    return float(sum(process[name] for process in result["processes"]))
 
 
 def _growth(rows: Sequence[Row]) -> list[str]:

@@ -16,6 +16,7 @@ from protocol.bus.connection import DEFAULT_PORT, Endpoint
 from protocol.errors import CertificateError, HostsError, Problem, UsageError
 from protocol.scenario.body import RobotId
 from protocol.scenario.file import read_document
+from protocol.scenario.model import Scenario
 from protocol.scenario.tables import Document, Finding, Steps, file_order, read_table, written
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9-]*")
@@ -58,28 +59,18 @@ class HostsTable:
         )
 
 
-def read_hosts(path: Path, robots: Sequence[int], newcomers: Sequence[int] = ()) -> HostsTable:
-    """Read the table of hosts for a scenario with these robots, and with newcomers that its orders add.
-    Raises HostsError with every problem, in the order of the file.
+def read_hosts(path: Path, scenario: Scenario | None = None) -> HostsTable:
+    """Read the table of hosts for the robots of a scenario, and for newcomers that its orders add; without
+    one, for any robots. Raises HostsError with every problem, in the order of the file.
     """
-    return parse_hosts(read_document(path, HostsError), robots, str(path), newcomers)
-
-
-def read_any_hosts(path: Path) -> HostsTable:
-    """Read a table without a scenario: all robots that it names are valid. Raises as `read_hosts`."""
     document = read_document(path, HostsError)
-    entries = document.get("hosts")
-    named = (
-        [each.get("robots") for each in entries if isinstance(each, dict)]
-        if isinstance(entries, list)
-        else []
-    )
-    robots = {robot for each in named if isinstance(each, list) for robot in each if isinstance(robot, int)}
-    return parse_hosts(document, sorted(robots), str(path))
+    if scenario is None:
+        return parse_hosts(document, None, str(path))
+    return parse_hosts(document, scenario.ids, str(path), [spec.id for spec in scenario.newcomers])
 
 
 def parse_hosts(
-    document: Document, robots: Sequence[int], source: str = "hosts", newcomers: Sequence[int] = ()
+    document: Document, robots: Sequence[int] | None, source: str = "hosts", newcomers: Sequence[int] = ()
 ) -> HostsTable:
     """`read_hosts`, from a parsed TOML document."""
     table, findings = read_table(document, HostsTable)
@@ -96,7 +87,7 @@ def parse_hosts(
 
 
 def _checked(
-    table: HostsTable, malformed: Collection[Steps], robots: Sequence[int], newcomers: Sequence[int]
+    table: HostsTable, malformed: Collection[Steps], robots: Sequence[int] | None, newcomers: Sequence[int]
 ) -> Iterator[Finding]:
     names: dict[str, int] = {}
     endpoints: dict[tuple[str, int], int] = {}
@@ -104,11 +95,11 @@ def _checked(
     for n, host in enumerate(table.hosts):
         yield from _host(host, n, names, endpoints)
         for m, robot in enumerate(host.robots):
-            if robot not in (*robots, *newcomers):
+            if robots is not None and robot not in (*robots, *newcomers):
                 yield ("hosts", n, "robots", m), f"the scenario has no robot {robot}"
             elif homes.setdefault(robot, n) != n:
                 yield ("hosts", n, "robots", m), f"robot {robot} is on hosts[{homes[robot]}] already"
-    missing = [robot for robot in robots if robot not in homes]
+    missing = [robot for robot in robots or () if robot not in homes]
     hidden = any(len(steps) < 3 or steps[2] == "robots" for steps in malformed if steps[0] == "hosts")
     if missing and not hidden:
         plural = "" if len(missing) == 1 else "s"

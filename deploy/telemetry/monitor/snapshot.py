@@ -4,16 +4,12 @@ from __future__ import annotations
 
 import threading
 import time
-from abc import ABC, abstractmethod
 from collections.abc import Callable
-from concurrent.futures import Future
 from typing import Any, TypeVar
 
 from deploy.telemetry.live import ALARMS, FleetView, RobotView
 from protocol.geometry import Disk, Shape
 from protocol.messages import PlacedObstacle, Truth
-from protocol.operations import Outcome, Steer
-from protocol.scenario.model import Operation
 
 T = TypeVar("T")
 _SAMPLES = 8  # past samples in a snapshot
@@ -126,15 +122,3 @@ class Source:
         """Result of `what`, called with the view and the present time, under the lock."""
         with self._lock:
             return what(self._view, self._clock())
-
-
-class Steerable(Source, ABC):
-    """A `Source` that forwards requests of its viewers; every method may be called from any thread."""
-
-    @abstractmethod
-    def steer(self, steer: Steer) -> None:
-        """Request a pause, steps or a speed, visible in a later snapshot."""
-
-    @abstractmethod
-    def operate(self, operation: Operation) -> Future[Outcome]:
-        """Request an operation from the world, visible in a later snapshot if accepted."""

@@ -13,7 +13,7 @@ from queue import Empty, SimpleQueue
 import msgspec
 
 from deploy.telemetry.live import FleetView
-from deploy.telemetry.monitor.snapshot import Steerable
+from deploy.telemetry.monitor.snapshot import Source
 from protocol.bus.bus import Bus, Event, Presence, Sample
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
@@ -32,8 +32,8 @@ _UNANSWERED = "no answer: the world is gone, or this page lacks the operator's k
 _NO_RUN = "the run has not started"
 
 
-class Watcher(Steerable):
-    """A `Node` for the thread that owns `bus`, and a `Steerable` for all others.
+class Watcher(Source):
+    """A `Node` for the thread that owns `bus`, and a `Source` for all others, which may steer the run.
 
     Args:
         bus: a connection of its own.
@@ -64,11 +64,11 @@ class Watcher(Steerable):
         bus.watch(world_tokens(run))
 
     def steer(self, steer: Steer) -> None:
-        """Queue the request for the thread that owns the bus."""
+        """Request a pause, steps or a speed of the thread that owns the bus."""
         self._wishes.put(partial(self._ask_for, steer))
 
     def operate(self, operation: Operation) -> Future[Outcome]:
-        """Queue the request for the thread that owns the bus."""
+        """Request an operation of the thread that owns the bus."""
         answer: Future[Outcome] = Future()
         if self._known:
             self._wishes.put(lambda: answer.set_result(self._request(operation)))
@@ -219,7 +219,7 @@ def attach(connection: Connection, run: str) -> Attachment:
 _NAP = 0.01  # s, longest wait between checks of the steering
 
 
-class Player(Steerable):
+class Player(Source):
     """Plays recorded messages in a thread until the end or `close`; pause, steps and speed apply to the
     playback.
 

@@ -14,7 +14,8 @@ from urllib.parse import urlsplit
 
 import msgspec
 
-from deploy.telemetry.monitor.snapshot import Source, Steerable
+from deploy.telemetry.monitor.snapshot import Source
+from deploy.telemetry.monitor.watcher import Player, Watcher
 from protocol.codec import DAMAGED
 from protocol.errors import MessageError, UsageError
 from protocol.operations import Outcome, read_operation, read_steer
@@ -71,6 +72,7 @@ class FrameStream:
         return self._newest
 
 
+Steerable = Watcher | Player  # a source that takes requests of its viewers
 PAGE = Path(__file__).parent / "page"
 _HEADERS = {
     "content-security-policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "

@@ -8,9 +8,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from deploy.library.instances import RADIUS, WORKSPACE, figure_3, random_starts, tightness
+from deploy.library.instances import RADIUS, WORKSPACE, figure_3, random_starts
 from deploy.theory.exact_flow import integrate
 from deploy.theory.function import Array, FleetProblem
+from world.judge.clearance import Disks
+from world.judge.measures import Goals, tight
 
 
 @dataclass(frozen=True)
@@ -48,12 +50,15 @@ def smallest_k_study() -> Iterator[Row]:
     """One row per goal set: the threshold, and nrl of the same starts at k = 60."""
     starts = [np.array(random_starts([RADIUS] * 6, WORKSPACE, seed)) for seed in range(30)]
     for letter in "abcde":
-        goals = [robot.goal for robot in figure_3(letter).robots]
+        scenario = figure_3(letter)
+        goals = [robot.goal for robot in scenario.robots]
         problem = FleetProblem(np.array(goals), np.full(6, RADIUS), WORKSPACE, 60.0)
         fails, arrives = arrival_threshold(problem, starts)
         lengths = [integrate(problem, start).nrl for start in starts]
         mean, deviation = float(np.mean(lengths)), float(np.std(lengths))
-        yield Row(letter, tightness(goals, [RADIUS] * 6), fails, arrives, mean, deviation)
+        yield Row(
+            letter, tight(Disks.of(scenario), Goals.of(scenario)) or 0.0, fails, arrives, mean, deviation
+        )
 
 
 def main() -> None:

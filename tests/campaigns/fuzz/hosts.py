@@ -13,7 +13,7 @@ from random import Random
 import msgspec
 
 from deploy.processes.hosts.ssh import FramedMessages, Relay, SshSpawner
-from deploy.processes.hosts.table import Host, read_any_hosts
+from deploy.processes.hosts.table import Host, read_hosts
 from deploy.processes.spawn import MAX_NEWS, Exited, Facts, ProcessReport, Started, encode_news
 from deploy.security.roster import Home, KeyRoster, encoded, read
 from protocol.errors import CertificateError, HostsError, KeyGrammarError, ProcessError
@@ -132,7 +132,7 @@ def _as_file(name: str, content: bytes) -> Iterator[Path]:
 
 def _read_table(drawn: str) -> bool:
     with _as_file("hosts.toml", drawn.encode(errors="surrogatepass")) as path:
-        read_any_hosts(path)
+        read_hosts(path)
     return True
 
 

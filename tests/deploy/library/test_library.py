@@ -11,11 +11,14 @@ from typer.testing import CliRunner
 
 from deploy.cli.scenario import app
 from deploy.library.encounters import swap
-from deploy.library.instances import GOAL_SETS, figure_3, random_instance, random_starts, tightness
+from deploy.library.instances import GOAL_SETS, figure_3, random_instance, random_starts
 from deploy.library.load import build, catalogue, generate, load
 from protocol.errors import ScenarioError, UsageError
 from protocol.scenario.file import parse_toml, validated, write_toml
 from protocol.scenario.model import Scenario
+from world.judge import measures
+from world.judge.clearance import Disks
+from world.judge.measures import Goals
 
 NAMES = [entry.name for entry in catalogue() if not entry.name.endswith("-N")]
 NUMBERED = ["swap-2", "swap-3", "swap-10", "swap-60", "random-1", "random-2", "random-40"]
@@ -40,8 +43,8 @@ def test_every_name_is_valid_and_survives_a_file(name: str) -> None:
     ("letter", "tight"), [("a", 2.44), ("b", 2.63), ("c", 2.87), ("d", 3.30), ("e", 3.45)]
 )
 def test_goal_sets_have_the_papers_tightness(letter: str, tight: float) -> None:
-    assert tightness(GOAL_SETS[letter], [0.04] * 6) == pytest.approx(tight, abs=0.02)
     scenario = figure_3(letter)
+    assert measures.tight(Disks.of(scenario), Goals.of(scenario)) == pytest.approx(tight, abs=0.02)
     assert scenario.workspace.radius == 0.30
     assert [robot.goal for robot in scenario.robots] == list(GOAL_SETS[letter])
 

@@ -112,7 +112,7 @@ def test_what_is_missing(text: str, problem: str) -> None:
 
 def test_a_file_that_is_none(tmp_path: Path) -> None:
     with pytest.raises(HostsError, match="cannot be read"):
-        read_hosts(tmp_path / "hosts.toml", (1,))
+        read_hosts(tmp_path / "hosts.toml")
     (tmp_path / "hosts.toml").write_text("[[hosts]")
     with pytest.raises(HostsError, match="not TOML"):
-        read_hosts(tmp_path / "hosts.toml", (1,))
+        read_hosts(tmp_path / "hosts.toml")

@@ -8,8 +8,7 @@ from math import cos, pi, sin
 from typing import Any
 
 from deploy.run.local import LocalFleet
-from deploy.telemetry.monitor.snapshot import Steerable
-from deploy.telemetry.monitor.watcher import Watcher
+from deploy.telemetry.monitor.watcher import Player, Watcher
 from deploy.telemetry.monitor.web import Server, serve_in_thread
 from protocol.bus.local import LocalNetwork
 from protocol.operations import Steer
@@ -50,7 +49,7 @@ def running(fleet: LocalFleet) -> Iterator[None]:
 
 
 @contextmanager
-def served(source: Steerable) -> Iterator[Server]:
+def served(source: Watcher | Player) -> Iterator[Server]:
     with closing(serve_in_thread(source)) as server:
         yield server
 
