@@ -21,8 +21,6 @@ pytestmark = [
     pytest.mark.skipif(sys.platform != "linux", reason="reads /proc"),
 ]
 
-DISKNAV = [sys.executable, "-m", "disknav"]
-
 
 def title(pid: int) -> str:
     """The command line, as `ps -f` shows it."""

@@ -1,4 +1,4 @@
-"""Robots that bring parts to their goals: on every bus alike, though a robot dies, though its world does."""
+"""Robots that bring parts to their goals, though a robot dies, though its world does."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -7,12 +7,10 @@ from typing import Any
 import pytest
 
 from deploy.library.load import load
-from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
-from deploy.run.options import RunOptions
 from protocol.errors import ScenarioError
 from protocol.scenario.file import validated
-from protocol.scenario.model import Scenario, World
+from protocol.scenario.model import World
 from protocol.scenario.network import Network
 from world.shell.checkpoint import Checkpoint
 
@@ -93,15 +91,3 @@ def test_parts_that_cannot_be(change: dict[str, Any], text: str) -> None:
 def test_what_does_not_go_together_with_parts(change: dict[str, Any], text: str) -> None:
     with pytest.raises(ScenarioError, match=text):
         validated(replace(SCENARIO, **change))
-
-
-@pytest.mark.process
-@pytest.mark.timeout(120)
-def test_processes_carry_parts_the_same_way() -> None:
-    def run(scenario: Scenario) -> str:
-        with Fleet(scenario, RunOptions("routed")) as fleet:
-            report = fleet.execute()
-        assert (report["verdict"], report["collisions"]) == ("arrived", 0)
-        return str(report["trajectory_sha256"])
-
-    assert run(SCENARIO) == finished(LocalFleet(SCENARIO))["trajectory_sha256"]

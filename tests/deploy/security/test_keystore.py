@@ -122,17 +122,8 @@ def test_expired_certificates_are_named(tmp_path: Path) -> None:
         KeyRing(tmp_path / "keys").client("robot-1", ["tls/127.0.0.1:7447"])
 
 
-def test_keys_are_for_one_run_and_for_tls(keys: Path) -> None:
+def test_keys_are_for_one_run(keys: Path) -> None:
     membership = KeyRing(keys)
     assert membership.run(None) == membership.run("demo") == "demo"
     with pytest.raises(CertificateError, match="for the run demo, not other"):
         membership.run("other")
-    with pytest.raises(UsageError, match="not protected"):
-        membership.client("robot-1", ["tcp/127.0.0.1:7447"])
-    with pytest.raises(UsageError, match="--secure"):
-        KeyRing().client("robot-1", ["tls/127.0.0.1:7447"])
-
-
-def test_a_directory_without_keys_says_how_to_make_them(tmp_path: Path) -> None:
-    with pytest.raises(CertificateError, match="disknav setup keys"):
-        KeyRing(tmp_path).run(None)

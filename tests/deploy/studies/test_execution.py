@@ -15,7 +15,6 @@ from deploy.studies.execution import Result, RunLog, execute, run_one
 from deploy.studies.experiments import tightness
 from deploy.studies.study import Build, Shard, Study
 from protocol.errors import ProcessError, UsageError
-from protocol.process.signals import STOP
 from tests.deploy.telemetry.monitor.watched import until
 
 COARSE = ("time.step=0.05",)  # fewer ticks
@@ -70,20 +69,6 @@ def test_other_settings_or_other_code_reuse_nothing() -> None:
     assert not set(keys) & {run.key for run in tightness(1).runs("local", "code")}
     assert not set(keys) & {run.key for run in _study().runs("routed", "code")}
     assert keys == [run.key for run in _study().runs("local", "code")]
-
-
-def test_ctrl_c_keeps_what_is_done(tmp_path: Path) -> None:
-    class Stopping(RunLog):
-        def add(self, key: str, result: dict[str, object]) -> None:
-            super().add(key, result)
-            signal.raise_signal(signal.SIGINT)
-
-    with Stopping(tmp_path / "log") as log, STOP.listening():
-        outcome = execute(_study(3), "local", log, jobs=1)
-    assert not outcome.complete
-    assert 1 <= outcome.executed < 15
-    assert len(RunLog(tmp_path / "log").known) == outcome.executed
-    assert len(outcome.rows) >= 1
 
 
 def _lost(*_: object) -> dict[str, object]:

@@ -10,14 +10,11 @@ from deploy.theory.exact_flow import classify, equilibria, swapped_pairs
 from deploy.theory.function import (
     Array,
     FleetProblem,
-    beta_boundary,
-    beta_pairs,
     gamma,
     in_free_space,
     obstacle_curvature,
     reduced_gradient,
     reduced_jacobian,
-    weighted_obstacle_gradient,
 )
 from tests.deploy.theory.problems import SIZES, crowded, free, log_ratio
 
@@ -85,24 +82,6 @@ def test_outside_free_space_there_is_no_gradient() -> None:
         assert not in_free_space(problem, outside)
     large = FleetProblem(np.zeros((1, 2)), np.array([5.0]), 4.0, 10.0)
     assert not in_free_space(large, np.zeros((1, 2)))
-
-
-def test_the_printed_sum_of_lemma_e4_lacks_a_bar() -> None:
-    """At a contact the factor of grad beta_ij is the product of all others, not beta_ij itself."""
-    goals = np.array([[3.0, 3.0], [-3.0, 3.0], [0.0, -4.0]])
-    problem = FleetProblem(goals, np.ones(3), 8.0, 1.5)
-    b = np.array([[-1.0 - 1e-9, 0.0], [1.0, 0.0], [0.5, 3.0]])
-    pairs, bar = beta_pairs(problem, b), np.zeros((3, 3))
-    np.fill_diagonal(pairs, 0.0)
-    bar[0, 1] = bar[1, 0] = 1.0  # of every other pair and wall it is 0, since beta_01 is
-    true = reduced_gradient(problem, b).ravel()
-
-    def alignment(weights: Array, rims: Array) -> float:
-        x = -weighted_obstacle_gradient(b, weights, rims).ravel()
-        return float(x @ true / np.linalg.norm(x) / np.linalg.norm(true))
-
-    assert alignment(bar, np.zeros(3)) > 0.9999
-    assert alignment(pairs, beta_boundary(problem, b)) < 0.9
 
 
 @cache

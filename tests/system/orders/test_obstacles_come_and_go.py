@@ -4,7 +4,6 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -14,21 +13,14 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.telemetry.plot.workspace import stays
 from deploy.telemetry.recording.reader import read
-from protocol.bus.bus import Query
-from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.scenario.model import Obstacle
 from tests.forks import Forks
+from tests.system.orders.turnover import asked
 
 SWAP = load("swap-4")
 LISTED = replace(SWAP, obstacles=(Obstacle(center=(0.2, 0.2), radius=0.02),))
 BAR = {"place": {"points": [[-0.02, -0.01], [0.02, -0.01], [0.02, 0.01], [-0.02, 0.01]]}}
-
-
-def asked(fleet: LocalFleet, change: object) -> dict[str, Any]:
-    replies: list[bytes] = []
-    fleet.world.handle(Query(world_key(fleet.run, "operation"), json.dumps(change).encode(), replies.append))
-    return json.loads(replies[0])
 
 
 def test_a_recording_says_from_when_until_when(tmp_path: Path) -> None:
@@ -36,9 +28,9 @@ def test_a_recording_says_from_when_until_when(tmp_path: Path) -> None:
         for tick in range(60):
             assert fleet.step()
             if tick == 10:
-                assert asked(fleet, BAR)["accepted"]
+                assert asked(fleet, BAR).accepted
             if tick == 40:
-                assert asked(fleet, {"take": 1})["accepted"]
+                assert asked(fleet, {"take": 1}).accepted
         fleet.world.interrupt("interrupted", "enough")
         fleet.execute()
     first, second = stays(read(tmp_path / "run.mcap"))
