@@ -234,9 +234,7 @@ def _lsc(file: Path, options: Options) -> Document:
 def _columns(file: Path) -> list[list[Point]]:
     """Boxes of a world file, one per line: x, y, z of the centre and the sizes along them, m."""
     try:
-        rows = [[float(each) for each in row] for row in csv.reader(file.read_text().splitlines()) if row]
-    except OSError as error:
-        raise as_map_error(file, "", f"cannot be read: {error.strerror or error}") from None
+        rows = [[float(each) for each in row] for row in csv.reader(_text(file).splitlines()) if row]
     except ValueError as error:
         raise as_map_error(file, "", f"is no table of numbers: {error}") from None
     for n, row in enumerate(rows, 1):

@@ -74,14 +74,12 @@ def recorder(
     rotation: Rotation = ONE_FILE,
     away: float = 0.0,
     restarts: int = 0,
-    *,
-    again: bool = False,
 ) -> Process:
     """The recorder, which reports the name of each of its files, the first once it cannot miss a message.
 
     Arguments: `deploy.telemetry.recording.recorder.main`.
     """
-    arguments = (connection, run, path, result, rotation, away, again)
+    arguments = (connection, run, path, result, rotation, away, False)
     entry = "deploy.telemetry.recording.recorder:main"
     return Process(RECORDER, entry, arguments, restarts=restarts, reports=True, patience=_CLOSING)
 

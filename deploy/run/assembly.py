@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
-from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -293,17 +292,11 @@ class Assembly:
         )
         self.supervisor.start([world])
         if self._record is not None and self.result is not None:
-            away = AWAY if options.restarts else 0.0
-            row = partial(
-                table.recorder,
-                topology.observer(),
-                run,
-                self._record,
-                self.result,
-                options.rotation,
-                away,
-                options.restarts,
-            )
-            self.supervisor.start([row()])
+            away, connection = AWAY if options.restarts else 0.0, topology.observer()
+            files = (self._record, self.result, options.rotation)
+            row = table.recorder(connection, run, *files, away, options.restarts)
+            self.supervisor.start([row])
             self.supervisor.report(table.RECORDER, _START)
-            self.supervisor.amend(row(again=True))
+            self.supervisor.amend(
+                replace(row, arguments=(*row.arguments[:-1], True))
+            )  # replaces a failed one

@@ -25,6 +25,17 @@ try:
 except ModuleNotFoundError as error:
     raise missing_library("a certificate", "cryptography", "secure") from error
 
+_USES = [
+    "digital_signature",
+    "content_commitment",
+    "key_encipherment",
+    "data_encipherment",
+    "key_agreement",
+    "key_cert_sign",
+    "crl_sign",
+    "encipher_only",
+    "decipher_only",
+]
 _SKEW = datetime.timedelta(minutes=10)  # tolerated lag of a host's clock
 
 
@@ -47,7 +58,7 @@ class Authority:
         self.end = self._begin + datetime.timedelta(days=days)
         self._key = ec.generate_private_key(ec.SECP256R1())
         self._name = _name(run, "authority")
-        usage = _usage(key_cert_sign=True, crl_sign=True)
+        usage = _usage("key_cert_sign", "crl_sign")
         self._certificate = (
             self._builder(self._name, self._key)
             .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
@@ -74,7 +85,7 @@ class Authority:
         certificate = (
             self._builder(_name(self._run, role), key)
             .add_extension(x509.BasicConstraints(ca=False, path_length=None), critical=True)
-            .add_extension(_usage(digital_signature=True), critical=True)
+            .add_extension(_usage("digital_signature"), critical=True)
             .add_extension(x509.ExtendedKeyUsage(purposes), critical=False)
             .add_extension(x509.SubjectAlternativeName(names), critical=False)
             .sign(self._key, hashes.SHA256())
@@ -120,20 +131,8 @@ def _host(host: str) -> x509.GeneralName:
         return x509.DNSName(host)
 
 
-def _usage(
-    *, digital_signature: bool = False, key_cert_sign: bool = False, crl_sign: bool = False
-) -> x509.KeyUsage:
-    return x509.KeyUsage(
-        digital_signature=digital_signature,
-        key_cert_sign=key_cert_sign,
-        crl_sign=crl_sign,
-        content_commitment=False,
-        key_encipherment=False,
-        data_encipherment=False,
-        key_agreement=False,
-        encipher_only=False,
-        decipher_only=False,
-    )
+def _usage(*granted: str) -> x509.KeyUsage:
+    return x509.KeyUsage(**{name: name in granted for name in _USES})
 
 
 _LONGEST = 36_500.0  # days

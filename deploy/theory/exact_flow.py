@@ -52,12 +52,11 @@ def _throw(draw: np.random.Generator, radii: Array, workspace: float) -> Array |
 class FlowResult:
     """A trajectory of the flow.
 
-    path: (n, p, 2) m, every accepted step, the last one cut at arrival; lengths: (p,) m; nrl as in section 4.
+    path: (n, p, 2) m, every accepted step, the last one cut at arrival; nrl as in section 4.
     """
 
     arrived: bool
     path: Array
-    lengths: Array
     nrl: float
 
 
@@ -110,10 +109,9 @@ def _far(problem: FleetProblem, b: Array) -> float:
 
 
 def _summary(problem: FleetProblem, path: Array, arrived: bool) -> FlowResult:
-    lengths = np.linalg.norm(np.diff(path, axis=0), axis=2).sum(axis=0)
+    length = np.linalg.norm(np.diff(path, axis=0), axis=2).sum()
     straight = np.linalg.norm(path[0] - problem.goals, axis=1).sum()
-    nrl = float(lengths.sum() / straight) if straight > 0.0 else 1.0
-    return FlowResult(arrived, path, lengths, nrl)
+    return FlowResult(arrived, path, float(length / straight) if straight > 0.0 else 1.0)
 
 
 Kind = Literal["minimum", "saddle", "maximum", "degenerate"]
