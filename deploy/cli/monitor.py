@@ -64,7 +64,8 @@ def monitor(
 
     Exit status: 0 the run has ended, 2 invalid, 3 no router at the endpoint, 130 Ctrl-C.
     """
-    from deploy.telemetry.monitor.watcher import attach
+    from deploy.telemetry.monitor.watcher import Attachment
+    from protocol.bus.zenoh import ZenohBus
 
     if not (web or foxglove):
         options.refuse({"--port": port}, "it is the port of the live page: add --web, or --foxglove")
@@ -77,7 +78,7 @@ def monitor(
     role = membership.viewer if web else MONITOR
     connection = _connection(router, membership, role)
     with ExitStack() as stack:
-        source = stack.enter_context(closing(attach(connection, name)))
+        source = stack.enter_context(closing(Attachment(ZenohBus(connection), name)))
         if foxglove:
             stack.enter_context(closing(_foxglove(source, name, None if web else port)))
         if metrics is not None:

@@ -147,20 +147,12 @@ def main(channel: int, modules: Sequence[str], run: str = "", logs: str = "") ->
     """
     both: Channel[Any, Any] = Channel(channel)
     folder = Path(logs) if logs else None
-    serve(both, both, modules, run, begin_log=partial(log.begin, run=run, folder=folder))
+    begin_log = partial(log.begin, run=run, folder=folder)
+    ForkServer(both, both, modules, run, begin_log=begin_log).serve()
 
 
-def serve(
-    requests: Channel[Any, Request],
-    news: Channel[bytes, Any],
-    modules: Sequence[str],
-    run: str = "",
-    *,
-    begin_log: Callable[[str], None],
-    store: Callable[[Store], None] | None = None,
-    patience: float = inf,
-) -> None:
-    """Serve a supervisor; kill all processes at the end.
+class ForkServer:
+    """Serves a supervisor, and kills all processes at the end.
 
     Args:
         requests: channel from the supervisor.
@@ -171,29 +163,23 @@ def serve(
         store: writes a received file.
         patience: s without a request after which the supervisor is considered dead.
     """
-    set_process_title("fork server", run)
-    for module in modules:
-        importlib.import_module(module)
-    gc.collect()
-    gc.freeze()  # otherwise the collector would write to, and so copy, all pages shared with forks
-    server = _Server(requests, news, run, begin_log, store, patience)
-    try:
-        with suppress(ConnectionError):  # the supervisor is gone
-            server.serve()
-    finally:
-        server.kill_all()
 
-
-class _Server:
     def __init__(
         self,
         requests: Channel[Any, Request],
         news: Channel[bytes, Any],
-        run: str,
+        modules: Sequence[str],
+        run: str = "",
+        *,
         begin_log: Callable[[str], None],
-        store: Callable[[Store], None] | None,
-        patience: float,
+        store: Callable[[Store], None] | None = None,
+        patience: float = inf,
     ) -> None:
+        set_process_title("fork server", run)
+        for module in modules:
+            importlib.import_module(module)
+        gc.collect()
+        gc.freeze()  # otherwise the collector would write to, and so copy, all pages shared with forks
         self._requests, self._news, self._run = requests, news, run
         self._begin_log = begin_log
         self._store, self._patience = store, patience
@@ -209,6 +195,14 @@ class _Server:
         signal.set_wakeup_fd(written, warn_on_full_buffer=False)
 
     def serve(self) -> None:
+        """Serve until the supervisor is gone, or a signal arrives."""
+        try:
+            with suppress(ConnectionError):
+                self._serve()
+        finally:
+            self._kill_all()
+
+    def _serve(self) -> None:
         requests = self._requests.fileno()
         while (remaining := self._heard + self._patience - time.monotonic()) > 0.0:
             for ready in wait([requests, self._signalled, *self._reports], min(remaining, 3600.0)):
@@ -225,7 +219,7 @@ class _Server:
                 elif isinstance(ready, int) and ready in self._reports:  # not collected just now
                     self._relay(ready)
 
-    def kill_all(self) -> None:
+    def _kill_all(self) -> None:
         for pid in self._lives:
             os.kill(pid, signal.SIGKILL)
         for pid in self._lives:

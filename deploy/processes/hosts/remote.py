@@ -16,7 +16,7 @@ from multiprocessing.connection import Connection as Channel
 from pathlib import Path
 from typing import Any
 
-from deploy.processes.fork_server import serve
+from deploy.processes.fork_server import ForkServer
 from deploy.processes.spawn import MODULES, Store
 from deploy.software import SOFTWARE, code_digest
 from protocol.process import log
@@ -37,7 +37,8 @@ def main(modules: Sequence[str] = MODULES, patience: float = _PATIENCE, run: str
         os.write(news.fileno(), f"{GREETING} {code_digest(SOFTWARE)} {folder}\n".encode())
         begin_log = partial(log.begin, run=run, wired=True)
         store = partial(_store, folder)
-        serve(requests, news, modules, run, begin_log=begin_log, store=store, patience=patience)
+        server = ForkServer(requests, news, modules, run, begin_log=begin_log, store=store, patience=patience)
+        server.serve()
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     return 0

@@ -15,12 +15,10 @@ import msgspec
 from deploy.telemetry.live import FleetView
 from deploy.telemetry.monitor.snapshot import Source
 from protocol.bus.bus import Bus, Event, Presence, Sample
-from protocol.bus.connection import Connection
-from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.errors import BusError, KeyGrammarError, MessageError
 from protocol.joining import overview
-from protocol.keys import checked_run, every_robot, parse, robot_tokens, world_key, world_tokens
+from protocol.keys import every_robot, parse, robot_tokens, world_key, world_tokens
 from protocol.messages import Message
 from protocol.operations import Outcome, Reply, Steer, Steering, decode_reply
 from protocol.scenario.model import Operation, Scenario
@@ -178,7 +176,10 @@ _LONGEST_WAIT = 0.05  # s until `close` takes effect
 
 
 class Attachment(Watcher):
-    """A watcher with a thread of its own, until `close`."""
+    """A watcher with a thread of its own, until `close`, also of a run that has not started.
+
+    It cannot slow down the fleet: messages that this process cannot keep up with are dropped.
+    """
 
     def __init__(self, bus: Bus, run: str) -> None:
         super().__init__(bus, run)
@@ -201,19 +202,6 @@ class Attachment(Watcher):
         """Stop and disconnect; may be called twice."""
         self.finished = True
         self._thread.join()
-
-
-def attach(connection: Connection, run: str) -> Attachment:
-    """Watch `run` over a new session, also before it starts.
-
-    It cannot slow down the fleet: messages that this process cannot keep up with are dropped.
-
-    Raises:
-        BusError: no router at the endpoint of `connection`.
-        KeyGrammarError: the run name is invalid.
-    """
-    checked_run(run)
-    return Attachment(ZenohBus(connection), run)
 
 
 _NAP = 0.01  # s, longest wait between checks of the steering

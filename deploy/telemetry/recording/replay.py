@@ -18,7 +18,7 @@ from deploy.output import writing
 from deploy.telemetry.drawing import WORLD, frame
 from deploy.telemetry.recording.reader import Recording
 from deploy.telemetry.recording.writer import LIBRARY
-from protocol.bus.bus import Bus, Publish
+from protocol.bus.bus import Bus, Publish, Sample
 from protocol.codec import encode
 from protocol.errors import RecordingError
 from protocol.keys import STREAMS, parse, robot_key, world_key
@@ -176,25 +176,19 @@ class _Moves:
         return _Plane(before.robots, after)
 
 
-class Published(NamedTuple):
-    """A published message: simulated time, s, key and payload."""
-
-    time: float
-    key: str
-    payload: bytes
-
-
-def published(recording: Recording, run: str | None = None) -> Iterator[Published]:
-    """All published messages, in order, under the keys of `run` (default: the recorded name)."""
+def published(recording: Recording, run: str | None = None) -> Iterator[tuple[float, Sample]]:
+    """All published messages in order, each with its simulated time (s), under the keys of `run` (default:
+    the recorded name).
+    """
     run = run or recording.run
     last = 0.0
     for last, recorded_key, message in recording.entries:
         address = parse(recorded_key)
         name, robot = address.stream, address.robot
         key = world_key(run, name) if robot is None else robot_key(run, robot, name)
-        yield Published(last, key, encode(message))
+        yield last, Sample(key, encode(message))
     if recording.result is not None:
-        yield Published(last, world_key(run, "result"), encode(Result(json.dumps(recording.result))))
+        yield last, Sample(world_key(run, "result"), encode(Result(json.dumps(recording.result))))
 
 
 def verify(recording: Recording) -> CheckedTrajectory | None:
@@ -226,7 +220,8 @@ def publish(
     publishers: dict[str, Publish] = {}
     began = time.monotonic()
     duration = float(recording.trajectory.times[-1])
-    for now, key, payload in published(recording, run):
+    for now, sample in published(recording, run):
+        key, payload = sample.key, sample.payload
         if key not in publishers:
             publishers[key] = bus.publisher(STREAMS[parse(key).stream], key)
         if speed > 0.0:

@@ -16,9 +16,9 @@ from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, fresh_run_name
 from deploy.telemetry.monitor import terminal
-from deploy.telemetry.monitor.watcher import Player, attach
+from deploy.telemetry.monitor.watcher import Attachment, Player
 from protocol.bus.connection import Connection
-from protocol.errors import BusError
+from protocol.bus.zenoh import ZenohBus
 from protocol.messages import Clock, Truth
 from protocol.operations import Steer
 from protocol.scenario.model import Journey, Operation, Order, Point, RobotSpec, Time
@@ -133,7 +133,7 @@ def test_endpoint_and_run_name_are_enough() -> None:
     router, endpoint = listening(Connection("router"))
     run, connection = fresh_run_name(), Connection(connect=(endpoint,))
     scenario = replace(ring(2), time=Time(endless=True, fence=0.2))
-    with closing(router), closing(attach(connection, run)) as watcher:
+    with closing(router), closing(Attachment(ZenohBus(connection), run)) as watcher:
         assert watcher.snapshot()["phase"] == "searching"  # the run begins later
         assert "has not started" in watcher.operate(Operation(halt=True)).result(0.0).text
         for epoch in (1, 2):  # another run of this name: everything anew
@@ -150,8 +150,3 @@ def test_endpoint_and_run_name_are_enough() -> None:
                 fleet.execute(over)
                 assert watcher.overview()["epoch"] == epoch
             until(lambda: watcher.snapshot()["phase"] in ("ended", "lost"))
-
-
-def test_an_endpoint_without_router_is_an_error() -> None:
-    with pytest.raises(BusError):
-        attach(Connection(connect=("tcp/127.0.0.1:1",), timeout=0.2), "r")
