@@ -5,7 +5,6 @@ import math
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
@@ -13,10 +12,10 @@ import pytest
 
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from deploy.run.operator import Operator, operating
+from deploy.run.operator import operating
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
-from protocol.errors import BusError, DisknavError
+from protocol.errors import BusError
 from protocol.scenario.model import Journey, Operation, Point
 from tests.deploy.processes.ports import free_ports
 from tests.deploy.telemetry.monitor.watched import until
@@ -56,16 +55,6 @@ def served(endpoint: str, result: Path) -> subprocess.Popen[bytes]:
     return subprocess.Popen([sys.executable, "-m", "disknav", "run", "swap-4", "--keep", *options])
 
 
-def answering(operator: Operator) -> Callable[[], bool]:
-    def look() -> bool:
-        try:
-            return bool(operator.operate().goals)
-        except DisknavError:  # no answer yet
-            return False
-
-    return look
-
-
 @pytest.mark.process
 @pytest.mark.timeout(120)
 def test_keep_and_send(tmp_path: Path) -> None:
@@ -73,7 +62,7 @@ def test_keep_and_send(tmp_path: Path) -> None:
     with served(endpoint, tmp_path / "result.json") as fleet:
         until(lambda: reachable(endpoint), 30.0)
         with operating("yard", endpoint) as operator:
-            until(answering(operator), 30.0)
+            operator.reach(30.0)
             reply = operator.operate(sent(1, PLACE, (0.1, 0.1)))
             assert operator.outcome(1, reply.number, 60.0).status == "arrived"
             assert operator.operate(Operation(halt=True)).halted

@@ -11,7 +11,6 @@ from deploy.processes.supervisor import Supervisor
 from deploy.run.operator import Operator, operating
 from deploy.run.options import fresh_run_name
 from protocol.bus.connection import Connection
-from protocol.errors import BusError
 from protocol.scenario.model import Journey, Operation
 from tests.deploy.telemetry.monitor.watched import until
 from tests.forks import Forks
@@ -39,16 +38,9 @@ def driving(supervisor: Supervisor, connection: Connection, run: str) -> Iterato
     """A fleet that goes round and round, and its operator."""
     supervisor.start(rows(connection, run))
     with operating(run, connection.connect[0]) as operator:
-        until(lambda: begun(operator))
+        operator.reach(30.0)
         assert operator.operate(ASIDE).accepted
         yield operator
-
-
-def begun(operator: Operator) -> bool:
-    try:
-        return operator.operate().tick > 0
-    except BusError:
-        return False
 
 
 def test_a_second_world_is_refused_and_stops_reach_the_first(capfd: pytest.CaptureFixture[str]) -> None:
