@@ -63,7 +63,6 @@ class LocalFleet:
         speed: simulated seconds per second in lock-step, 0 for no limit.
         watch: called with every Clock.
         record: file to record to.
-        checkpoint: file (`Checkpoint.create`) from which a restarted world continues.
         network: bus of the nodes; a new one by default.
 
     Attributes:
@@ -79,7 +78,6 @@ class LocalFleet:
         speed: float = 0.0,
         watch: Watcher | None = None,
         record: Path | None = None,
-        checkpoint: Path | None = None,
         network: LocalNetwork | None = None,
     ) -> None:
         self.network = LocalNetwork() if network is None else network
@@ -87,7 +85,7 @@ class LocalFleet:
         # Reading a scenario of 1000 robots takes 2 ms and 0.5 MB: too much for each robot.
         self._read = lru_cache(maxsize=1)(decode_reply)
         self._scenario, self._lockstep, self._speed = scenario, lockstep, speed
-        self._path, self._watch = checkpoint, watch
+        self._watch = watch
         self.report: dict[str, Any] = {}
         self.start_world()
         self._writer = None if record is None else RecordingWriter(record)
@@ -102,14 +100,11 @@ class LocalFleet:
         clock.node = _Follower(self._follow)
 
     def start_world(self) -> None:
-        """Start the world's node, from the checkpoint if there is one."""
-        self._checkpoint: Checkpoint | None = None
-        if self._path is not None:
-            self._checkpoint = Checkpoint(self._path, self.run, self._scenario)
+        """Start the world's node."""
         self.world_bus = self.network.connect()
         self.world = self.world_bus.node = self._world(self.world_bus)
 
-    def _world(self, bus: Bus) -> WorldNode:
+    def _world(self, bus: Bus, checkpoint: Checkpoint | None = None) -> WorldNode:
         return WorldNode(
             bus,
             self.run,
@@ -118,16 +113,10 @@ class LocalFleet:
             speed=self._speed,
             say=LOG.info,
             note=LOG.info,
-            checkpoint=self._checkpoint,
+            checkpoint=checkpoint,
             clock=time.monotonic,  # looked up now: tests that skip waits replace it
             tell=self.report.update,
         )
-
-    def kill_world(self) -> None:
-        """End the world's node at once, with its token; only its checkpoint remains."""
-        self.world_bus.close()
-        if self._checkpoint is not None:
-            self._checkpoint.close()
 
     def turn(self, robot: int) -> Any:
         """Sort key of the order in which robots join."""

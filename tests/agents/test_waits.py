@@ -18,9 +18,9 @@ from protocol.keys import robot_key
 from protocol.messages import Tick
 from protocol.scenario.model import ProcessFault
 from protocol.scenario.network import Network
+from tests.mortal import MortalFleet
 from tests.skipped_waits import skipped_waits
 from tests.world.driving import token
-from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
 
 SCENARIO = load("swap-2")
@@ -39,10 +39,7 @@ def test_without_a_world_a_robot_waits_as_long_as_asked_and_no_longer() -> None:
 @pytest.mark.parametrize("kept", [False, True])
 @pytest.mark.slow
 def test_a_run_that_is_over_is_left_unless_its_world_may_be_back(kept: bool, tmp_path: Path) -> None:
-    path = tmp_path / "checkpoint" if kept else None
-    if path is not None:
-        Checkpoint.create(path)
-    fleet = LocalFleet(SCENARIO, checkpoint=path)
+    fleet = MortalFleet(SCENARIO, tmp_path / "checkpoint" if kept else None)
     robots = [bus.node for bus in fleet.robots.values()]
     fleet.network.run(lambda: fleet.world.report is not None)  # not all know it yet
     fleet.kill_world()

@@ -12,12 +12,11 @@ import pytest
 from agents.bases import base as choice
 from agents.bases.base import ros_of
 from deploy.library.load import load
-from deploy.run.local import LocalFleet
 from protocol.bus.bus import Event, Foreign
 from protocol.errors import BusError, JoinError, UsageError
 from tests.agents.bases.wheels import STEP, Wheels
+from tests.mortal import MortalFleet
 from world.report import result_of
-from world.shell.checkpoint import Checkpoint
 from world.world import WorldCore
 
 SETTINGS = (
@@ -68,9 +67,7 @@ class Stage:
 
     def __init__(self, caplog, checkpoint: Path | None = None) -> None:
         self.scenario = load("turtlebots-2", SETTINGS, 1)
-        if checkpoint is not None:
-            Checkpoint.create(checkpoint)
-        self.fleet, self._log = LocalFleet(self.scenario, checkpoint=checkpoint), caplog
+        self.fleet, self._log = MortalFleet(self.scenario, checkpoint), caplog
         bus = self.fleet.network.connect()
         self.floor = bus.node = Floor(bus, self.scenario)
 

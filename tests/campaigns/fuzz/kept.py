@@ -12,12 +12,12 @@ from unittest.mock import patch
 
 import msgspec
 
-from deploy.run.local import LocalFleet
 from deploy.telemetry.recording.reader import read
 from protocol.errors import CheckpointError, RecordingError, UsageError
 from protocol.scenario.model import Time
 from tests.campaigns.fuzz.mutation import Target, damaged_bytes, damaged_tree
 from tests.deploy.telemetry.recording.recorded import record
+from tests.mortal import MortalFleet
 from tests.world.driving import two
 from world.shell import checkpoint
 from world.shell.checkpoint import _FRAME, Checkpoint, _frame, _place, _whole
@@ -43,8 +43,7 @@ def _checkpoint() -> bytes:
     """That of a run in its first ticks."""
     path = folder() / "valid"
     with patch.object(checkpoint, "_STATE", _STATE):
-        Checkpoint.create(path)
-        fleet = LocalFleet(_SCENARIO, checkpoint=path)
+        fleet = MortalFleet(_SCENARIO, path)
         fleet.network.run(lambda: fleet.world.world.tick >= _TICKS)
         fleet.kill_world()
     return path.read_bytes()

@@ -12,7 +12,7 @@ from protocol.errors import ScenarioError
 from protocol.scenario.file import validated
 from protocol.scenario.model import World
 from protocol.scenario.network import Network
-from world.shell.checkpoint import Checkpoint
+from tests.mortal import MortalFleet
 
 SCENARIO = load("parts-4", ["time.limit=60"], 1)
 
@@ -51,8 +51,7 @@ def test_a_part_of_one_that_dies_is_taken_over() -> None:
 
 @pytest.mark.slow
 def test_a_restarted_world_knows_the_carriers(tmp_path: Path) -> None:
-    Checkpoint.create(tmp_path / "checkpoint")
-    fleet = LocalFleet(SCENARIO, checkpoint=tmp_path / "checkpoint")
+    fleet = MortalFleet(SCENARIO, tmp_path / "checkpoint")
     while not carriers(fleet):
         assert fleet.step()
     before = fleet.world.world.lives

@@ -21,11 +21,11 @@ from protocol.joining import Admission, Finished, Join, Refusal, Reply, Wait, de
 from protocol.keys import robot_key
 from protocol.scenario.model import ProcessFault, RobotSpec, Scenario
 from protocol.scenario.network import Link
+from tests.mortal import MortalFleet
 from tests.proxy import Proxy
 from tests.system.orders.turnover import SWAP, asked
 from tests.world.driving import token
 from world.coordinator.lives import Life
-from world.shell.checkpoint import Checkpoint
 
 ENDLESS = replace(SWAP, time=replace(SWAP.time, endless=True))
 RESTARTED = replace(SWAP, process=(ProcessFault(2, 0.5, "restart"),))
@@ -44,10 +44,9 @@ def overhear(fleet: LocalFleet, when: Callable[[], bool], then: Callable[[], obj
     fleet.world_bus.node = Proxy(fleet.world, handle=handle)
 
 
-def kept(folder: Path, scenario: Scenario = RESTARTED, *, deaf: bool = True) -> LocalFleet:
+def kept(folder: Path, scenario: Scenario = RESTARTED, *, deaf: bool = True) -> MortalFleet:
     """A fleet whose world keeps a checkpoint, and whose launcher hears nothing if it is deaf."""
-    Checkpoint.create(folder / "checkpoint")
-    fleet = LocalFleet(scenario, checkpoint=folder / "checkpoint")
+    fleet = MortalFleet(scenario, folder / "checkpoint")
     if deaf:
         fleet.launcher.follow = lambda _: None  # type: ignore[method-assign]
     return fleet

@@ -11,7 +11,6 @@ import msgspec
 import pytest
 
 from deploy.library.load import load
-from deploy.run.local import LocalFleet
 from deploy.run.operator import operating
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
@@ -19,8 +18,8 @@ from protocol.errors import BusError
 from protocol.scenario.model import Journey, Operation, Point
 from tests.deploy.processes.ports import free_ports
 from tests.deploy.telemetry.monitor.watched import until
+from tests.mortal import MortalFleet
 from tests.system.orders.turnover import asked, step
-from world.shell.checkpoint import Checkpoint
 
 SCENARIO = load("swap-4")
 PLACE = (0.05, 0.02)
@@ -33,8 +32,7 @@ def sent(robot: int, *points: Point, within: float | None = None) -> Operation:
 @pytest.mark.slow
 @pytest.mark.parametrize("world_dies", [False, True])
 def test_a_robot_goes_where_it_is_sent(world_dies: bool, tmp_path: Path) -> None:
-    Checkpoint.create(tmp_path / "checkpoint")
-    fleet = LocalFleet(SCENARIO, checkpoint=tmp_path / "checkpoint")
+    fleet = MortalFleet(SCENARIO, tmp_path / "checkpoint")
     step(fleet, 30)
     assert asked(fleet, {"goal": {"robot": 2, "points": [PLACE]}}).accepted
     step(fleet, 15)

@@ -12,7 +12,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from protocol.scenario.model import Journey, Obstacle, Order, ProcessFault, RobotSpec, Scenario, Time
 from tests.campaigns.observe import observe
-from world.shell.checkpoint import Checkpoint
+from tests.mortal import MortalFleet
 
 GUEST = RobotSpec(3, 0.03, (0.2, 0.1), (-0.2, 0.1))
 EVERYTHING = resolved(
@@ -74,9 +74,7 @@ def test_real_processes_drive_the_same_trajectory(report: dict[str, Any]) -> Non
 @pytest.mark.slow
 @pytest.mark.parametrize("tick", [15, 31, 45, 60, 61, 85])
 def test_a_world_that_died_has_asked_for_the_same(report: dict[str, Any], tmp_path: Path, tick: int) -> None:
-    checkpoint = tmp_path / "checkpoint"
-    Checkpoint.create(checkpoint)
-    with LocalFleet(EVERYTHING, checkpoint=checkpoint) as fleet:
+    with MortalFleet(EVERYTHING, tmp_path / "checkpoint") as fleet:
         for _ in range(tick):
             fleet.step()
         fleet.kill_world()

@@ -20,6 +20,7 @@ from protocol.codec import decode
 from protocol.keys import Stream, robot_key, world_key
 from protocol.messages import Grants, Tick, Truth, Vector
 from protocol.scenario.model import ProcessFault, Scenario
+from tests.mortal import MortalFleet
 from tests.proxy import Proxy
 from tests.system.orders.test_scheduled_orders import EVERYTHING
 from world.shell.checkpoint import Checkpoint
@@ -78,13 +79,12 @@ class Doom:
 _pwrite = os.pwrite
 
 
-class MortalFleet(LocalFleet):
+class DoomedFleet(MortalFleet):
     """A world that dies by its doom, and has a successor at once."""
 
     def __init__(self, scenario: Scenario, checkpoint: Path, doom: Doom, *, lockstep: bool = True) -> None:
         self.doom = doom
-        Checkpoint.create(checkpoint)
-        super().__init__(scenario, checkpoint=checkpoint, lockstep=lockstep)
+        super().__init__(scenario, checkpoint, lockstep=lockstep)
 
     def start_world(self) -> None:
         try:
@@ -95,7 +95,7 @@ class MortalFleet(LocalFleet):
             self.kill_world()
             self.start_world()
 
-    def _world(self, bus: Bus) -> WorldNode:
+    def _world(self, bus: Bus, checkpoint: Checkpoint | None = None) -> WorldNode:
         def publisher(stream: Stream, key: str) -> Publish:
             publish = bus.publisher(stream, key)
 
@@ -105,7 +105,7 @@ class MortalFleet(LocalFleet):
 
             return doomed
 
-        return super()._world(cast(Bus, Proxy(bus, publisher=publisher)))
+        return super()._world(cast(Bus, Proxy(bus, publisher=publisher)), checkpoint)
 
     def _mortal(self, act: Callable[..., None]) -> Callable[..., None]:
         def live(*told: Any) -> None:
@@ -163,7 +163,7 @@ def run(name: str, folder: Path, deaths: list[int], *, lockstep: bool = True) ->
     doom = Doom(deaths)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(os, "pwrite", doom.write)
-        fleet = MortalFleet(COURSES[name], folder / "checkpoint", doom, lockstep=lockstep)
+        fleet = DoomedFleet(COURSES[name], folder / "checkpoint", doom, lockstep=lockstep)
         Witness(fleet, COURSES[name])
         return doom, fleet.execute()
 
