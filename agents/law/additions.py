@@ -50,7 +50,9 @@ class AugmentedLaw:
         self._attraction: Attraction | None = None
         if "obstacles" in additions:
             self._attraction = Attraction(self._room, spec.radius, alone=len(scenario.robots) == 1)
-            self._attraction.prepare(tuple(scenario.shapes.values()))
+            shapes = tuple(scenario.shapes.values())
+            self._attraction.repelling(spec.start, shapes)
+            self._attraction.aim(spec.start, spec.goal, shapes)  # map and path may take longer than a tick
         self._progress = Progress(scenario.time.step, self._lap) if "escape" in additions else None
         self._gives_way = "jams" in additions
         self._right_of_way = RightOfWay(robot, spec.radius, self._lap, scenario.time.step)

@@ -123,10 +123,7 @@ class Clearances:
         return bool((apart & across).any())
 
 
-@lru_cache(maxsize=16)
-def clearances(room: Shape, shapes: tuple[Shape, ...], radius: float) -> Clearances:
-    """The clearances, shared by robots of one size in one process."""
-    return Clearances(room, shapes, radius)
+clearances = lru_cache(maxsize=16)(Clearances)  # shared by robots of one size in one process
 
 
 class FieldRoute:

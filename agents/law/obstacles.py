@@ -129,12 +129,6 @@ class Attraction:
             corners.append(goal if found is None else found[0])
         return corners[1:]
 
-    def prepare(self, obstacles: Sequence[Shape]) -> None:
-        """Make the map: with very many obstacles it takes seconds, which a tick does not have."""
-        self._follow(obstacles)
-        if self.winds:
-            _ = self._map
-
     def _ahead(self, position: Vector, goal: Vector) -> tuple[Vector, float] | None:
         """Path through the widest possible passages. Once narrow ones are needed, they remain in use for this
         goal, so that no robot alternates between two paths for ever.

@@ -4,7 +4,6 @@ import math
 import struct
 from hashlib import sha256
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -12,8 +11,6 @@ from hypothesis import strategies as st
 from protocol.geometry import Disk
 from protocol.scenario.model import Control, Obstacle, RobotSpec, Scenario, Workspace
 from tests.world.driving import advance, joined, scenario, two
-from world.judge.clearance import Disks
-from world.judge.measures import Goals, levels_of
 from world.judge.record import TOUCH, Record, TrajectoryDigest
 from world.report import result_of
 
@@ -44,17 +41,6 @@ def test_contacts_name_the_obstacle_or_the_wall():
     assert math.isclose(box.deepest, -0.09, abs_tol=1e-9)
     assert math.isclose(contacts[(0, 3)].deepest, -0.02, abs_tol=1e-9)
     assert math.isclose(record.totals.clearance, -0.09, abs_tol=1e-9)
-
-
-def test_phi_is_one_where_an_obstacle_or_a_wall_is_touched():
-    setting = crossing()
-    places = np.array([[-0.5 + 0j], [0.08 + 0.15j], [0.4 + 0.07j], [0.97 + 0j], [0.5 - 0.3j]])
-    free, box, disk, wall, goal = (
-        each.phi for each in levels_of(Disks.of(setting), Goals.of(setting), setting.k, places)
-    )
-    assert 0.0 < free < 1.0
-    assert box == disk == wall == 1.0
-    assert goal == 0.0
 
 
 def test_a_touch_within_a_tick_is_found_when_and_where_it_was() -> None:

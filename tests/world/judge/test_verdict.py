@@ -94,14 +94,6 @@ def test_aborted_when_the_others_are_down_for_good():
     assert result_of(world)["down"] == [2]
 
 
-def test_aborted_when_no_robot_is_left():
-    setting = two(process=(ProcessFault(1, 0.0, "kill"), ProcessFault(2, 0.1, "kill")))
-    world = joined(setting)
-    while not world.verdict:
-        advance(world)
-    assert (world.verdict, world.referee.reason) == ("aborted", "robots 1, 2 are down for good")
-
-
 def test_not_aborted_while_processes_may_yet_be_started_again():
     kills = ProcessFault(1, 0.0, "kill"), ProcessFault(2, 0.1, "kill")
     setting = two(process=kills, time=Time(limit=30.0, fence=0.2, deadlock=20.0))

@@ -1,16 +1,17 @@
-"""Where there is room, crowds pressed together come apart, and robots that have arrived let others by."""
+"""Crowds come apart, robots at their goals let others by, and in narrow passages one goes first."""
 
 import math
 from random import Random
 
 import pytest
 
-from agents.law.jams import CROWD, JAM, QUEUE, WAIT, Dispersal
+from agents.law.jams import ASIDE, CROWD, JAM, QUEUE, TURN, WAIT, Dispersal, RightOfWay
 from agents.peers.state import PeerState
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
+from protocol.geometry import ConvexPolygon
 from protocol.scenario.file import validated
-from protocol.scenario.model import Control, RobotSpec, Scenario, Time, Workspace
+from protocol.scenario.model import Control, Obstacle, RobotSpec, Scenario, Time, Workspace
 
 R = 0.04
 STEP = 0.05  # s
@@ -18,8 +19,8 @@ LAP = 8  # ticks
 FAR = (1.0, 0.0)  # a goal
 
 
-def state(robot: int, x: float, y: float, gamma: float = 1.0) -> PeerState:
-    return PeerState(robot, 1, 0, True, x, y, 0.0, gamma, 1.0, 0.0, 0.0, radius=R)
+def state(robot: int, x: float, y: float, gamma: float = 1.0, radius: float = R) -> PeerState:
+    return PeerState(robot, 1, 0, True, x, y, 0.0, gamma, 1.0, 0.0, 0.0, radius=radius)
 
 
 def ring(robots: int, gamma: float = 1.0) -> list[PeerState]:
@@ -112,3 +113,64 @@ def test_a_crowd_that_presses_itself_together_comes_apart() -> None:
 def test_one_gets_through_between_two_at_their_goals() -> None:
     report = LocalFleet(gate()).execute()
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
+
+
+# -- in narrow passages
+
+WIDE = 0.05  # m, radius
+PASSAGE_LAP = 10  # ticks
+
+
+def corridor(law: str) -> Scenario:
+    """One robot on each side of a passage that is 0.8 m long, with its goal on the other side."""
+    specs = RobotSpec(1, WIDE, (0.7, 0.0), (-0.7, 0.0)), RobotSpec(2, WIDE, (-0.7, 0.0), (0.7, 0.0))
+    half = 1.5 * WIDE
+    walls = (
+        Obstacle(points=((-0.4, half), (0.4, half), (0.4, 1.0), (-0.4, 1.0))),
+        Obstacle(points=((-0.4, -1.0), (0.4, -1.0), (0.4, -half), (-0.4, -half))),
+    )
+    room = Workspace(points=((-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)))
+    time = Time(step=STEP, limit=180.0, tolerance=0.02)
+    return resolved(
+        validated(Scenario(specs, "corridor", "", 1, room, time, Control(law=law), obstacles=walls))
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["gradient", "reciprocal"])
+def test_both_get_through_a_passage_that_is_wide_enough_for_one(law: str) -> None:
+    """Without this they are in a deadlock."""
+    report = LocalFleet(corridor(law)).execute()
+    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
+
+
+WALLS = (
+    ConvexPolygon([(0.0, 0.08), (2.0, 0.08), (2.0, 0.2), (0.0, 0.2)]),
+    ConvexPolygon([(0.0, -0.2), (2.0, -0.2), (2.0, -0.08), (0.0, -0.08)]),
+)
+
+
+def jammed(robot: int, peer: PeerState, begin: int) -> tuple[float, float] | None:
+    """Where a robot backs off to after JAM, if it has driven from x = -0.5 m to 0.5 m, into the passage."""
+    right = RightOfWay(robot, WIDE, PASSAGE_LAP * STEP, STEP)
+    for tick in range(begin, begin + 21 + int(JAM + 1) * PASSAGE_LAP):
+        x = min(-0.5 + 0.05 * (tick - begin), 0.5)
+        back = right.yielding(tick, (2.5, 0.0))
+        if back is not None:
+            return back
+        right.look(tick, (x, 0.0), 2.5 - x, [peer], WALLS)
+    return None
+
+
+@pytest.mark.slow
+def test_exactly_one_of_two_goes_back_to_where_it_can_be_passed_and_in_the_next_turn_the_other() -> None:
+    backs = []
+    for turn in range(40):
+        begin = int(turn * TURN * PASSAGE_LAP)
+        one, two = (jammed(own, state(3 - own, 0.61, 0.0, radius=WIDE), begin) for own in (1, 2))
+        assert (one is None) != (two is None)
+        back = one or two
+        assert back is not None
+        assert all(wall.distance(*back) >= ASIDE * WIDE for wall in WALLS)
+        backs.append(one is not None)
+    assert 5 < sum(backs) < 35
