@@ -34,7 +34,8 @@ class Change(NamedTuple):
     edit: Edit
 
 
-_MODULES = {"adopt": "pair", "propose": "pair", "read answer": "pair", "hear": "robot", "command": "robot"}
+_MODULES = dict.fromkeys(("adopt", "propose", "read answer"), "pair")
+_MODULES |= dict.fromkeys(("hear", "freeze", "command"), "robot")
 _LIVING, _STATIC = "if living is not None and living.told", "if static is not None and static.end"
 _NOTED = "self._geometry.note(disk)\n"
 _CHANGED = (  # name, rule, words of its source, and what is said in their place
@@ -64,6 +65,13 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
     ("a fence is not noted", "fence", f"place)\n            {_NOTED}", "place)\n"),
     ("a settled place is not noted", "settle", f"place)\n        {_NOTED}", "place)\n"),
     ("an announced disk is not noted", "announce", "self._geometry.note(found)", ""),
+    (
+        "a first line beside another binding",
+        "freeze",
+        'require(self.fits(bound, line), "freeze',
+        "require(any(b.peer == bound.peer and b is not bound for b in self.bound.values())"
+        ' or self.fits(bound, line), "freeze',
+    ),
     ("the small body keeps off everything", "command", "own if bound.peer == part else body", "own"),
 )
 CHANGES = tuple(

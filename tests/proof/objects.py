@@ -9,7 +9,7 @@ import z3
 
 from tests.interpreted import Edit, interpreted
 from tests.proof import symbolic
-from tests.proof.model import ASKED, CODE, LINE_OF, OTHER
+from tests.proof.model import ASKED, CODE, LINE, LINE_OF, OTHER
 from tests.proof.outcomes import Geometry, S
 from tests.proof.symbolic import Number, Truth, expression
 
@@ -143,13 +143,28 @@ def bound_state(bound: Any, after: dict[str, Any], b: str, x: str) -> None:
         after[f"{b}.{x}.half"] = bound.half
 
 
-def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any] = ()) -> Any:
-    """The process of the present life of X."""
+UNKNOWN = z3.Int("unknown")  # number of a binding that is over, or towards a third disk
+
+
+def unknown_of(x: str) -> Any:
+    """An end of such a binding: the process may have it, and nothing is known of it."""
+    listed = SOURCE.records.Listed(
+        Number(UNKNOWN), Number(z3.Int("unknown.peer")), z3.Const("unknown.line", LINE),
+        z3.Int("unknown.place"), Truth(z3.Bool("unknown.static")),
+    )  # fmt: skip
+    bound = SOURCE.robot.Bound(listed, x == "A")
+    bound.of, bound.state = "", Number(z3.Int("unknown.state"))
+    bound.half = z3.Const("unknown.half", LINE)
+    return bound
+
+
+def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any]) -> Any:
+    """The process of the present life of X, with these ends of bindings in force, and an unknown one."""
     made = SOURCE.robot.RobotLife(CODE[x], Number(S[f"{x}.life"]), S[f"{x}.body"], geometry)
     made.own = S[f"{x}.own"]
     made.part = Number(z3.If(S[f"{x}.reach"], CODE[OTHER[x]], 0))
     made.version, made.number = Number(S[f"{x}.taken"]), Number(S[f"{x}.obeyed"])
     made.offered_number, made.offered = Number(S[f"{x}.offered"]), S[f"{x}.offered"]
-    made.bound = {bound.number: bound for bound in bounds}
+    made.bound = {bound.number: bound for bound in [*bounds, unknown_of(x)]}
     geometry.x = x
     return made

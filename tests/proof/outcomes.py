@@ -195,6 +195,8 @@ class Geometry:
 
     def keeps(self, body: Any, bound: Any) -> Truth:
         x, b = self.x, bound.of
+        if not b:
+            return self._answer(lambda _: [])
         return self._answer(
             lambda t: [
                 z3.Implies(S[f"{b}.{x}.state"] == HALF, FITS[x](body, S[f"{b}.{x}.half"])),

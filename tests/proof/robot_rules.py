@@ -9,7 +9,7 @@ from typing import Any
 import z3
 
 from tests.proof.model import ASKED, BODY, CODE, LINE_OF, OTHER, PRESENT, ends
-from tests.proof.objects import SOURCE, bound_of, bound_state, ledger_of, robot_of
+from tests.proof.objects import SOURCE, UNKNOWN, bound_of, bound_state, ledger_of, robot_of
 from tests.proof.outcomes import HALF_PLANE, PART, PROPOSED, Case, Geometry, Outcome, S
 from tests.proof.symbolic import Impossible, Number, Truth, expression
 
@@ -19,8 +19,9 @@ def of_bound(rule: str, b: str, x: str, does: Callable[[Any, Any], object], *giv
 
     def run() -> Outcome:
         geometry = Geometry()
+        others = [each for each in ends_of(x, S[f"{b}.{x}.life"]) if each != b]
         bound = bound_of(b, x)
-        does(robot_of(x, geometry), bound)
+        does(robot_of(x, geometry, [bound, *map(partial(bound_of, x=x), others)]), bound)
         outcome = Outcome(geometry)
         bound_state(bound, outcome.after, b, x)
         return outcome
@@ -28,8 +29,22 @@ def of_bound(rule: str, b: str, x: str, does: Callable[[Any, Any], object], *giv
     return Case(f"{rule} {x} {b}", run, [S[f"{b}.on"], S[f"{b}.{x}.has"], *given])
 
 
+def ends_of(x: str, life: Any, *, taken: bool = True) -> list[str]:
+    """Bindings in force with an end of this life of X, and only those that its process has taken."""
+    return [
+        b
+        for b in "LS"
+        if Truth(z3.And(S[f"{b}.on"], S[f"{b}.{x}.life"] == life, z3.Or(S[f"{b}.{x}.has"], not taken)))
+    ]
+
+
 def robot_cases() -> Iterator[Case]:
-    """Every rule of a robot."""
+    """Every rule of a robot, which knows each binding by its number."""
+    for case in _cases():
+        yield Case(case.rule, case.run, [*case.given, *[S[f"{b}.number"] != UNKNOWN for b in "LS"]])
+
+
+def _cases() -> Iterator[Case]:
     for b in "LS":
         yield from _line_cases(b)
         for x in "AB":
@@ -94,7 +109,7 @@ def _say(run: Callable[[], Outcome], b: str) -> Outcome:
 
 def _adopt(x: str) -> Outcome:
     geometry = Geometry()
-    made = robot_of(x, geometry)
+    made = robot_of(x, geometry, ())
     made.adopt()
     outcome = Outcome(geometry)
     outcome.after[f"{x}.obeyed"] = expression(made.number)
@@ -143,16 +158,11 @@ def listing(b: str, x: str) -> Any:
 def _hear(x: str, late: str) -> Outcome:
     """A Tick is heard, of which every binding in force is told as it was at its version (`history`)."""
     geometry = Geometry()
-    ends_of = {
-        life: [b for b in "LS" if Truth(z3.And(S[f"{b}.on"], S[f"{b}.{x}.life"] == life))]
-        for life in (LIFE, TO)
-    }
-    bounds = [bound_of(b, x, lines=False) for b in ends_of[LIFE] if Truth(S[f"{b}.{x}.has"])]
-    made = robot_of(x, geometry, bounds)
+    made = robot_of(x, geometry, [bound_of(b, x, lines=False) for b in ends_of(x, LIFE)])
     made.life = Number(LIFE)
     if late:
         made.version = Number(S[f"{late}.{x}.taken"])
-    listed = [listing(b, x) for b in ends_of[TO] if Truth(is_listed(b, x))]
+    listed = [listing(b, x) for b in ends_of(x, TO, taken=False) if Truth(is_listed(b, x))]
     made.hear(SOURCE.records.Told(Number(TO), Number(AT), Number(NUMBER), NUMBER, listed))
     outcome = Outcome(geometry)
     after = outcome.after
@@ -160,7 +170,7 @@ def _hear(x: str, late: str) -> Outcome:
         after[f"{late}.{x}.taken"] = expression(made.version)
     else:
         after[f"{x}.taken"], after[f"{x}.offered"] = expression(made.version), expression(made.offered_number)
-    for b in ends_of[LIFE]:
+    for b in ends_of(x, LIFE, taken=False):
         after[f"{b}.{x}.has"] = z3.BoolVal(False)
         for bound in made.bound.values():
             if bound.number == Number(S[f"{b}.number"]):
@@ -198,8 +208,7 @@ def told_now(x: str) -> Outcome:
 def _command(x: str) -> Outcome:
     body, own = z3.Const("next body", BODY), z3.Const("next own", BODY)
     geometry = Geometry()
-    mine = [b for b in "LS" if Truth(z3.And(S[f"{b}.on"], S[f"{b}.{x}.has"], S[f"{b}.{x}.dead"] == 0))]
-    made = robot_of(x, geometry, [bound_of(b, x, lines=False) for b in mine])
+    made = robot_of(x, geometry, [bound_of(b, x, lines=False) for b in ends_of(x, S[f"{x}.life"])])
     if Truth(S[f"{x}.obeyed"] != 0):
         made.region = S[f"{x}.obeyed"]
     made.command(body, own, Number(PART))
@@ -212,7 +221,7 @@ def _command(x: str) -> Outcome:
 
 def _locate(x: str) -> Outcome:
     """The body covers less than before: a command has no more effect, or the estimate is better."""
-    outcome, made = Outcome(), robot_of(x, Geometry())
+    outcome, made = Outcome(), robot_of(x, Geometry(), ())
     body, own = z3.Const(f"{x}.less body", BODY), z3.Const(f"{x}.less own", BODY)
     made.locate(body, own)
     outcome.after[f"{x}.body"], outcome.after[f"{x}.own"] = made.body, made.own
