@@ -169,7 +169,9 @@ class WorldCore:
         if not lives.founded or lives.awaited:
             return self.exchange.fenced(self.halted)
         sensed = simulation.sense(self.tick)
-        lives.begin(simulation.resting(), simulation.bounds, simulation.unsettled)
+        misplaced = lives.begin(simulation.resting(), simulation.bounds, simulation.unsettled)
+        if misplaced:
+            self.finish("aborted", misplaced)
         return self.exchange.open(self.scenario, sensed, self.halted)
 
     def accept(self, command: Command) -> bool:

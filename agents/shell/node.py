@@ -43,8 +43,7 @@ class RobotNode:
 
     Raises:
         JoinError: the world refuses this id.
-        BusError: the world is lost, or was never present, or starts the run over while the base may have left
-            its start there.
+        BusError: the world is lost, or was never present, or is one of another run.
     """
 
     def __init__(
@@ -118,8 +117,8 @@ class RobotNode:
         return (reply.epoch, reply.incarnation) == (core.epoch, core.incarnation)
 
     def _begin(self, admission: joining.Admission) -> None:
-        if self._base is not None and self.core is not None:
-            self._leave(self._base, self.core, admission)
+        if self._base is not None and self.core is not None and not self._ended:
+            self._base.stand(self.core, founded=self._founded)  # under another epoch
         self.core = Robot(
             admission.scenario,
             self._robot,
@@ -139,19 +138,6 @@ class RobotNode:
         self._peers.begin(admission)
         if not self._declared:
             self._declare(self.core)
-
-    def _leave(self, base: AttachedBase, core: Robot, admission: joining.Admission) -> None:
-        """Brake the base of the life before; raises BusError if it was checked against another start than
-        that of the admission, or has left it."""
-        if not self._ended:  # under another epoch
-            base.stand(core, founded=self._founded)
-        has_left = self._founded or core.tick >= 0
-        if not admission.founded and (has_left or admission.scenario != core.scenario):
-            why = f"robot {self._robot} has left its start" if has_left else "with another scenario"
-            raise BusError(
-                f"run {self._run!r} starts over, {why}: move robot {self._robot} to its start there, "
-                "and start its process again"
-            )
 
     def _declare(self, core: Robot) -> None:
         """Declare subscriptions before publishers before the token, which shows that all are there."""

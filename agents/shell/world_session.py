@@ -38,6 +38,7 @@ class WorldSession:
     Attributes:
         session: of this process.
         epoch: of the coordinator that admitted this process last, 0 for none.
+        run: epoch of the first coordinator of its run, 0 for none.
         heard: when the last message of the world arrived, s, monotonic.
         back: whether it, or another one, has come back, so that this life may have ended meanwhile.
     """
@@ -46,7 +47,7 @@ class WorldSession:
         self, bus: Bus, run: str, robot: int, wait: float, say: Say, read: Read = joining.decode_reply
     ) -> None:
         self.session = os.urandom(8).hex()
-        self.epoch = 0
+        self.epoch = self.run = 0
         self.heard = time.monotonic()
         self.back = False
         self._bus, self._run, self._robot, self._say, self._read = bus, run, robot, say, read
@@ -66,7 +67,7 @@ class WorldSession:
             JoinError: the world refuses this id.
             BusError: the world is lost, or was never present.
         """
-        request = joining.encode_request(joining.Join(self._robot, self.session, health))
+        request = joining.encode_request(joining.Join(self._robot, self.session, health, self.run))
         try:
             reply = self._answer(request)
         except (BusError, MessageError) as error:
@@ -88,6 +89,8 @@ class WorldSession:
         if len(replies) > 1:
             raise BusError(f"{len(replies)} worlds of this run answer, end all but one")
         reply = self._read(replies[0])
+        if isinstance(reply, joining.OtherRun):
+            raise BusError("one of another run is there, for which this process has to be started again")
         if isinstance(reply, joining.Admission) and reply.epoch in self._former:
             raise BusError("it is an earlier world than the one before")
         return reply
@@ -101,6 +104,7 @@ class WorldSession:
             self._former.add(self.epoch)
         self.epoch, self._gone, self._told_gone = admission.epoch, inf, False
         self._others.discard(session_of(admission.epoch))
+        self.run = admission.run
         self._away, self._refused, self.back = admission.away, 0, False
         self._bearable, self._timeout = max(PATIENCE, admission.away), _TIMEOUT
 

@@ -1,5 +1,7 @@
 """Bound on the position of silent external robots: no farther off than their bodies can have gone."""
 
+from dataclasses import replace
+
 import pytest
 
 from agents.bases.base import ros_of
@@ -10,6 +12,7 @@ from protocol.scenario.body import Base, Body
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time
 from protocol.scenario.model import World as Plant
 from world.external import External
+from world.world import WorldCore
 
 BODY = Body("omnidirectional", acceleration=0.5, speed=0.2, hold=0.1, error=0.1, lag=0.02, play=1e-3)
 SETTING = Scenario(
@@ -141,3 +144,18 @@ def test_a_base_that_stands_is_settled_where_it_is_known_exactly_or_after_a_whil
     outside.sense(120)
     assert outside.resting()
     assert outside.unsettled == set()
+
+
+@pytest.mark.parametrize(("off", "verdict"), [(0.0, ""), (0.2498, "aborted")])  # m
+def test_a_run_ends_if_a_robot_is_not_where_the_ledger_has_it(off: float, verdict: str) -> None:
+    """Its first report is of another place than its start, or than a checkpoint of long ago says."""
+    world = WorldCore(replace(SETTING, control=Control(k=10.0, speed=0.2)))
+    life = world.join(1)
+    for tick in range(3):
+        world.open_tick()
+        if not world.verdict:
+            world.accept(Command(1, life, tick, (0.0, 0.0), report=Report((off, 0.0), 2e-3)))
+            world.close_tick()
+    assert world.verdict == verdict
+    assert world.lives.of[1].begun == (not verdict)
+    assert ("robot 1 is at (0.250, 0.000), not where" in world.referee.reason) == bool(verdict)

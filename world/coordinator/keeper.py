@@ -19,7 +19,7 @@ from protocol.geometry import Disk as Circle
 from protocol.geometry import Shape, points_of
 from protocol.kernel.ledger import Ledger
 from protocol.kernel.records import ANNOUNCED, NO, PRESENT, Binding, DiskRecord, Held, Told
-from protocol.line import Line
+from protocol.line import ROUNDING, Line
 from protocol.messages import Command, Grants, Vector
 from protocol.messages import ListedBinding as Listing
 from protocol.region import EVERYWHERE, Region, RegionGeometry, distance, parting
@@ -79,6 +79,12 @@ class Keeper:
         disk = self._ledger.disks[robot]
         self._ledger.fence(disk, Region(place))
         self._change(robot, *self._ledger.pairs[robot])
+
+    def excludes(self, robot: int, place: Circle, radius: float) -> bool:
+        """Whether a static disk of `radius`, m, that is in `place` cannot be in the one that it holds."""
+        (held,) = _shapes(self._ledger.disks[robot].held)
+        away = math.dist((place.x, place.y), (held.around.x, held.around.y))
+        return away > held.around.radius + place.radius - 2.0 * radius + ROUNDING
 
     def settle(self, robot: int, place: Circle) -> None:
         """Restrict a static disk to its known place."""

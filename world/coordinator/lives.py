@@ -206,9 +206,9 @@ class Lives:
 
     def begin(
         self, resting: Mapping[int, Vector], bounds: Mapping[int, float], unsettled: Set[int] = frozenset()
-    ) -> None:
+    ) -> str:
         """Begin joined lives in the ledger, once the earlier ones are over, and their disks are static at
-        known places.
+        known places. Returns why the run cannot go on: a disk is not where the ledger has it; "" if it can.
 
         Args:
             resting: positions of robots that stand until they receive another command, m.
@@ -222,9 +222,13 @@ class Lives:
                 self.keeper.fence(robot, self._place(robot, resting, bounds))
             if robot in unsettled:
                 continue
-            self.keeper.settle(robot, self._place(robot, resting, bounds))
+            place = self._place(robot, resting, bounds)
+            if self.keeper.excludes(robot, place, self.roster.members[robot].radius):
+                return f"robot {robot} is at ({place.x:.3f}, {place.y:.3f}), not where this run has its disk"
+            self.keeper.settle(robot, place)
             self.keeper.rejoin(robot)
             life.begun = True
+        return ""
 
     def _place(self, robot: int, resting: Mapping[int, Vector], bounds: Mapping[int, float]) -> Disk:
         return Disk(*resting[robot], self.roster.members[robot].radius + bounds.get(robot, 0.0))

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from math import inf
 
@@ -47,7 +47,8 @@ class Admissions:
     Args:
         run: its name.
         world: of the run.
-        lockstep, epoch: parts of each admission.
+        lockstep: part of each admission.
+        epochs: of the coordinators of this run, this world's last.
         clock: time, s.
         checkpoint: of the world, if it keeps one: then robots wait for another world.
         processes: admitted by an earlier world; a robot's newest keeps its slot while it is present.
@@ -63,7 +64,7 @@ class Admissions:
         world: WorldCore,
         lockstep: bool,
         clock: Callable[[], float] = time.monotonic,
-        epoch: int = 0,
+        epochs: Sequence[int] = (0,),
         checkpoint: Checkpoint | None = None,
         processes: Processes | None = None,
     ) -> None:
@@ -74,8 +75,8 @@ class Admissions:
         self._tokens: set[tuple[int, str]] = set()  # robots and sessions of present processes
         # Newest request of each robot that waits for its disk, s, by the clock; -inf afterwards.
         self._early: dict[int, float] = {}
-        self._name, self._lockstep, self._clock, self._epoch = run, lockstep, clock, epoch
-        self._checkpoint = checkpoint
+        self._name, self._lockstep, self._clock = run, lockstep, clock
+        self._first, self._epoch, self._checkpoint = epochs[0], epochs[-1], checkpoint
 
     def expect(self, robot: int) -> None:
         """Add a slot for an added robot whose disk is present."""
@@ -86,6 +87,8 @@ class Admissions:
     def refusal(self, join: joining.Join) -> joining.Reply | None:
         """The reply to a process that cannot take part, or not yet; None if it can."""
         robot = join.robot
+        if join.run not in (0, self._first):
+            return joining.OtherRun()
         self.dismiss(robot)
         lives = self._world.lives
         status = lives.roster.status(robot)
@@ -177,7 +180,8 @@ class Admissions:
     def _admission(self, slot: Slot) -> joining.Admission:
         away = AWAY if self._checkpoint is not None and self._checkpoint.kept else 0.0
         scenario, founded = self._world.scenario, self._world.lives.founded
-        return joining.Admission(slot.granted, self._lockstep, scenario, away, founded, self._epoch)
+        numbers = self._epoch, self._first
+        return joining.Admission(slot.granted, self._lockstep, scenario, away, founded, *numbers)
 
     # -- presence
 

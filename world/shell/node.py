@@ -93,7 +93,7 @@ class WorldNode:
         self._epoch, self._epochs, self._session = epoch, (*before.epochs, epoch), session_of(epoch)
         self._own = {session_of(each) for each in self._epochs}  # tokens of dead worlds may still disappear
         self._admissions = Admissions(
-            run, self._run.world, lockstep, clock, epoch, checkpoint, before.processes
+            run, self._run.world, lockstep, clock, self._epochs, checkpoint, before.processes
         )
         ids = {*scenario.ids, *lives.of, *lives.roster.members}
         ids.update(spec.id for spec in scenario.newcomers)

@@ -1,6 +1,7 @@
 """Two worlds of one run: one is refused, or both have all robots stand until one has left."""
 
 import itertools
+from pathlib import Path
 
 import msgspec
 import pytest
@@ -18,6 +19,7 @@ from protocol.messages import Command, Tick
 from protocol.operations import Reply, decode_reply
 from protocol.scenario.model import Operation
 from world.shell import node as shell
+from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
 from world.shell.operations import OTHER_WORLD
 
@@ -112,11 +114,13 @@ def test_what_another_coordinator_or_its_robots_say_does_not_count() -> None:
     assert fleet.execute()["collisions"] == 0
 
 
-def test_a_robot_does_not_go_back_to_a_coordinator_that_it_has_left() -> None:
+def test_a_robot_does_not_go_back_to_a_coordinator_that_it_has_left(tmp_path: Path) -> None:
     """A world that was frozen may come back when another one has taken its place."""
     network = LocalNetwork()
-    older = network.connect()
-    older.node = WorldNode(older, "local", SWAP)
+    older, path = network.connect(), tmp_path / "checkpoint"
+    Checkpoint.create(path)
+    checkpoint = Checkpoint(path, "local", SWAP)
+    older.node = WorldNode(older, "local", SWAP, checkpoint=checkpoint)
     bus = network.connect()
     robot = RobotNode(bus, "local", 1)
     bus.node = robot
@@ -124,8 +128,9 @@ def test_a_robot_does_not_go_back_to_a_coordinator_that_it_has_left() -> None:
     assert robot.core.epoch == 1
     older.served, served = [], older.served  # it freezes
     network.tell_presence("disknav/local/world/alive/00000001", False, older)
+    checkpoint.close()
     newer = network.connect()
-    newer.node = WorldNode(newer, "local", SWAP)
+    newer.node = WorldNode(newer, "local", SWAP, checkpoint=Checkpoint(path, "local", SWAP))
     bus.drain()
     robot.wake(robot.deadline)
     assert robot.core.epoch == 2
