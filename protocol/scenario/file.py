@@ -157,11 +157,6 @@ def _table_at(steps: Steps) -> type | None:
     return table
 
 
-def read_scenario(path: Path | str) -> Scenario:
-    """Read and check a scenario file; raises ScenarioError."""
-    return parse_document(read_document(path), str(path))
-
-
 def read_document(path: Path | str, failure: type[DocumentError] = ScenarioError) -> Document:
     """Read a TOML file without checking its content; raises `failure` if that cannot be done."""
     try:

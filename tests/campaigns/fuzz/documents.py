@@ -15,7 +15,7 @@ from protocol.scenario.file import (
     document_of,
     parse_document,
     parse_toml,
-    read_scenario,
+    read_document,
     write_toml,
 )
 from protocol.scenario.model import Scenario
@@ -93,7 +93,7 @@ def _read_file(content: bytes) -> bool:
     path = folder() / "scenario.toml"
     try:
         path.write_bytes(content)
-        return _same_again(read_scenario(path))
+        return _same_again(parse_document(read_document(path)))
     finally:
         path.unlink()
 

@@ -8,7 +8,7 @@ import pytest
 from protocol.errors import ScenarioError
 from protocol.geometry import ConvexPolygon, Disk
 from protocol.scenario.body import Actuation, Base
-from protocol.scenario.file import json_schema, parse_document, parse_toml, read_scenario, write_toml
+from protocol.scenario.file import json_schema, parse_document, parse_toml, read_document, write_toml
 from protocol.scenario.model import (
     Carrying,
     Control,
@@ -44,16 +44,16 @@ def test_what_is_not_toml(text: str, words: str) -> None:
 
 def test_files_that_cannot_be_read(tmp_path: Any) -> None:
     with pytest.raises(ScenarioError, match="No such file"):
-        read_scenario(tmp_path / "none.toml")
+        read_document(tmp_path / "none.toml")
     with pytest.raises(ScenarioError, match="cannot be read"):
-        read_scenario(tmp_path)
+        read_document(tmp_path)
     binary = tmp_path / "binary.toml"
     binary.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(ScenarioError, match="not UTF-8"):
-        read_scenario(binary)
+        read_document(binary)
     good = tmp_path / "good.toml"
     good.write_bytes(b"\xef\xbb\xbf" + ROBOTS.replace("\n", "\r\n").encode())
-    assert read_scenario(good).ids == (1, 2)
+    assert parse_document(read_document(good)).ids == (1, 2)
 
 
 def test_sensing_as_one_table_and_as_an_array() -> None:

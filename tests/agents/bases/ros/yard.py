@@ -14,7 +14,7 @@ from pathlib import Path
 
 from deploy.library.load import load
 from deploy.run.options import fresh_run_name
-from protocol.scenario.file import read_scenario, write_toml
+from protocol.scenario.file import parse_document, read_document, write_toml
 from tests.deploy.processes.ports import free_ports
 
 HERE = Path(__file__).parent
@@ -160,7 +160,7 @@ def yard(
 ) -> Iterator[Yard]:
     """A router, what `start_bases` starts, a world, and a process for each robot."""
     (folder / "yard.toml").write_text(write_toml(load(f"turtlebots-{count}", [*SETTINGS, *settings], 1)))
-    scenario = read_scenario(folder / "yard.toml")
+    scenario = parse_document(read_document(folder / "yard.toml"))
     processes = Processes(folder)
     with ExitStack() as stack:
         stack.callback(processes.end)
