@@ -15,14 +15,14 @@ from tests.deploy.theory.problems import circulation, crowded, free, log_ratio
 @pytest.mark.parametrize("unequal", [False, True])
 def test_flow_descends_without_contact_and_arrives(unequal: bool) -> None:
     problem = crowded(6, unequal, k=60.0)
-    for seed in range(3):
+    for seed in range(2):
         flow = integrate(problem, free(problem, seed))
         assert flow.arrived
         heights = [log_ratio(problem, b) for b in flow.path]
         assert (np.diff(heights) <= 1e-6).all()
         assert min(obstacle_functions(problem, b).min() for b in flow.path) > 0.0
         assert 1.0 <= flow.nrl < 2.0
-        finer = integrate(problem, free(problem, seed), accuracy=1e-5)
+        finer = integrate(problem, free(problem, seed), accuracy=1e-7)
         assert flow.nrl == pytest.approx(finer.nrl, rel=2e-3)
 
 
