@@ -168,6 +168,10 @@ class SeparatingLines:
         near = bond.own_radius + own.bound + _NEAR * self._max_step
         line = tangent(bound.place.shape, own.x, own.y, bound.low, near)
         if line is None or not kernel.fits(bound, line):
+            # A set that an obeyed line has cut satisfies no line there with a margin, and may never leave it.
+            kept = kernel.kept(bound) if bond.is_asked else []
+            line = next((each for each in kept if kernel.behind(bound, each)), None)
+        if line is None:
             return
         if bond.is_asked:
             kernel.freeze(bound, line)

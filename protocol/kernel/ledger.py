@@ -81,17 +81,17 @@ class Ledger(Generic[R, L]):
             disk.held.stand(self.version, place)
             self._geometry.note(disk)
         for pair in self.pairs[disk.name].values():
-            self._end(pair, disk, moved)
+            self._end(pair, disk)
 
-    def _end(self, pair: Pair[L], disk: DiskRecord[R], moved: bool) -> None:
+    def _end(self, pair: Pair[L], disk: DiskRecord[R]) -> None:
         """Make a binding of the ended life one towards its static place."""
         living, static = pair.living, pair.static
         pair.living = None
         if static is not None:
             if static.end(disk.name).dead == NO:
                 pair.static = None  # both ends are dead
-            elif not moved and static.told != NO:
-                return  # the peer obeys a binding towards that place already
+            elif static.told != NO or living is None or living.told == NO:
+                return  # the peer obeys a binding towards that place already, or is asked for its line
         if living is not None and (living.told != NO or living.asked != disk.name):
             living.end(disk.name).dead = self.version
             pair.static = living

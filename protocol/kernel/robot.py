@@ -131,8 +131,8 @@ class RobotLife(Generic[R, L, B]):
         """Obey this first line, for which the robot was asked, and announce it."""
         require(bound.state == ASKED, "freeze: there is no first line")
         require(bound.place is not None, "freeze: the other end stands")
-        require(self.fits(bound, line), "freeze: the body fits the line")
-        require(self._behind(bound, line), "freeze: the place is behind the line")
+        require(line in self.kept(bound) or self.fits(bound, line), "freeze: the body fits the line")
+        require(self.behind(bound, line), "freeze: the place is behind the line")
         bound.begin(line)
 
     def turn(self, bound: Bound[R, L], line: L) -> None:
@@ -140,10 +140,19 @@ class RobotLife(Generic[R, L, B]):
         require(bound.state != ASKED, "turn: a first line is obeyed")
         require(bound.static, "turn: the other end stands for good")
         require(self.fits(bound, line), "turn: the body fits the line")
-        require(self._behind(bound, line), "turn: the place is behind the line")
+        require(self.behind(bound, line), "turn: the place is behind the line")
         bound.turn(line)
 
-    def _behind(self, bound: Bound[R, L], line: L) -> bool:
+    def kept(self, asked: Bound[R, L]) -> list[L]:
+        """Lines that the body keeps to already, towards an earlier life of the same disk."""
+        found: list[L] = []
+        for bound in self.bound.values():
+            if bound.static and bound.peer == asked.peer:
+                found += bound.obeyed
+        return found
+
+    def behind(self, bound: Bound[R, L], line: L) -> bool:
+        """Whether the place of the other disk, which is static, is on the other side of a line."""
         return bound.place is not None and self._geometry.behind(bound.place, line, not bound.low)
 
     def adopt(self) -> None:

@@ -55,6 +55,12 @@ def history(after: State) -> dict[str, Any]:
         )
         same = z3.Or(*[z3.And(S[f"{old}.on"], *_goes_on(after, b, old)) for old in "LS"])
         found[f"{b}: is new or goes on"] = z3.Implies(after[f"{b}.on"], z3.Or(new, same))
+        # While one life is asked, what it obeys towards an earlier life of the other disk is in force.
+        asks = z3.And(same, after[f"{b}.on"], after[f"{b}.told"] == 0, after[f"{b}.number"] != S["S.number"])
+        stays = z3.And(after["S.on"], after["S.number"] == S["S.number"])
+        for x in "AB":
+            mine = z3.And(after[f"{b}.asked"] == CODE[x], S["S.on"], S[f"S.{x}.dead"] == 0)
+            found[f"{b}.{x}: what is kept meanwhile"] = z3.Implies(z3.And(asks, mine), stays)
     return found
 
 

@@ -10,8 +10,8 @@ import z3
 from tests.interpreted import Edit, interpreted
 from tests.proof import symbolic
 from tests.proof.model import ASKED, CODE, LINE, LINE_OF, OTHER
-from tests.proof.outcomes import Geometry, S
-from tests.proof.symbolic import Number, Truth, expression
+from tests.proof.outcomes import OBEYED, Geometry, S
+from tests.proof.symbolic import Atom, Number, Truth, expression
 
 
 class Source:
@@ -119,14 +119,14 @@ def bound_of(b: str, x: str, *, lines: bool = True) -> Any:
     y, number = OTHER[x], S[f"{b}.number"]
     bound = SOURCE.robot.Bound(SOURCE.records.Listed(Number(number), CODE[y], None, None, False), x == "A")
     if lines and Truth(S[f"{b}.{x}.state"] != ASKED):
-        bound.begin(LINE_OF(number, 0))
+        bound.begin(Atom(LINE_OF(number, OBEYED[b])))
         bound.lines.seen = Number(S[f"{b}.{x}.seen"])
         bound.lines.held_number = Number(S[f"{b}.{x}.held"])
         if x == "A":
             bound.lines.number = Number(S[f"{b}.A.number"])
     bound.of, bound.state = b, Number(S[f"{b}.{x}.state"])
     bound.static, bound.place = Truth(S[f"{b}.{x}.static"]), S[f"{y}.acked"]
-    bound.half = S[f"{b}.{x}.half"]
+    bound.half = Atom(S[f"{b}.{x}.half"])
     return bound
 
 
@@ -140,22 +140,29 @@ def bound_state(bound: Any, after: dict[str, Any], b: str, x: str) -> None:
         if x == "A":
             after[f"{b}.A.number"] = expression(bound.lines.number)
     if bound.half is not None:
-        after[f"{b}.{x}.half"] = bound.half
+        after[f"{b}.{x}.half"] = expression(bound.half)
 
 
-UNKNOWN = z3.Int("unknown")  # number of a binding that is over, or towards a third disk
+UNKNOWN, _PEER, _STATIC = z3.Int("unknown"), z3.Int("unknown.peer"), z3.Bool("unknown.static")
 
 
 def unknown_of(x: str) -> Any:
-    """An end of such a binding: the process may have it, and nothing is known of it."""
+    """An end of a binding that is over, or towards a third disk: the process may have it, and nothing is
+    known of it.
+    """
     listed = SOURCE.records.Listed(
-        Number(UNKNOWN), Number(z3.Int("unknown.peer")), z3.Const("unknown.line", LINE),
-        z3.Int("unknown.place"), Truth(z3.Bool("unknown.static")),
+        Number(UNKNOWN), Number(_PEER), Atom(z3.Const("unknown.line", LINE)),
+        z3.Int("unknown.place"), Truth(_STATIC),
     )  # fmt: skip
     bound = SOURCE.robot.Bound(listed, x == "A")
     bound.of, bound.state = "", Number(z3.Int("unknown.state"))
-    bound.half = z3.Const("unknown.half", LINE)
+    bound.half = Atom(z3.Const("unknown.half", LINE))
     return bound
+
+
+def unknown_is_static(x: str) -> z3.BoolRef:
+    """Whether it is one towards an earlier life of the other disk."""
+    return z3.And(_STATIC, CODE[OTHER[x]] == _PEER)
 
 
 def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any]) -> Any:

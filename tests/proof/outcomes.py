@@ -31,6 +31,7 @@ NEXT = S["v"] + 1
 PART, EPOCH = z3.Int("part"), z3.Int("epoch")
 ANY_LINE = z3.Const("any line", LINE)
 HALF_PLANE, PROPOSED = z3.Const("half", LINE), z3.Int("proposed")
+OBEYED = {b: z3.Int(f"{b}.any obeyed") for b in "LS"}  # number of any line that an end obeys
 
 
 @dataclass
@@ -187,11 +188,11 @@ class Geometry:
 
     def fits(self, body: Any, line: Any, low: bool) -> Truth:
         assert low == (self.x == "A")
-        return Truth(FITS[self.x](body, line))
+        return Truth(FITS[self.x](body, expression(line)))
 
     def behind(self, place: Any, line: Any, low: bool) -> Truth:
         assert low == (self.x == "B")
-        return Truth(BESIDE[OTHER[self.x]](expression(place), line))
+        return Truth(BESIDE[OTHER[self.x]](expression(place), expression(line)))
 
     def keeps(self, body: Any, bound: Any) -> Truth:
         x, b = self.x, bound.of

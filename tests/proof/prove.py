@@ -61,6 +61,7 @@ def terms_of(outcome: Outcome | None) -> Terms:
         t.bodies[x] = _different([S[f"{x}.body"], S[f"{x}.own"], *came_up[0]])
         t.regions[x] = _different([*regions, *came_up[1]])
     t.numbers = [K, z3.IntVal(0), PROPOSED, *[ends(S, b)["adopted"] for b in "LS"]]
+    t.numbers += [] if outcome is None else outcome.terms.numbers
     t.lines = [S[f"{b}.{x}.half"] for b in "LS" for x in "AB"] + [HALF_PLANE, LINE_OF(NEXT, 0)]
     t.lines += [LINE_OF(S[f"{b}.number"], k) for b in "LS" for k in t.numbers]
     t.lines += [] if outcome is None else outcome.terms.lines

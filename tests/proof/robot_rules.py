@@ -8,10 +8,10 @@ from typing import Any
 
 import z3
 
-from tests.proof.model import ASKED, BODY, CODE, LINE_OF, OTHER, PRESENT, ends
-from tests.proof.objects import SOURCE, UNKNOWN, bound_of, bound_state, ledger_of, robot_of
-from tests.proof.outcomes import HALF_PLANE, PART, PROPOSED, Case, Geometry, Outcome, S
-from tests.proof.symbolic import Impossible, Number, Truth, expression
+from tests.proof.model import ASKED, BODY, CODE, HALF, LINE_OF, LINES, OTHER, PRESENT, ends, obeys
+from tests.proof.objects import SOURCE, UNKNOWN, bound_of, bound_state, ledger_of, robot_of, unknown_is_static
+from tests.proof.outcomes import HALF_PLANE, OBEYED, PART, PROPOSED, Case, Geometry, Outcome, S
+from tests.proof.symbolic import Atom, Impossible, Number, Truth, expression
 
 
 def of_bound(rule: str, b: str, x: str, does: Callable[[Any, Any], object], *given: Any) -> Case:
@@ -20,9 +20,13 @@ def of_bound(rule: str, b: str, x: str, does: Callable[[Any, Any], object], *giv
     def run() -> Outcome:
         geometry = Geometry()
         others = [each for each in ends_of(x, S[f"{b}.{x}.life"]) if each != b]
-        bound = bound_of(b, x)
-        does(robot_of(x, geometry, [bound, *map(partial(bound_of, x=x), others)]), bound)
+        bounds = [bound_of(each, x) for each in (b, *others)]
+        bound = bounds[0]
+        does(robot_of(x, geometry, bounds), bound)
         outcome = Outcome(geometry)
+        for each in (b, *others):
+            outcome.terms.numbers.append(OBEYED[each])
+            outcome.given(z3.Implies(S[f"{each}.{x}.state"] == LINES, obeys(S, each, x, OBEYED[each])))
         bound_state(bound, outcome.after, b, x)
         return outcome
 
@@ -48,11 +52,13 @@ def _cases() -> Iterator[Case]:
     for b in "LS":
         yield from _line_cases(b)
         for x in "AB":
-            freeze = of_bound("freeze", b, x, partial(_freeze, b))
-            yield Case(freeze.rule, partial(_say, freeze.run, b), freeze.given)
+            yield _freeze("freeze", b, x)
     for x in "AB":
+        line, half, held = _line("L", 0).of, S[f"S.{x}.half"], _line("S", OBEYED["S"]).of
+        kept = z3.If(S[f"S.{x}.state"] == HALF, half, held)
+        yield _freeze("freeze kept", "L", x, S["S.on"], S[f"S.{x}.has"], S[f"S.{x}.static"], line == kept)
         # An end of a living binding is never told that the other stands for good.
-        yield of_bound("turn", "S", x, lambda made, bound: made.turn(bound, HALF_PLANE))
+        yield of_bound("turn", "S", x, lambda made, bound: made.turn(bound, Atom(HALF_PLANE)))
         alive = [S[f"{x}.life"] != 0, S[f"{x}.phase"] == PRESENT]  # the base obeys the present life only
         yield Case(f"adopt region {x}", partial(_adopt, x), alive)
         yield Case(f"say region {x}", partial(_acknowledge, x), alive)
@@ -62,8 +68,8 @@ def _cases() -> Iterator[Case]:
         yield Case(f"locate {x}", partial(_locate, x), alive)
 
 
-def _line(b: str, number: Any) -> Any:
-    return LINE_OF(S[f"{b}.number"], number)
+def _line(b: str, number: Any) -> Atom:
+    return Atom(LINE_OF(S[f"{b}.number"], number))
 
 
 def _line_cases(b: str) -> Iterator[Case]:
@@ -96,8 +102,11 @@ def _send(b: str) -> Outcome:
     return outcome
 
 
-def _freeze(b: str, made: Any, bound: Any) -> None:
-    made.freeze(bound, _line(b, 0))
+def _freeze(rule: str, b: str, x: str, *given: Any) -> Case:
+    """An end finds its first line. A static binding that was told beside it is in force (`history`)."""
+    beside = z3.Not(unknown_is_static(x))
+    case = of_bound(rule, b, x, lambda made, bound: made.freeze(bound, _line(b, 0)), beside, *given)
+    return Case(case.rule, partial(_say, case.run, b), case.given)
 
 
 def _say(run: Callable[[], Outcome], b: str) -> Outcome:

@@ -64,9 +64,22 @@ class Number:
         return Number(self.of + expression(other))
 
 
+class Atom:
+    """An object of which only equality is known, such as a line."""
+
+    def __init__(self, of: z3.ExprRef) -> None:
+        self.of = of
+
+    def __hash__(self) -> int:
+        return 0
+
+    def __eq__(self, other: object) -> Truth:  # type: ignore[override]  # likewise
+        return Truth(self.of == expression(other))
+
+
 def expression(value: object) -> Any:
-    """The solver's term for a number or a truth of the product."""
-    if isinstance(value, Number | Truth):
+    """The solver's term for an object of the product."""
+    if isinstance(value, Number | Truth | Atom):
         return value.of
     if isinstance(value, bool):
         return z3.BoolVal(value)

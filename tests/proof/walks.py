@@ -237,7 +237,8 @@ class Walk:
     def do_freeze(self) -> None:
         process = self.process()
         bound = self.bound(process)
-        line = self.line(process.robot, bound)
+        kept = process.robot.kept(bound)
+        line = self.random.choice([*kept, self.line(process.robot, bound)])
         process.robot.freeze(bound, line)
         process.firsts.append((bound.number, line))
 

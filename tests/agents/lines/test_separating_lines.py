@@ -77,6 +77,19 @@ def test_a_first_line_is_found_said_until_it_is_told_and_obeyed_meanwhile() -> N
     assert lines.firsts() == ()
 
 
+def test_a_line_obeyed_towards_an_earlier_life_is_the_first_one_where_no_other_fits() -> None:
+    def first(nx: float, obeyed_towards: int = 2) -> list[tuple[float, float, float]]:
+        earlier = ListedBinding(5, obeyed_towards, (nx, 0.0, 0.05), ((0.1, 0.0),), 0.04, True)
+        lines = robot(1, earlier, bound=0.03)  # no line with the place behind it leaves that much
+        hear(lines, 10, earlier, ListedBinding(9, 2, None, ((0.1, 0.0),), 0.04))
+        lines.locate(1, STILL, 0.03)
+        return [(each.nx, each.ny, each.offset) for each in lines.firsts()]
+
+    assert first(1.0) == [HALFWAY]
+    assert first(-1.0) == []  # the place is not behind it
+    assert first(1.0, obeyed_towards=3) == []
+
+
 @pytest.mark.parametrize("identity", [1, 3])
 def test_a_robot_that_finds_no_room_for_a_first_line_backs_off_until_there_is(identity: int) -> None:
     lines, x = robot(identity, ListedBinding(5, 2, None, ((0.082, 0.0),), 0.043), bound=0.001), 0.0
