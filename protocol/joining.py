@@ -1,18 +1,18 @@
 """How a robot joins a run: a request under its own `join` key, and the world's reply.
 
-Both are msgpack maps: the request `{"session": text, "health": Health or nil, "run": number}`, the reply one
-of five kinds by its `"reply"`. `"admitted"` has `incarnation`, `lockstep`, `scenario` (maps with the keys of
-a scenario file), `away` (time after which a lost world may still return, s), `founded` (whether the run has
-begun), `epoch` (of the coordinator: Ticks and States of any other are refused) and `run` (epoch of the first
-coordinator of this run); `"refused"` has `text`; `"other run"` nothing; `"wait"` has `after`, s, and `text`;
-`"finished"` has `verdict`. The key alone names the robot that asks, so that a
-router's access rules apply. A monitor's request under `world/scenario` is answered by `"scenario"`, with
-`scenario`, `lockstep`, and `goals`, the `GoalStatus` of every robot with an order.
+Both are msgpack maps: the request `{"session": text, "health": Health or nil, "epoch": number}`, the reply
+one of five kinds by its `"reply"`. `"admitted"` has `incarnation`, `lockstep`, `scenario` (maps with the keys
+of a scenario file), `away` (time after which a lost world may return, s), `founded` (whether the run has
+begun) and `epoch` (of the coordinator: Ticks and States of any other are refused); `"refused"` has `text`;
+`"other run"` nothing; `"wait"` has `after`, s, and `text`; `"finished"` has `verdict`. The key alone names
+the robot that asks, so that a router's access rules apply. A monitor's request under `world/scenario` is
+answered by `"scenario"`, with `scenario`, `lockstep`, and `goals`, the `GoalStatus` of every robot with an
+order.
 
 `session` is chosen by the process (see `protocol.keys`), the same for all its requests and for its liveliness
 token. A process that repeats its request, since a reply may be lost, is admitted as the same life, until
-`health` reports that this life is over. It takes part in one run: its later requests have the `run` of its
-first admission, and a world of another run neither admits it nor counts it as present.
+`health` reports that this life is over. It takes part in one run: its later requests have the `epoch` of its
+newest admission, and only that coordinator and those that continue from it admit it.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class JoinRequest(msgspec.Struct, frozen=True):
 
     session: Annotated[str, Meta(pattern=f"^{SESSION}$")]
     health: Health | None = None  # of the life that has ended
-    run: Epoch = 0  # `Admission.run` of the process; 0 before its first admission
+    epoch: Epoch = 0  # of the newest admission of this process; 0 before the first
 
 
 class Join(NamedTuple):
@@ -44,7 +44,7 @@ class Join(NamedTuple):
     robot: Id
     session: str
     health: Health | None = None
-    run: Epoch = 0
+    epoch: Epoch = 0
 
 
 class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
@@ -56,7 +56,6 @@ class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
     away: Size = 0.0  # s after which a lost world may still return; 0 if it never does
     founded: bool = False  # whether the run has begun: a later process begins at its disk
     epoch: Epoch = 0  # of the coordinator: messages of any other are refused
-    run: Epoch = 0  # epoch of the first coordinator of this run
 
 
 class Refusal(msgspec.Struct, frozen=True, tag="refused", tag_field="reply"):
@@ -66,7 +65,7 @@ class Refusal(msgspec.Struct, frozen=True, tag="refused", tag_field="reply"):
 
 
 class OtherRun(msgspec.Struct, frozen=True, tag="other run", tag_field="reply"):
-    """The process takes part in another run of this name."""
+    """The process takes part in another run of this name, or in a later part of this one."""
 
 
 class Wait(msgspec.Struct, frozen=True, tag="wait", tag_field="reply"):
@@ -104,7 +103,7 @@ _reply: msgspec.msgpack.Decoder[Reply] = msgspec.msgpack.Decoder(Reply)
 
 def encode_request(join: Join) -> bytes:
     """Payload of a request."""
-    return _encode(JoinRequest(join.session, join.health, join.run))
+    return _encode(JoinRequest(join.session, join.health, join.epoch))
 
 
 def decode_request(robot: Id, payload: bytes) -> Join:
@@ -117,7 +116,7 @@ def decode_request(robot: Id, payload: bytes) -> Join:
         raise MessageError("shape", f"join request: {error}") from None
     if request.health is not None and request.health.robot != robot:
         raise MessageError("identity", f"join request of robot {robot}: health of {request.health.robot}")
-    return Join(robot, request.session, request.health, request.run)
+    return Join(robot, request.session, request.health, request.epoch)
 
 
 @keeps_newest

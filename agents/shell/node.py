@@ -91,7 +91,8 @@ class RobotNode:
 
     def _join(self) -> None:
         try:
-            reply = self._world.ask(self._health() if self.core is not None and self._ended else None)
+            health = self._health() if self.core is not None and self._ended else None
+            reply = self._world.ask(health, begun=self._has_begun)
         except BusError:
             if not self._over:
                 raise
@@ -109,6 +110,11 @@ class RobotNode:
             self._note(f"the run is over: {reply.verdict}")
         elif isinstance(reply, joining.Admission):
             self._begin(reply)
+
+    @property
+    def _has_begun(self) -> bool:
+        """Whether the run had begun by all that this process knows."""
+        return self._founded or (self.core is not None and self.core.tick >= 0)
 
     def _goes_on(self, reply: joining.Reply) -> bool:
         core = self.core

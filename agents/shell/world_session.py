@@ -38,7 +38,6 @@ class WorldSession:
     Attributes:
         session: of this process.
         epoch: of the coordinator that admitted this process last, 0 for none.
-        run: epoch of the first coordinator of its run, 0 for none.
         heard: when the last message of the world arrived, s, monotonic.
         back: whether it, or another one, has come back, so that this life may have ended meanwhile.
     """
@@ -47,11 +46,10 @@ class WorldSession:
         self, bus: Bus, run: str, robot: int, wait: float, say: Say, read: Read = joining.decode_reply
     ) -> None:
         self.session = os.urandom(8).hex()
-        self.epoch = self.run = 0
+        self.epoch = 0
         self.heard = time.monotonic()
         self.back = False
         self._bus, self._run, self._robot, self._say, self._read = bus, run, robot, say, read
-        self._former: set[int] = set()  # epochs of previous coordinators
         self._others: set[str] = set()  # sessions of other present worlds
         self._bearable, self._timeout = wait, _TIMEOUT  # s without an answer; s, timeout of a request
         self._away = 0.0  # s after which the world may still return, as it announced
@@ -59,15 +57,19 @@ class WorldSession:
         self._told_gone = False  # whether the operator was warned
         self._refused = 0
 
-    def ask(self, health: Health | None) -> joining.Reply | None:
+    def ask(self, health: Health | None, *, begun: bool = False) -> joining.Reply | None:
         """Request to join, with `health` if an incarnation of this process has ended; without it the reply
         only confirms the present life. Returns the reply; None to ask again a little later.
 
+        Args:
+            begun: whether the run of this process has begun: then its world may return beside one of another
+                run, as after a cut link.
+
         Raises:
             JoinError: the world refuses this id.
-            BusError: the world is lost, or was never present.
+            BusError: the world is lost, or was never present, or is one of another run.
         """
-        request = joining.encode_request(joining.Join(self._robot, self.session, health, self.run))
+        request = joining.encode_request(joining.Join(self._robot, self.session, health, self.epoch))
         try:
             reply = self._answer(request)
         except (BusError, MessageError) as error:
@@ -75,6 +77,10 @@ class WorldSession:
                 return None  # not yet present, briefly disconnected, or the reply was lost
             text = f"run {self._run!r}: no world answers ({error}); is it running, under this name?"
             raise BusError(text) from error
+        if isinstance(reply, joining.OtherRun):
+            if begun and time.monotonic() <= self.heard + min(self._bearable, PATIENCE):
+                return None
+            raise BusError(f"another run has the name {self._run!r} now; start this process again for it")
         self.heard = time.monotonic()
         if isinstance(reply, joining.Refusal):
             self._refused += 1
@@ -88,23 +94,15 @@ class WorldSession:
         replies = self._ask(request)
         if len(replies) > 1:
             raise BusError(f"{len(replies)} worlds of this run answer, end all but one")
-        reply = self._read(replies[0])
-        if isinstance(reply, joining.OtherRun):
-            raise BusError("one of another run is there, for which this process has to be started again")
-        if isinstance(reply, joining.Admission) and reply.epoch in self._former:
-            raise BusError("it is an earlier world than the one before")
-        return reply
+        return self._read(replies[0])
 
     def _ask(self, request: bytes) -> list[bytes]:
         return self._bus.ask(robot_key(self._run, self._robot, "join"), request, self._timeout)
 
     def admitted(self, admission: joining.Admission) -> None:
         """Note the admission of an incarnation."""
-        if self.epoch not in (0, admission.epoch):
-            self._former.add(self.epoch)
         self.epoch, self._gone, self._told_gone = admission.epoch, inf, False
         self._others.discard(session_of(admission.epoch))
-        self.run = admission.run
         self._away, self._refused, self.back = admission.away, 0, False
         self._bearable, self._timeout = max(PATIENCE, admission.away), _TIMEOUT
 

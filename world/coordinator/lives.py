@@ -223,7 +223,8 @@ class Lives:
             if robot in unsettled:
                 continue
             place = self._place(robot, resting, bounds)
-            if self.keeper.excludes(robot, place, self.roster.members[robot].radius):
+            reported = robot in bounds  # a simulation knows the places of its disks
+            if reported and self.keeper.excludes(robot, place, self.roster.members[robot].radius):
                 return f"robot {robot} is at ({place.x:.3f}, {place.y:.3f}), not where this run has its disk"
             self.keeper.settle(robot, place)
             self.keeper.rejoin(robot)

@@ -76,7 +76,7 @@ class Admissions:
         # Newest request of each robot that waits for its disk, s, by the clock; -inf afterwards.
         self._early: dict[int, float] = {}
         self._name, self._lockstep, self._clock = run, lockstep, clock
-        self._first, self._epoch, self._checkpoint = epochs[0], epochs[-1], checkpoint
+        self._epoch, self._epochs, self._checkpoint = epochs[-1], {0, *epochs}, checkpoint
 
     def expect(self, robot: int) -> None:
         """Add a slot for an added robot whose disk is present."""
@@ -87,7 +87,7 @@ class Admissions:
     def refusal(self, join: joining.Join) -> joining.Reply | None:
         """The reply to a process that cannot take part, or not yet; None if it can."""
         robot = join.robot
-        if join.run not in (0, self._first):
+        if join.epoch not in self._epochs:
             return joining.OtherRun()
         self.dismiss(robot)
         lives = self._world.lives
@@ -180,8 +180,7 @@ class Admissions:
     def _admission(self, slot: Slot) -> joining.Admission:
         away = AWAY if self._checkpoint is not None and self._checkpoint.kept else 0.0
         scenario, founded = self._world.scenario, self._world.lives.founded
-        numbers = self._epoch, self._first
-        return joining.Admission(slot.granted, self._lockstep, scenario, away, founded, *numbers)
+        return joining.Admission(slot.granted, self._lockstep, scenario, away, founded, self._epoch)
 
     # -- presence
 

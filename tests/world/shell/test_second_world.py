@@ -14,6 +14,7 @@ from protocol import joining
 from protocol.bus.bus import Query, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.codec import decode, encode
+from protocol.errors import BusError
 from protocol.keys import robot_key, world_key
 from protocol.messages import Command, Tick
 from protocol.operations import Reply, decode_reply
@@ -138,7 +139,8 @@ def test_a_robot_does_not_go_back_to_a_coordinator_that_it_has_left(tmp_path: Pa
     older.served = served
     network.tell_presence("disknav/local/world/alive/00000001", True, older)
     bus.drain()
-    robot.wake(robot.deadline)
+    with pytest.raises(BusError, match="another run has the name"):
+        robot.wake(robot.deadline)
     assert robot.core.epoch == 2
 
 
