@@ -23,8 +23,9 @@ from protocol.messages import Vector
 
 _SLACK: Final = 1.01  # radii: somewhat more than a robot moves before it looks through all again
 # Of a path, in radii: the clearance that it keeps; and half the width of gaps that are closed, if it may use
-# all others. The first is for passages in which two robots can pass each other.
-_WIDTHS: Final = ((2.0, None), (1.0, None), (1.0, 1.02), (1.0, 1.0))
+# all others. The first is for passages in which two robots can pass, as narrow as the grid may show them.
+_WIDTHS: Final = ((1.75, None), (1.0, None), (1.0, 1.02), (1.0, 1.0))
+_DETOUR: Final = 1.25  # lengths of the path through narrower passages, up to which the first is used
 _CLEAR: Final = 2  # number of these that need no gaps: very many obstacles have too many
 
 
@@ -51,7 +52,7 @@ class Attraction:
     the squared length of the shortest path, whose gradient leads to its first corner.
 
     Two robots that meet in a passage with room for one block each other. So unless a robot is alone, it uses
-    passages in which two can pass, if these lead to its goal.
+    passages in which two can pass, if these lead to its goal without a long detour.
 
     Attributes:
         winds: whether paths lead around obstacles, as of the last `aim`.
@@ -86,6 +87,7 @@ class Attraction:
         self._follow(obstacles)
         if goal != self._goal:
             self._goal, self._choice = goal, self._first
+            self._choose(position, goal)
         found = self._ahead(position, goal) if self.winds else None
         if found is None or found[0] == goal:
             return goal
@@ -129,6 +131,14 @@ class Attraction:
             corners.append(goal if found is None else found[0])
         return corners[1:]
 
+    def _choose(self, position: Vector, goal: Vector) -> None:
+        """For a new goal, use narrow passages where wide ones are a long detour."""
+        if not self.winds or self._choice > 0:
+            return
+        wide, narrow = (self._route(choice).ahead(position, goal) for choice in (0, 1))
+        if wide is None or (narrow is not None and wide[1] > _DETOUR * narrow[1]):
+            self._choice = 1
+
     def _ahead(self, position: Vector, goal: Vector) -> tuple[Vector, float] | None:
         """Path through the widest possible passages. Once narrow ones are needed, they remain in use for this
         goal, so that no robot alternates between two paths for ever.
@@ -148,7 +158,7 @@ class Attraction:
         known, self._obstacles = self._obstacles, obstacles
         if obstacles == known:
             return
-        self._routes, self._choice = {}, self._first
+        self._routes, self._goal = {}, None
         self._clearances = self._seen_from = None
         self.winds = not is_sphere_world(self._room, dict(enumerate(obstacles, 1)), self._radius)
 

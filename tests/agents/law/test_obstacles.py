@@ -61,10 +61,12 @@ def test_of_two_passages_one_that_two_can_pass_is_taken():
         ConvexPolygon([(-0.01, narrow), (0.01, narrow), (0.01, 0.6), (-0.01, 0.6)]),
         ConvexPolygon([(-0.01, 0.6 + wide), (0.01, 0.6 + wide), (0.01, 2.5), (-0.01, 2.5)]),
     )
-    goal = (0.5, 0.0)
-    assert Attraction(ROOM, RADIUS, alone=True).aim((-0.5, 0.0), goal, obstacles) == goal
-    assert Attraction(ROOM, RADIUS).aim((-0.5, 0.0), goal, obstacles)[1] > 0.3
-    assert Attraction(ROOM, RADIUS).aim((-0.5, 0.0), goal, obstacles[:2])[1] > 0.3
+    start, goal = (-1.5, 0.0), (1.5, 0.0)
+    assert Attraction(ROOM, RADIUS, alone=True).aim(start, goal, obstacles) == goal
+    assert Attraction(ROOM, RADIUS).aim(start, goal, obstacles)[1] > 0.3
+    assert Attraction(ROOM, RADIUS).aim(start, goal, obstacles[:2])[1] > 0.3
+    near = (0.5, 0.0)
+    assert Attraction(ROOM, RADIUS).aim((-0.5, 0.0), near, obstacles) == near, "the other is a long detour"
 
 
 DISK, K, GOAL, STEP = 0.02, 9.0, (0.25, -0.1), 1e-6
