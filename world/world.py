@@ -11,7 +11,7 @@ from collections import Counter
 
 import msgspec
 
-from protocol.messages import Command, Count, GoalStatus, Tick, Truth
+from protocol.messages import Command, Count, GoalStatus, Id, Tick, Truth
 from protocol.operations import Outcome
 from protocol.scenario.model import Journey, Obstacle, Operation, RobotSpec, Scenario
 from world.coordinator.exchange import Exchange
@@ -35,7 +35,7 @@ class Past(msgspec.Struct, frozen=True):
     founded: bool = False
     stopped: bool = False
     lives: PastLives | None = None
-    missions: list[tuple[Mission, GoalStatus]] = []
+    missions: dict[Id, Mission] = {}
     fleet: FleetChange | None = None
     orders: list[str] = []  # executed orders of the scenario, as `Schedule.past`
     missed: Count = 0  # Commands

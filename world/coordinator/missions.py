@@ -20,9 +20,16 @@ class Mission:
     """The mission of one robot: `points` are those ahead, the present one first, m."""
 
     points: tuple[Vector, ...]
-    number: int = 0
+    number: int = 0  # of the order, 0 for the scenario's goal
     patrol: bool = False
     deadline: int | None = None  # tick
+    status: Errand = "under way"
+    tick: int = 0  # of the last change of status or point
+
+    @property
+    def ordered(self) -> bool:
+        """Whether it is an unfinished order."""
+        return self.number > 0 and self.status == "under way"
 
 
 class Missions:
@@ -32,40 +39,27 @@ class Missions:
     tolerance.
     """
 
-    def __init__(self, scenario: Scenario, past: Iterable[tuple[Mission, GoalStatus]] = ()) -> None:
-        self._scenario = scenario
-        self._missions = {robot: Mission((scenario.spec(robot).goal,)) for robot in scenario.ids}
-        self._status = {
-            robot: GoalStatus(robot, 0, 0, "under way", scenario.spec(robot).goal) for robot in scenario.ids
-        }
-        self._since: dict[int, int] = {}
-        self._underway: set[int] = set()  # with an unfinished order
-        for mission, status in past:
-            self._missions[status.robot], self._status[status.robot] = mission, status
-            if status.status == "under way":
-                self._underway.add(status.robot)
+    def __init__(self, scenario: Scenario, past: Mapping[int, Mission] = MappingProxyType({})) -> None:
+        self._missions = dict(past)
         self._news: list[GoalStatus] = []
+        self.set_fleet(scenario)
 
     @property
-    def past(self) -> list[tuple[Mission, GoalStatus]]:
-        ordered = [robot for robot, mission in self._missions.items() if mission.number]
-        return [(self._missions[robot], self._status[robot]) for robot in ordered]
+    def past(self) -> dict[int, Mission]:
+        """The ordered missions, by robot, for a successor."""
+        return {robot: mission for robot, mission in self._missions.items() if mission.number}
 
     def set_fleet(self, scenario: Scenario) -> None:
-        """Set the robots after a change of the fleet."""
-        for robot in set(self._missions) - set(scenario.ids):
-            del self._missions[robot], self._status[robot]
-            self._underway.discard(robot)
-        for robot in set(scenario.ids) - set(self._missions):
-            goal = scenario.spec(robot).goal
-            self._missions[robot] = Mission((goal,))
-            self._status[robot] = GoalStatus(robot, 0, 0, "under way", goal)
-        self._scenario = scenario
+        """Set the robots, at first or after a change of the fleet."""
+        known, self._scenario = self._missions, scenario
+        self._missions = {
+            robot: known.get(robot) or Mission((scenario.spec(robot).goal,)) for robot in scenario.ids
+        }
 
     @property
     def pending(self) -> bool:
         """Whether any robot's order is unfinished."""
-        return bool(self._underway)
+        return any(mission.ordered for mission in self._missions.values())
 
     def goal(self, robot: int) -> Vector | None:
         """Goal of a robot, m; None: the scenario's, or none after it has left."""
@@ -74,10 +68,13 @@ class Missions:
 
     def since(self, robot: int) -> int:
         """First tick by which a present robot has certainly received its goal."""
-        return self._since.get(robot, 0)
+        mission = self._missions.get(robot)
+        return mission.tick + 1 if mission is not None and mission.number else 0
 
     def status(self, robot: int) -> GoalStatus:
-        return self._status[robot]
+        mission = self._missions[robot]
+        ahead = 0 if mission.patrol else len(mission.points) - 1
+        return GoalStatus(robot, mission.tick, mission.number, mission.status, mission.points[0], ahead)
 
     def news(self) -> list[GoalStatus]:
         """Changes of order status since the last call."""
@@ -113,22 +110,19 @@ class Missions:
         deadline = None if order.within is None else tick + self._scenario.ticks(order.within)
         if not order.points:
             self._missions[robot] = Mission((position,), number)
-            self._end(robot, tick, "cancelled")
+            self._note(robot, tick, "cancelled")
         else:
-            ahead = before.points if order.queue and robot in self._underway else ()
+            ahead = before.points if order.queue and before.ordered else ()
             self._missions[robot] = Mission((*ahead, *order.points), number, order.patrol, deadline)
-            self._underway.add(robot)
             self._note(robot, tick, "under way")
         return Outcome(True, number, self._caution(robot))
 
     def advance(self, tick: int, ids: Sequence[int], positions: Sequence[Vector]) -> list[int]:
         """As `tick` begins, continue after reached points; returns the robots with a new goal."""
-        if not self._underway:
-            return []
         return [
             robot
             for robot, position in zip(ids, positions, strict=True)
-            if robot in self._underway and self._proceed(robot, tick, position)
+            if self._missions[robot].ordered and self._proceed(robot, tick, position)
         ]
 
     def _proceed(self, robot: int, tick: int, position: Vector) -> bool:
@@ -137,7 +131,7 @@ class Missions:
             return self._reach(robot, mission, tick)
         if mission.deadline is not None and tick >= mission.deadline:
             mission.points = (position,)
-            self._end(robot, tick, "given up")
+            self._note(robot, tick, "given up")
             return True
         return False
 
@@ -147,23 +141,15 @@ class Missions:
         if mission.patrol:
             ahead.append(here)
         if not ahead or (mission.patrol and len(ahead) == 1):
-            self._end(robot, tick, "arrived")
+            self._note(robot, tick, "arrived")
             return False
         mission.points = tuple(ahead)
         self._note(robot, tick, "under way")
         return True
 
-    def _end(self, robot: int, tick: int, status: Errand) -> None:
-        self._underway.discard(robot)
-        self._note(robot, tick, status)
-
     def _note(self, robot: int, tick: int, status: Errand) -> None:
-        mission = self._missions[robot]
-        ahead = 0 if mission.patrol else len(mission.points) - 1
-        self._since[robot] = tick + 1
-        said = GoalStatus(robot, tick, mission.number, status, mission.points[0], ahead)
-        self._status[robot] = said
-        self._news.append(said)
+        self._missions[robot].status, self._missions[robot].tick = status, tick
+        self._news.append(self.status(robot))
 
     def covered(self, shape: Shape) -> str:
         """Warning that names the robots whose present goals an obstacle covers; "" if there are none."""
