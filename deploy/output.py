@@ -96,13 +96,15 @@ def write_json(document: object, target: Path | None) -> None:
 @contextmanager
 def bar(description: str, *, silent: bool = False) -> Iterator[Callable[..., None]]:
     """A progress bar. Call the given function with the share done, 0 to 1, and perhaps a new description;
-    nothing is shown if `silent`. The function raises Stopped after a signal.
+    nothing is shown if `silent`, or to a file. The function raises Stopped after a signal.
     """
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn()
-    progress = Progress(*columns, console=Console(stderr=True), transient=True, disable=silent)
+    console = Console(stderr=True)
+    hidden = silent or not console.is_terminal  # a file would get an empty line
+    progress = Progress(*columns, console=console, transient=True, disable=hidden)
     task = progress.add_task(description, total=1.0)
     began = time.monotonic()
 

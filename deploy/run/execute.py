@@ -7,13 +7,11 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-
-from deploy.output import check_json, check_target, write_json
+from deploy.output import bar, check_json, check_target, write_json
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
@@ -27,30 +25,6 @@ from protocol.messages import Clock
 from protocol.process.log import LOG
 from protocol.process.signals import STOP, Stopped
 from protocol.scenario.model import Scenario
-
-
-class RunProgress(Progress):
-    """Shows simulated time and clearance during a run; a context manager."""
-
-    def __init__(self, scenario: Scenario, quiet: bool) -> None:
-        console = Console(stderr=True)
-        super().__init__(
-            SpinnerColumn(),
-            TextColumn("{task.description}"),
-            BarColumn(bar_width=24),
-            TextColumn("{task.fields[figures]}"),
-            TimeElapsedColumn(),
-            console=console,
-            refresh_per_second=5,
-            transient=True,
-            disable=quiet or not console.is_terminal,  # a file would get an empty line
-        )
-        self._task = self.add_task(scenario.name, total=scenario.time.limit, figures="starting")
-
-    def watch(self, clock: Clock) -> None:
-        """Show the newest Clock."""
-        figures = f"t = {clock.time:5.2f} s   clearance {1000 * clock.clearance:6.2f} mm"
-        self.update(self._task, completed=clock.time, figures=figures)
 
 
 def linger(link: str) -> None:
@@ -121,10 +95,10 @@ def execute(
         recording = record
         if record is None and plot is not None:
             recording = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-"))) / "run.mcap"
-        with RunProgress(scenario, quiet) as progress, ExitStack() as running:
+        with bar(scenario.name, silent=quiet) as show, ExitStack() as running:
             began = time.monotonic()
             try:
-                fleet = _fleet(scenario, options, recording, progress)
+                fleet = _fleet(scenario, options, recording, partial(_show, scenario, show))
                 running.enter_context(fleet)
                 LOG.info(f"run {options.run!r} of {scenario.name!r} begins")
                 page = stack.enter_context(live_page(fleet, options)) if web else None
@@ -157,8 +131,15 @@ def execute(
     return result
 
 
+def _show(scenario: Scenario, show: Callable[[float, str], None], clock: Clock) -> None:
+    """Show the newest Clock."""
+    figures = f"t = {clock.time:5.2f} s  clearance {1000 * clock.clearance:6.2f} mm"
+    with suppress(Stopped):  # after a signal the run still ends with a report
+        show(clock.time / scenario.time.limit, f"{scenario.name}  {figures}")
+
+
 def _fleet(
-    scenario: Scenario, options: RunOptions, recording: Path | None, bar: RunProgress
+    scenario: Scenario, options: RunOptions, recording: Path | None, watch: Callable[[Clock], None]
 ) -> Fleet | LocalFleet:
     if options.transport == "local" and scenario.is_external:
         raise UsageError("external bases need a network: leave out --transport local")
@@ -168,7 +149,7 @@ def _fleet(
             options.run,
             lockstep=options.lockstep,
             speed=options.speed,
-            watch=bar.watch,
+            watch=watch,
             record=recording,
         )
-    return Fleet(scenario, options, watch=bar.watch, record=recording)
+    return Fleet(scenario, options, watch=watch, record=recording)
