@@ -78,7 +78,9 @@ def provenance(seed: int, transport: str, jobs: int) -> dict[str, Any]:
 
 @cache
 def code_digest(folders: tuple[str, ...] = _CODE) -> str:
-    """SHA-256 over all sources in `folders`, with their paths; by default those that results depend on."""
+    """SHA-256 over all sources and scenarios in `folders`, with their paths; by default those that results
+    depend on.
+    """
     digest = hashlib.sha256()
     for path in _sources(folders):
         digest.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes())
@@ -87,7 +89,7 @@ def code_digest(folders: tuple[str, ...] = _CODE) -> str:
 
 def _sources(folders: tuple[str, ...]) -> Iterator[Path]:
     for folder in folders:
-        yield from sorted((ROOT / folder).rglob("*.py"))
+        yield from sorted(path for path in (ROOT / folder).rglob("*") if path.suffix in (".py", ".toml"))
 
 
 def _version(package: str) -> str | None:

@@ -1,1 +1,1 @@
-"""The scenario library: the paper's figures, swaps and random instances, each a function of a seed."""
+"""The scenario library: files, and functions of a seed for what is random or counted."""

@@ -60,12 +60,6 @@ def circle(count: int, jitter: float = 0.0, seed: int = 0) -> Scenario:
     )
 
 
-def head_on(seed: int = 0) -> Scenario:
-    """Two robots that face each other and change places, exactly on the saddle."""
-    robots = (RobotSpec(1, 0.04, (-0.20, 0.0), (0.20, 0.0)), RobotSpec(2, 0.04, (0.20, 0.0), (-0.20, 0.0)))
-    return Scenario(robots, "head-on", "two robots change places, exactly symmetric", seed)
-
-
 def turtlebots(count: int, seed: int = 0) -> Scenario:
     """TurtleBots on a circle, each with the opposite point as goal, in random headings."""
     body = PRESETS["turtlebot3-burger"]
@@ -168,24 +162,6 @@ def blocks(count: int, seed: int = 0) -> Scenario:
         Time(step=0.25, limit=600.0, tolerance=1.0),
         Control(speed=2.0),
         obstacles=tuple(Obstacle(points=_box(centre, 15.0, 15.0)) for centre in corners),
-    )
-
-
-def sphere_world(seed: int = 0) -> Scenario:
-    """One robot among static disks (Koditschek and Rimon 1990)."""
-    disks = (
-        (0.0, 0.0, 0.06),
-        (-0.14, 0.1, 0.03),
-        (0.02, 0.19, 0.03),
-        (0.12, -0.12, 0.035),
-        (-0.1, -0.14, 0.04),
-    )
-    return Scenario(
-        (RobotSpec(1, 0.015, (-0.25, 0.02), (0.25, -0.01)),),
-        "sphere-world",
-        "one robot among five static disks: Koditschek and Rimon's theorem applies",
-        seed,
-        obstacles=tuple(Obstacle(center=(x, y), radius=radius) for x, y, radius in disks),
     )
 
 

@@ -1,9 +1,4 @@
-"""The figures of Karagoz, Bozma, Koditschek, demonstration scenarios, and random ones.
-
-The paper gives no numbers for figures 1 and 2; these reproduce what they show. For figure 3 it gives the
-tightness of the goal sets only. The goals here are from a seeded random search for that tightness: of all
-sets within 0.005 of it, the one with the largest clearance between goals and to the boundary.
-"""
+"""Figure 3 of Karagoz, Bozma, Koditschek, demonstrations with its goals, and random scenarios."""
 
 from __future__ import annotations
 
@@ -11,12 +6,14 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import repeat
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from protocol.draws import Purpose, generator
 from protocol.errors import UsageError
+from protocol.scenario.file import read_document
 from protocol.scenario.model import Control, Part, Point, ProcessFault, RobotSpec, Scenario, Time, Workspace
 from protocol.scenario.network import Link
 
@@ -33,63 +30,11 @@ def numbered(
     return tuple(RobotSpec(n, radius, *each) for n, (radius, each) in enumerate(ends, 1))
 
 
-def paper_scenario(
-    name: str, description: str, seed: int, starts: Iterable[Point], goals: Iterable[Point]
-) -> Scenario:
-    """Robots in the paper's setting: radius 0.04 m in a workspace of radius 0.30 m, k = 60."""
-    robots = numbered(repeat(RADIUS), starts, goals)
-    return Scenario(robots, name, description, seed, Workspace(WORKSPACE), control=Control(k=GAIN))
-
-
-def figure_1(seed: int = 0) -> Scenario:
-    """Robot 1 must pass between 2 and 3, then between 4 and 5, which are close to their goals."""
-    starts = [(-0.24, 0.0), (-0.07, 0.05), (-0.07, -0.05), (0.09, 0.05), (0.09, -0.05), (0.02, 0.22)]
-    goals = [(0.24, 0.0), (-0.06, 0.05), (-0.06, -0.05), (0.08, 0.05), (0.08, -0.05), (-0.04, 0.20)]
-    text = "robot 1 passes between 2 and 3, then 4 and 5, which nudge aside and return"
-    return paper_scenario("figure-1", text, seed, starts, goals)
-
-
-def figure_2(seed: int = 0) -> Scenario:
-    """Goals 5 mm apart, each robot on the far side of its own, so that they block each other.
-
-    Violates Assumption 1, so the theory does not apply. With this k the blocked configuration is a saddle,
-    which the flow leaves by circling; below k = 3 some starts stay blocked.
-    """
-    goals = [(0.0, 0.049), (-0.0425, -0.0245), (0.0425, -0.0245)]
-    starts = [(0.01, -0.22), (0.19, 0.11), (-0.19, 0.12)]
-    text = "three robots whose goals are too close together: Assumption 1 is violated"
-    return paper_scenario("figure-2", text, seed, starts, goals)
-
-
+_SETS = read_document(Path(__file__).with_name("goal-sets.toml"))
 GOAL_SETS: dict[str, tuple[Point, ...]] = {
-    "a": (
-        (-0.102, -0.18),
-        (-0.059, 0.153),
-        (0.149, -0.131),
-        (0.149, 0.104),
-        (-0.033, -0.028),
-        (-0.205, -0.041),
-    ),
-    "b": ((0.0, 0.013), (0.153, -0.052), (0.123, 0.092), (-0.135, 0.084), (-0.143, -0.094), (-0.006, -0.151)),
-    "c": (
-        (-0.015, 0.054),
-        (-0.132, 0.055),
-        (0.095, -0.008),
-        (0.038, -0.141),
-        (0.088, 0.119),
-        (-0.087, -0.061),
-    ),
-    "d": (
-        (0.061, 0.073),
-        (-0.102, -0.03),
-        (0.139, -0.017),
-        (-0.038, 0.039),
-        (0.024, -0.044),
-        (-0.036, -0.113),
-    ),
-    "e": ((-0.075, -0.069), (-0.042, 0.03), (0.024, -0.132), (0.035, -0.03), (0.062, 0.07), (0.104, -0.085)),
+    letter: tuple((x, y) for x, y in each["goals"]) for letter, each in _SETS.items()
 }
-TIGHTNESS = {"a": 2.44, "b": 2.63, "c": 2.87, "d": 3.30, "e": 3.45}  # by the paper
+TIGHTNESS: dict[str, float] = {letter: each["tight"] for letter, each in _SETS.items()}  # by the paper
 
 
 def figure_3(letter: str, seed: int = 0) -> Scenario:
@@ -98,7 +43,9 @@ def figure_3(letter: str, seed: int = 0) -> Scenario:
         raise UsageError(f"no goal set {letter!r}; there are {', '.join(GOAL_SETS)}")
     starts = random_starts([RADIUS] * 6, WORKSPACE, seed)
     text = f"six robots, goal set {letter} of tightness {TIGHTNESS[letter]:.2f}, random starts"
-    return paper_scenario(f"figure-3{letter}", text, seed, starts, GOAL_SETS[letter])
+    robots = numbered(repeat(RADIUS), starts, GOAL_SETS[letter])
+    control = Control(k=GAIN)
+    return Scenario(robots, f"figure-3{letter}", text, seed, Workspace(WORKSPACE), control=control)
 
 
 def delay_6(seed: int = 0) -> Scenario:
@@ -118,24 +65,6 @@ def crash(seed: int = 0) -> Scenario:
         name="crash",
         description="figure-3c; robot 3 is killed at 1 s and started again at 3 s",
         process=(ProcessFault(3, 1.0, "kill"), ProcessFault(3, 3.0, "restart")),
-    )
-
-
-def admissible(seed: int = 0) -> Scenario:
-    """Three robots with so much room that the paper's Assumptions 1 and 2 hold.
-
-    Each starts at its neighbour's goal: no robot can go straight, but none has to squeeze through.
-    """
-    goals = [
-        (0.3 * math.cos(angle), 0.3 * math.sin(angle))
-        for angle in (math.pi / 2, math.pi / 2 + 2 * math.pi / 3, math.pi / 2 - 2 * math.pi / 3)
-    ]
-    return Scenario(
-        numbered(repeat(RADIUS), goals[1:] + goals[:1], goals),
-        name="admissible",
-        description="three robots with goals that satisfy the paper's assumptions",
-        seed=seed,
-        workspace=Workspace(0.9),
     )
 
 

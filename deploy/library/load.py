@@ -48,6 +48,11 @@ class Series(NamedTuple):
     text: str
 
 
+def _from_file(name: str, seed: int) -> Scenario:
+    document = read_document(Path(__file__).parent / "scenarios" / f"{name}.toml")
+    return parse_document(document | {"seed": seed})
+
+
 def _on_map(name: str, count: int, seed: int) -> Scenario:
     from deploy.maps.scenario import library_map  # needs an extra's libraries
 
@@ -55,13 +60,13 @@ def _on_map(name: str, count: int, seed: int) -> Scenario:
 
 
 _FIXED: dict[str, Callable[[int], Scenario]] = {
-    "figure-1": instances.figure_1,
-    "figure-2": instances.figure_2,
+    "figure-1": partial(_from_file, "figure-1"),
+    "figure-2": partial(_from_file, "figure-2"),
     **{f"figure-3{letter}": partial(instances.figure_3, letter) for letter in instances.TIGHTNESS},
-    "head-on": encounters.head_on,
-    "admissible": instances.admissible,
+    "head-on": partial(_from_file, "head-on"),
+    "admissible": partial(_from_file, "admissible"),
     "delay-6": instances.delay_6,
-    "sphere-world": encounters.sphere_world,
+    "sphere-world": partial(_from_file, "sphere-world"),
     "crash": instances.crash,
 }
 _COUNTED: dict[str, Series] = {
