@@ -37,6 +37,7 @@ def check(
     from deploy.library.load import load
     from deploy.theory.check import report, to_json
     from deploy.theory.check_text import render, scope
+    from deploy.theory.facts import plain
     from deploy.theory.surrounded import surrounded, theorem_for
 
     check_json(json_file)
@@ -44,11 +45,11 @@ def check(
     shown: RenderableType
     if theorem_for(valid)[0] == "Karagoz-Bozma-Koditschek":
         found = report(valid, _certificate(scenario, valid))
-        plain, shown = to_json(found), render(found)
+        told, shown = to_json(found), render(found)
     else:
         among = surrounded(valid)
-        plain, shown = among.to_json(), among.render()
-    write_json(plain, json_file)
+        told, shown = plain(among), among.render()
+    write_json(told, json_file)
     if not is_standard_output(json_file):
         from rich.console import Console
 

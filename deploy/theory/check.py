@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,12 +20,10 @@ from deploy.theory.exact_flow import (
     random_configuration,
     swapped_pairs,
 )
-from deploy.theory.function import Array, FleetProblem, displacements, in_free_space
-from deploy.theory.tuning import automatic_k, density
+from deploy.theory.facts import Facts, plain
+from deploy.theory.function import Array, FleetProblem
 from protocol.draws import Purpose, generator
 from protocol.scenario.model import Scenario
-from world.judge.clearance import Disks
-from world.judge.measures import Goals, tight
 
 LARGEST = 32  # robots
 SEARCHED = 12  # largest number of robots for a search of equilibria
@@ -56,8 +53,8 @@ class Practice:
 
 
 def practice(problem: FleetProblem, start: Array, seed: int) -> Practice | None:
-    """Follow the flow and search for equilibria; None beyond 32 robots, or if start or goal is not free."""
-    if problem.p > LARGEST or not (in_free_space(problem, start) and in_free_space(problem, problem.goals)):
+    """Follow the flow and search for equilibria; None beyond 32 robots."""
+    if problem.p > LARGEST:
         return None
     starts = _random_starts(problem, seed)
     own, others = integrate(problem, start), [integrate(problem, b) for b in starts]
@@ -89,14 +86,6 @@ def _kinds(problem: FleetProblem, flows: list[FlowResult], starts: list[Array]) 
 
 def _name(point: CriticalPoint) -> str:
     return f"saddle of index {point.index}" if point.kind == "saddle" else point.kind
-
-
-@dataclass(frozen=True)
-class Free:
-    """Whether a configuration is free, and its smallest clearance, m (negative is overlap)."""
-
-    free: bool
-    clearance: float
 
 
 @dataclass(frozen=True)
@@ -134,21 +123,13 @@ class Certified:
 
 @dataclass(frozen=True)
 class CheckReport:
-    """Results of `disknav check`. Lengths in m, eps in m^2.
+    """Results of `disknav check` for robots alone in a disk. Lengths in m, eps in m^2.
 
     exact: all clusters were evaluated, and Lambda', Lambda'' are attained; otherwise they are upper bounds.
     bounds: at the best eps; None if the assumptions are not shown.
     """
 
-    scenario: str
-    robots: int
-    density: float
-    tight: float | None
-    k: float
-    automatic: bool
-    automatic_k: float
-    start: Free
-    goal: Free
+    facts: Facts
     unreachable: tuple[tuple[int, int, int], ...]
     every_cluster: bool
     exact: bool
@@ -161,24 +142,15 @@ class CheckReport:
     @property
     def guaranteed(self) -> bool:
         """Whether the theory covers this k."""
-        return self.bounds is not None and self.k > self.bounds.polar
+        return self.bounds is not None and self.facts.k > self.bounds.polar
 
 
 def to_json(found: CheckReport) -> dict[str, Any]:
     """Plain data, with None for infinite numbers."""
-    plain = finite(asdict(found)) | {"guaranteed": found.guaranteed}
+    told = plain(found) | {"guaranteed": found.guaranteed}
     if found.bounds is not None:
-        plain["bounds"] |= {"k2": found.bounds.k2, "polar": found.bounds.polar}
-    return dict(plain)
-
-
-def finite(value: Any) -> Any:
-    """Plain data, with None for numbers that are not finite."""
-    if isinstance(value, dict):
-        return {key: finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+        told["bounds"] |= {"k2": found.bounds.k2, "polar": found.bounds.polar}
+    return told
 
 
 def _orientation(b: Array, triple: tuple[int, int, int]) -> float:
@@ -220,7 +192,7 @@ LISTED = 5  # shortfalls in a report
 
 
 def report(scenario: Scenario, certificate: Certified | None = None) -> CheckReport:
-    """Evaluate the theory for a valid scenario, and follow the exact flow from some starts.
+    """Evaluate the theory for a valid scenario with a number for k; follow the exact flow from some starts.
 
     Takes from milliseconds to a few seconds; beyond 32 robots `practice` is left out.
     """
@@ -228,15 +200,7 @@ def report(scenario: Scenario, certificate: Certified | None = None) -> CheckRep
     found = margins(problem, 0.0)
     several = np.flatnonzero(found.clusters.sizes >= 2)
     return CheckReport(
-        scenario=scenario.name,
-        robots=problem.p,
-        density=density(problem.radii, problem.workspace),
-        tight=tight(Disks.of(scenario), Goals.of(scenario)),
-        k=problem.k,
-        automatic=scenario.control.k == "auto",
-        automatic_k=automatic_k(problem.radii, problem.workspace),
-        start=_free(problem, start),
-        goal=_free(problem, problem.goals),
+        facts=Facts.of(scenario),
         unreachable=tuple((ids[i], ids[j], ids[k]) for i, j, k in mirrored_triples(problem, start)),
         every_cluster=found.clusters.enumerated,
         exact=bool(found.stretch.exact[several].all()),
@@ -253,20 +217,11 @@ def report(scenario: Scenario, certificate: Certified | None = None) -> CheckRep
 def _problem(scenario: Scenario) -> tuple[FleetProblem, Array, tuple[int, ...]]:
     specs = [scenario.spec(robot) for robot in scenario.ids]
     radii = np.array([spec.radius for spec in specs])
-    workspace, k = scenario.workspace.disk_radius, scenario.control.k
-    gain = automatic_k(radii, workspace) if isinstance(k, str) else k
     goals, start = (np.array([getattr(spec, name) for spec in specs], dtype=np.float64) for name in _ENDS)
-    return FleetProblem(goals, radii, workspace, gain), start, scenario.ids
+    return FleetProblem(goals, radii, scenario.workspace.disk_radius, scenario.k), start, scenario.ids
 
 
 _ENDS = ("goal", "start")
-
-
-def _free(problem: FleetProblem, b: Array) -> Free:
-    gaps = np.linalg.norm(displacements(b), axis=2) - problem.contact
-    np.fill_diagonal(gaps, np.inf)
-    rim = problem.reach - np.linalg.norm(b, axis=1)
-    return Free(in_free_space(problem, b), float(min(gaps.min(), rim.min())))
 
 
 def _assumption(

@@ -8,7 +8,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from deploy.theory.check import Assumption, CheckReport, Free, Shortfall
+from deploy.theory.check import Assumption, CheckReport, Shortfall
 from protocol.scenario.model import Scenario
 
 CAVEAT = (
@@ -52,7 +52,7 @@ def _stated(scenario: Scenario) -> Iterator[str]:
 
 def render(found: CheckReport) -> RenderableType:
     """Tables and sentences for the terminal."""
-    parts: list[RenderableType] = [_facts(found), Text()]
+    parts: list[RenderableType] = [found.facts.table(), Text()]
     parts += [
         Text(line) for line in _assumption_text("Assumption 1 (goals far enough apart)", found.assumption_1)
     ]
@@ -64,22 +64,6 @@ def render(found: CheckReport) -> RenderableType:
         parts += [_bounds(found), Text()]
     parts += [Text(line) for line in (*_verdict(found), CAVEAT, *_certificate(found), "", *_practice(found))]
     return Group(*parts)
-
-
-def _facts(found: CheckReport) -> Table:
-    table = Table(title=found.scenario, show_header=False, title_justify="left")
-    table.add_row("robots", f"{found.robots}, covering {found.density:.0%} of the workspace")
-    table.add_row("start", _free_text(found.start))
-    table.add_row("goals", _free_text(found.goal))
-    table.add_row("tight", "not defined" if found.tight is None else f"{found.tight:.2f}")
-    rule = f"auto gives {found.automatic_k:.4g}"
-    table.add_row("k in use", f"{found.k:.4g} (auto)" if found.automatic else f"{found.k:.4g} ({rule})")
-    return table
-
-
-def _free_text(state: Free) -> str:
-    word = "in free space" if state.free else "NOT in free space"
-    return f"{word}, smallest clearance {state.clearance:.4f} m"
 
 
 def _assumption_text(name: str, found: Assumption) -> list[str]:
@@ -139,7 +123,7 @@ def _verdict(found: CheckReport) -> list[str]:
     reach = "is above it: guaranteed" if found.guaranteed else "is below it: not covered"
     return [
         f"Proven: for k > {found.bounds.polar:.4g} the goal is the only minimum and almost every start leads "
-        f"there. k = {found.k:.4g} {reach}.",
+        f"there. k = {found.facts.k:.4g} {reach}.",
         "Not proven: that phi is Morse. Almost every start needs only that every other equilibrium has a "
         "direction of descent, which K2 gives.",
     ]
@@ -153,20 +137,20 @@ def _certificate(found: CheckReport) -> list[str]:
         return [f"Certificate refused: {stored.refused}"]
     if stored.k is None:
         return [f"{stored.file} proves nothing yet: repeat `disknav certify` to continue it."]
-    use = "is covered" if found.k >= stored.k else "is not covered"
+    use = "is covered" if found.facts.k >= stored.k else "is not covered"
     return [
         f"Certified by computation ({stored.file}): for every k >= {stored.k:.4g} the goal is the only "
-        f"minimum and every other critical point has a direction of descent. k = {found.k:.4g} {use}."
+        f"minimum and every other critical point has a direction of descent. k = {found.facts.k:.4g} {use}."
     ]
 
 
 def _practice(found: CheckReport) -> list[str]:
     seen = found.practice
     if seen is None:
-        return ["In practice: not tried (more than 32 robots, or start or goal is not free)."]
+        return ["In practice: not tried with more than 32 robots."]
     own = f"arrives, nrl {seen.nrl:.2f}" if seen.arrived else _rest_text(seen.rest)
     lines = [
-        f"In practice at k = {found.k:.4g}, exact flow: the scenario's start {own}; "
+        f"In practice at k = {found.facts.k:.4g}, exact flow: the scenario's start {own}; "
         f"{seen.random_arrived} of {seen.random_starts} random starts arrive."
     ]
     if seen.searched:

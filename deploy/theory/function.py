@@ -71,14 +71,12 @@ def beta_boundary(problem: FleetProblem, b: Array) -> Array:
 
 
 def obstacle_functions(problem: FleetProblem, b: Array) -> Array:
-    """All factors of beta, (p + q,) m^2: beta_01..beta_0p, then beta_ij for i < j row by row."""
+    """All factors of beta, (p + q,) m^2: beta_01..beta_0p, then beta_ij for i < j row by row.
+
+    None is negative in free space, equations (1)-(3).
+    """
     pairs = beta_pairs(problem, b)[np.triu_indices(problem.p, 1)]
     return np.concatenate([beta_boundary(problem, b), pairs])
-
-
-def in_free_space(problem: FleetProblem, b: Array) -> bool:
-    """Equations (1)-(3): no two disks overlap and none leaves the workspace; contact is allowed."""
-    return bool((obstacle_functions(problem, b) >= 0.0).all())
 
 
 def weighted_obstacle_gradient(b: Array, weights: Array, boundary_weights: Array) -> Array:

@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, Literal, NamedTuple
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
 
-import numpy as np
 from rich.console import Group, RenderableType
-from rich.table import Table
 from rich.text import Text
 
 from agents.law.obstacles import Attraction
 from agents.law.passages import gaps as passages
 from agents.parts.grid import Layout
 from agents.parts.planner import Planner
-from deploy.theory.check import finite
+from deploy.theory.facts import Facts
 from deploy.theory.separation import separating
-from deploy.theory.tuning import Door, crowd, doors, gain_for
+from deploy.theory.tuning import Door, doors
 from protocol.geometry import ROOM, Disk, obstructed
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
-from world.judge.clearance import Disks, gaps
-from world.judge.measures import Goals, tight
 
 Theorem = Literal["Karagoz-Bozma-Koditschek", "Koditschek-Rimon"]
 
@@ -119,23 +115,14 @@ class Surrounded:
 
     Attributes:
         theorem: the one that covers the scenario, if any; `reasons` otherwise.
-        density: area of robots and obstacles over that of the workspace.
-        start, goal: smallest clearance.
         unreachable: robots whose goals no controller can reach, even without other robots.
         no_way: robots for which the law finds no path, although one exists.
         doors: passages that need a larger k for a robot.
         order: whether parts can reach their goals one after another; None without parts.
     """
 
-    scenario: str
-    robots: int
+    facts: Facts
     obstacles: int
-    density: float
-    tight: float | None
-    k: float
-    automatic_k: float
-    start: float
-    goal: float
     theorem: Theorem | None
     reasons: tuple[str, ...]
     unreachable: tuple[BlockedPath, ...]
@@ -144,20 +131,10 @@ class Surrounded:
     parts: int = 0
     order: bool | None = None
 
-    def to_json(self) -> dict[str, Any]:
-        """Plain data, with None for infinite numbers."""
-        return dict(finite(asdict(self)))
-
     def render(self) -> RenderableType:
         """Tables and sentences for the terminal."""
-        table = Table(title=self.scenario, show_header=False, title_justify="left")
         carried = f" and {self.parts} parts" if self.parts else ""
-        among = f"{self.robots} among {self.obstacles} obstacles{carried}"
-        table.add_row("robots", f"{among}, together covering {self.density:.0%} of the workspace")
-        table.add_row("start", f"smallest clearance {self.start:.4f} m")
-        table.add_row("goals", f"smallest clearance {self.goal:.4f} m")
-        table.add_row("tight", "not defined" if self.tight is None else f"{self.tight:.2f}")
-        table.add_row("k in use", f"{self.k:.4g} (auto gives {self.automatic_k:.4g})")
+        table = self.facts.table(f" among {self.obstacles} obstacles{carried}, together")
         says = [
             *_inapplicable(self.reasons),
             _SAYS[self.theorem],
@@ -168,7 +145,7 @@ class Surrounded:
                 f"NO PATH FOUND for robot {robot}, although one exists: its attraction is straight."
                 for robot in self.no_way
             ),
-            *(_held(each, self.k, self.automatic_k) for each in self.doors),
+            *(_held(each, self.facts) for each in self.doors),
         ]
         return Group(table, Text(), *(Text(line) for line in says))
 
@@ -176,18 +153,10 @@ class Surrounded:
 def surrounded(scenario: Scenario) -> Surrounded:
     """Report on a valid scenario whose k is a number."""
     theorem, reasons = theorem_for(scenario)
-    radii, workspace = crowd(scenario)
     unreachable = barriers(scenario)
     return Surrounded(
-        scenario=scenario.name,
-        robots=len(scenario.robots),
+        facts=Facts.of(scenario),
         obstacles=len(scenario.obstacles),
-        density=float((radii**2).sum() / workspace**2),
-        tight=tight(Disks.of(scenario), Goals.of(scenario)),
-        k=scenario.k,
-        automatic_k=gain_for(scenario),
-        start=_clearance(scenario, "start"),
-        goal=_clearance(scenario, "goal"),
         theorem=theorem,
         reasons=reasons,
         unreachable=tuple(unreachable),
@@ -196,11 +165,6 @@ def surrounded(scenario: Scenario) -> Surrounded:
         parts=len(scenario.parts),
         order=_has_order(scenario) if scenario.parts else None,
     )
-
-
-def _clearance(scenario: Scenario, which: str) -> float:
-    at = np.array([[complex(*getattr(scenario.spec(robot), which)) for robot in scenario.ids]])
-    return float(gaps(Disks.of(scenario), at, at).min())
 
 
 def _has_order(scenario: Scenario) -> bool:
@@ -233,10 +197,10 @@ def _blocked(found: BlockedPath) -> str:
     )
 
 
-def _held(door: Door, k: float, automatic: float) -> str:
-    gap = door.gap
-    x, y = 0.5 * (gap.begin[0] + gap.end[0]), 0.5 * (gap.begin[1] + gap.end[1])
+def _held(door: Door, facts: Facts) -> str:
+    x, y = _middle(door.gap.begin, door.gap.end)
     return (
-        f"TOO NARROW FOR k = {k:.4g}: robot {door.robot} may stop before the passage of {gap.width:.4g} m "
-        f"at ({x:.4g}, {y:.4g}); it needs k > {door.gain:.4g} (auto gives {automatic:.4g})."
+        f"TOO NARROW FOR k = {facts.k:.4g}: robot {door.robot} may stop before the passage of "
+        f"{door.gap.width:.4g} m at ({x:.4g}, {y:.4g}); it needs k > {door.gain:.4g} "
+        f"(auto gives {facts.automatic_k:.4g})."
     )

@@ -8,6 +8,7 @@ import pytest
 
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
+from deploy.theory.facts import plain
 from deploy.theory.surrounded import surrounded, theorem_for
 from protocol.scenario.file import validated
 from protocol.scenario.model import RobotSpec, Sensing
@@ -54,7 +55,7 @@ def test_check_says_which_theorem_does_not_apply_and_why() -> None:
     assert any("polygon" in reason for reason in found.reasons)
     assert any("several robots" in reason for reason in found.reasons)
     assert found.unreachable == ()
-    assert found.to_json()["obstacles"] == 40
+    assert plain(found)["obstacles"] == 40
 
 
 def test_check_names_a_goal_that_cannot_be_reached() -> None:

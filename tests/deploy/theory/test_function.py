@@ -11,8 +11,8 @@ from deploy.theory.function import (
     Array,
     FleetProblem,
     gamma,
-    in_free_space,
     obstacle_curvature,
+    obstacle_functions,
     reduced_gradient,
     reduced_jacobian,
 )
@@ -66,7 +66,7 @@ def test_two_hundred_robots_at_k_ten_thousand_stay_finite_and_right() -> None:
     grid = np.array([(x, y) for x in side for y in side if np.hypot(x, y) < 50.0])[:p]
     problem = FleetProblem(grid[::-1] * 1.01, np.full(p, 1.5), workspace, 10_000.0)
     b = grid + 0.1
-    assert in_free_space(problem, b)
+    assert obstacle_functions(problem, b).min() >= 0.0
     steps = (1e-4 * np.eye(b.size)).reshape(b.size, *b.shape)[:20]
     slope = np.array([log_ratio(problem, b + s) - log_ratio(problem, b - s) for s in steps]) / 2e-4
     expected = slope * gamma(problem, b) / problem.k
@@ -79,9 +79,9 @@ def test_outside_free_space_there_is_no_gradient() -> None:
     two_negative = np.array([[3.8, 0.0], [3.8, 0.5]])  # whose product is positive
     for outside in (0.9 * touching, touching + 3.2, np.zeros((2, 2)), two_negative):
         assert np.isnan(reduced_gradient(problem, outside)).all()
-        assert not in_free_space(problem, outside)
+        assert obstacle_functions(problem, outside).min() < 0.0
     large = FleetProblem(np.zeros((1, 2)), np.array([5.0]), 4.0, 10.0)
-    assert not in_free_space(large, np.zeros((1, 2)))
+    assert obstacle_functions(large, np.zeros((1, 2))).min() < 0.0
 
 
 @cache
