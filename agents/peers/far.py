@@ -10,7 +10,7 @@ import numpy as np
 from mypy_extensions import mypyc_attr
 from numpy.typing import NDArray
 
-from protocol.codec import decode
+from protocol.codec import decode, keeps_newest
 from protocol.crowd import LEAD, period, turn
 from protocol.errors import MessageError
 from protocol.messages import LARGEST, Summary, Vector
@@ -67,6 +67,15 @@ def drift(before: SummaryPlaces, after: SummaryPlaces) -> tuple[Array, Array]:
     return (after.x - before.x) / ticks, (after.y - before.y) / ticks
 
 
+@keeps_newest
+def _sizes(known: tuple[Mapping[int, int], Mapping[int, float]]) -> Array:
+    """Radii of the robots of a summary's index, m. Immutable: robots of one process share them."""
+    index, radii = known
+    sizes: Array = np.array([radii.get(robot, 0.0) for robot in index], dtype=np.float64)
+    sizes.setflags(write=False)
+    return sizes
+
+
 @final
 class FarPicture:
     """One summary, with the radii that one robot knows.
@@ -83,12 +92,9 @@ class FarPicture:
     def __init__(
         self, places: SummaryPlaces, radii: Mapping[int, float], before: FarPicture | None = None
     ) -> None:
-        self.tick, self.places, self._radii = places.tick, places, radii
+        self.tick, self.places = places.tick, places
         self._before = places if before is None else before.places
-        if before is not None and before._radii is radii and before.places.runs == places.runs:
-            self._sizes: Array = before._sizes
-        else:
-            self._sizes = np.array([radii.get(robot, 0.0) for robot in places.index], dtype=np.float64)
+        self._sizes = _sizes((places.index, radii))
 
     def courses(self) -> tuple[Array, Array, Array, Array, Array]:
         """Of all robots: x and y, mean displacement in x and y per tick since the summary before (0 if that

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Set
 from typing import Final, final
 
 from agents.peers.roster import radii_of
@@ -26,7 +26,7 @@ class Subscriptions:
     def __init__(self, bus: Bus, run: str, robot: int) -> None:
         self.readers: dict[str, PeerReader] = {}
         self._bus, self._run, self._robot = bus, run, robot
-        self._fleet: frozenset[int] = frozenset()  # all peers
+        self._fleet: Set[int] = frozenset()  # all robots
         self._epoch = 0  # of the coordinator
         self._near: frozenset[int] = frozenset()  # peers near now or soon; empty before the first `attend`
         self._before = self._near  # those named before them
@@ -38,7 +38,7 @@ class Subscriptions:
         """Begin a life: subscribe to all peers, unless the world will name the near ones."""
         scenario = admission.scenario
         self._limits = plausible(scenario)
-        self._fleet = frozenset(radii_of(scenario.robots))
+        self._fleet = radii_of(scenario.robots).keys()  # of a table that all robots of a process share
         self._epoch, self._near = admission.epoch, frozenset()
         self._before, self._named, self._dropped = self._near, False, set()
         self.readers = {}

@@ -2,7 +2,8 @@
 
 All goals are random and renewed for ever, at the paper's density. In real time the world waits for no robot:
 what a robot does not command in time is missed. `us` is processor time of all processes, µs per robot and
-tick, measured after the first two seconds.
+tick, measured after the first two seconds; `kB` is what the fleet adds to the memory of all processes, per
+robot, a share of the world's included.
 
     python -m tests.benchmarks.crowds --robots 32 64 128 200 --rate 10 --seconds 60
     chrt --rr 1 python -m tests.benchmarks.crowds --robots 200
@@ -10,6 +11,7 @@ tick, measured after the first two seconds.
 """
 
 import argparse
+import gc
 import os
 import time
 from dataclasses import replace
@@ -48,6 +50,7 @@ class Row(NamedTuple):
     ticks: int
     missed: float  # share of all commands
     us: float
+    memory: float  # kB
     start: float  # s, until the first tick
     seconds: float  # that it took from there on
     clearance: float  # m, smallest gap; negative is contact
@@ -62,7 +65,8 @@ class _Meter:
         self._cpu = self._last = 0.0
         self._tick = 0
         self.start = self.opened = 0.0
-        self.us = 0.0
+        self.us = self.memory = 0.0
+        self._empty = _memory()
         self._robots, self._end = len(scenario.robots), scenario.ticks(scenario.time.limit)
 
     def __call__(self, clock: Clock) -> None:
@@ -73,12 +77,23 @@ class _Meter:
             self._tick, self._cpu = clock.tick, _processor_time()
         elif self._tick and clock.tick >= 0.95 * self._end and not self.us:
             self.us = 1e6 * (_processor_time() - self._cpu) / self._robots / (clock.tick - self._tick)
+            self.memory = (_memory() - self._empty) / 1000.0 / self._robots
 
 
 def _processor_time() -> float:
     """Of this process and all that it started, s."""
+    return sum(sum(each.cpu_times()[:2]) for each in _processes())
+
+
+def _memory() -> float:
+    """Unshared memory of the same processes, without garbage of this one, bytes."""
+    gc.collect()
+    return sum(float(each.memory_full_info().uss) for each in _processes())
+
+
+def _processes() -> list[psutil.Process]:
     own = psutil.Process(os.getpid())
-    return sum(sum(each.cpu_times()[:2]) for each in (own, *own.children(recursive=True)))
+    return [own, *own.children(recursive=True)]
 
 
 def measure(scenario: Scenario, options: RunOptions) -> Row:
@@ -95,6 +110,7 @@ def measure(scenario: Scenario, options: RunOptions) -> Row:
         ticks,
         report["missed_commands"] / robots / max(1, ticks),
         meter.us,
+        meter.memory,
         meter.start,
         time.perf_counter() - meter.opened,
         report["min_clearance"],
@@ -111,13 +127,13 @@ def main() -> None:
     parser.add_argument("--mode", choices=("realtime", "lockstep"), default="realtime")
     chosen = parser.parse_args()
     options = RunOptions(chosen.transport, chosen.mode)
-    print("robots  ticks  missed %       us  start s  took s  clearance mm")
+    print("robots  ticks  missed %       us     kB  start s  took s  clearance mm")
     for robots in chosen.robots:
         scenario = restless(robots, chosen.rate, chosen.seconds, Network(chosen.interest))
         row = measure(scenario, replace(options, run=fresh_run_name()))
         print(
-            f"{row.robots:6d}  {row.ticks:5d}  {100 * row.missed:8.3f}  {row.us:7.0f}  {row.start:7.2f}"
-            f"  {row.seconds:6.1f}  {1000 * row.clearance:12.3f}",
+            f"{row.robots:6d}  {row.ticks:5d}  {100 * row.missed:8.3f}  {row.us:7.0f}  {row.memory:5.0f}"
+            f"  {row.start:7.2f}  {row.seconds:6.1f}  {1000 * row.clearance:12.3f}",
             flush=True,
         )
 
