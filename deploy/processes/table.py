@@ -1,20 +1,17 @@
-"""The processes of a fleet as a table, one row each."""
+"""The processes of a fleet as a table, one row each, which is named by the role of its process."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from deploy.processes.spawn import Process
-from deploy.telemetry.recording.writer import ONE_FILE, Rotation
+from deploy.security.roster import ROUTER, WORLD, robot_role, router_role
 from protocol.bus.connection import Connection
 from protocol.scenario.model import Scenario
 from world.shell.failure_detector import GATHERING
 
 RECORDER = "recorder"
-ROUTER = "router"
-WORLD = "world"
 _ROUTING = "deploy.processes.router:main"
-_CLOSING = 30.0  # s for the recorder, which has low priority, to close its file
 _LINKING = 8.0  # s for the routers of all hosts to link
 
 
@@ -30,7 +27,7 @@ def router(
     With several hosts only the router of the world's host is `vital`: without another one, only the robots
     behind it are lost.
     """
-    name, arguments = router_name(host), (connection, _LINKING if host else 0.0)
+    name, arguments = router_role(host), (connection, _LINKING if host else 0.0)
     return Process(name, _ROUTING, arguments, vital, restarts, reports=True)
 
 
@@ -62,31 +59,8 @@ def robot(
     core: int | None = None,
 ) -> Process:
     """One robot; the fleet goes on without it."""
-    name, arguments = robot_name(identity), (connection, run, identity)
+    name, arguments = robot_role(identity), (connection, run, identity)
     return Process(name, "agents.process:main", arguments, restarts=restarts, core=core)
-
-
-def recorder(
-    connection: Connection,
-    run: str,
-    path: Path,
-    result: Path,
-    rotation: Rotation = ONE_FILE,
-    away: float = 0.0,
-    restarts: int = 0,
-) -> Process:
-    """The recorder, which reports the name of each of its files, the first once it cannot miss a message.
-
-    Arguments: `deploy.telemetry.recording.recorder.main`.
-    """
-    arguments = (connection, run, path, result, rotation, away, False)
-    entry = "deploy.telemetry.recording.recorder:main"
-    return Process(RECORDER, entry, arguments, restarts=restarts, reports=True, patience=_CLOSING)
-
-
-def router_name(host: str) -> str:
-    """Name of the row of a host's router, `router-left`; `router` if there is one host."""
-    return f"{ROUTER}-{host}" if host else ROUTER
 
 
 def is_router(name: str) -> bool:
@@ -99,12 +73,7 @@ def outlasts(name: str) -> bool:
     return name == RECORDER or is_router(name)
 
 
-def robot_name(identity: int) -> str:
-    """Name of a robot's row, `robot-3`."""
-    return f"robot-{identity}"
-
-
 def robot_of(name: str) -> int | None:
-    """Inverse of `robot_name`; None for other rows."""
+    """Id of the robot in a row of this name; None for other rows."""
     kind, _, identity = name.rpartition("-")
     return int(identity) if kind == "robot" and identity.isdecimal() else None

@@ -13,11 +13,11 @@ from deploy.processes import table
 from deploy.processes.hosts.spawners import HostSpawners
 from deploy.processes.hosts.table import Host, HostsTable, check_fit
 from deploy.processes.router import reserved
-from deploy.processes.spawn import Process, Spawner, core_of
+from deploy.processes.spawn import Process, core_of
 from deploy.processes.supervisor import Supervisor
 from deploy.run.options import RunOptions
 from deploy.security.membership import KeyRing
-from deploy.security.roster import MONITOR, WORLD, robot_role
+from deploy.security.roster import MONITOR, ROUTER, WORLD, robot_role, router_role
 from protocol.bus.connection import Connection, Credentials, Endpoint
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import DisknavError
@@ -28,11 +28,13 @@ from world.shell.admission import AWAY
 from world.shell.checkpoint import Checkpoint
 
 
-def places(hosts: HostsTable) -> dict[str, str]:
+def places(hosts: HostsTable | None) -> dict[str, str]:
     """Name of a process -> name of its host; all others run on the launcher's host."""
-    robots = {table.robot_name(robot): host.name for host in hosts.hosts for robot in host.robots}
-    routers = {table.router_name(host.name): host.name for host in hosts.hosts}
-    return {**routers, "world": hosts.world_host.name, **robots}
+    if hosts is None:
+        return {}
+    robots = {robot_role(robot): host.name for host in hosts.hosts for robot in host.robots}
+    routers = {router_role(host.name): host.name for host in hosts.hosts}
+    return {**routers, WORLD: hosts.world_host.name, **robots}
 
 
 class Routed:
@@ -138,6 +140,7 @@ class Mesh:
 Topology = Routed | Mesh
 
 
+_CLOSING = 30.0  # s for the recorder, which has low priority, to close its file
 _START = 30.0  # s for a process to report that it is ready
 _SOON = timedelta(days=1)
 _WHEN = "%Y-%m-%d %H:%M UTC"
@@ -170,11 +173,13 @@ class Assembly:
         stack: ExitStack,
     ) -> None:
         self._scenario, self._options = scenario, options
-        self._hosts = self._host_spawners()
+        hosts = options.hosts
+        if hosts is not None and (roster := KeyRing(options.secure).roster()) is not None:
+            check_fit(roster, hosts)
         # Entered before the supervisor, to outlast every process.
         self._folder = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-")))
-        spawner = self._hosts or Spawner(run=options.run, logs=options.log)
-        self.supervisor = stack.enter_context(Supervisor(spawner))
+        self._spawners = HostSpawners(hosts, places(hosts), options.run, options.log)
+        self.supervisor = stack.enter_context(Supervisor(self._spawners))
         self._record = record
         self.result = None if record is None else self._folder / "result.json"
         self._ends: datetime | None = None
@@ -191,7 +196,7 @@ class Assembly:
     def robots(self) -> list[Process]:
         """Rows of all robots, not yet started."""
         ids = self._scenario.ids
-        together = len(ids) if self._options.lockstep and self._hosts is None else 0
+        together = len(ids) if self._options.lockstep and self._options.hosts is None else 0
         return [self._robot(robot, core_of(turn, together)) for turn, robot in enumerate(ids)]
 
     def _robot(self, robot: int, core: int | None = None) -> Process:
@@ -200,7 +205,7 @@ class Assembly:
 
     def start_newcomer(self, robot: int) -> None:
         """Start the process of an added robot; if that fails, log that it must be started by hand."""
-        name = table.robot_name(robot)
+        name = robot_role(robot)
         if name in self.supervisor.names:
             self.supervisor.restart(name)
             return
@@ -210,14 +215,6 @@ class Assembly:
             self.supervisor.start([self._robot(robot)])
         except DisknavError as error:
             LOG.error(f"start the process of robot {robot} by hand: {error}")
-
-    def _host_spawners(self) -> HostSpawners | None:
-        hosts = self._options.hosts
-        if hosts is None:
-            return None
-        if (roster := KeyRing(self._options.secure).roster()) is not None:
-            check_fit(roster, hosts)
-        return HostSpawners(hosts, places(hosts), self._options.run, self._options.log)
 
     def _begin(self, stack: ExitStack) -> Topology:
         options = self._options
@@ -235,14 +232,14 @@ class Assembly:
             with closing(ZenohBus(topology.observer())) as bus:
                 look_for_others(bus, options.run)
             return topology
-        if options.hosts is not None and self._hosts is not None:
-            return self._link(MultiHost(options.hosts, membership, self._hosts))
+        if options.hosts is not None:
+            return self._link(MultiHost(options.hosts, membership, self._spawners))
         router = table.router(
             membership.router(() if options.listen is None else (options.listen,)),
             options.restarts,
         )
         self.supervisor.start([router])
-        endpoint = Endpoint(self.supervisor.report(table.ROUTER, _START))
+        endpoint = Endpoint(self.supervisor.report(ROUTER, _START))
         connection, *others = router.arguments  # a restarted router keeps the endpoint
         again = (replace(connection, listen=(endpoint,)), *others)
         self.supervisor.amend(replace(router, arguments=again))
@@ -258,7 +255,7 @@ class Assembly:
             connection, vital = multi_host.router(host), host is multi_host.hosts.world_host
             restarts = self._options.restarts
             self.supervisor.start([table.router(connection, restarts, host.name, vital=vital)])
-            self.supervisor.report(table.router_name(host.name), _START)
+            self.supervisor.report(router_role(host.name), _START)
         return multi_host
 
     def _checkpoint(self) -> Path | None:
@@ -270,11 +267,11 @@ class Assembly:
             return None
         checkpoint = self._folder / "checkpoint"
         Checkpoint.create(checkpoint)
-        hosts, spawners = self._options.hosts, self._hosts
-        folder = None if hosts is None or spawners is None else spawners.folder(hosts.world_host.name)
-        if hosts is None or spawners is None or folder is None:
+        hosts = self._options.hosts
+        folder = None if hosts is None else self._spawners.folder(hosts.world_host.name)
+        if hosts is None or folder is None:
             return checkpoint
-        spawners.store(hosts.world_host.name, checkpoint)
+        self._spawners.store(hosts.world_host.name, checkpoint)
         return Path(folder) / checkpoint.name
 
     def _start_world(self, checkpoint: Path | None) -> None:
@@ -292,11 +289,16 @@ class Assembly:
         )
         self.supervisor.start([world])
         if self._record is not None and self.result is not None:
-            away, connection = AWAY if options.restarts else 0.0, topology.observer()
-            files = (self._record, self.result, options.rotation)
-            row = table.recorder(connection, run, *files, away, options.restarts)
+            away = AWAY if options.restarts else 0.0
+            arguments = (topology.observer(), run, self._record, self.result, options.rotation, away, False)
+            row = Process(
+                table.RECORDER,
+                "deploy.telemetry.recording.recorder:main",
+                arguments,
+                restarts=options.restarts,
+                reports=True,
+                patience=_CLOSING,
+            )
             self.supervisor.start([row])
             self.supervisor.report(table.RECORDER, _START)
-            self.supervisor.amend(
-                replace(row, arguments=(*row.arguments[:-1], True))
-            )  # replaces a failed one
+            self.supervisor.amend(replace(row, arguments=(*arguments[:-1], True)))  # replaces a failed one

@@ -18,6 +18,7 @@ from deploy.run.assembly import Assembly, Topology, places
 from deploy.run.launcher import Launcher
 from deploy.run.options import RunOptions
 from deploy.run.result import INTERRUPTED, Report, read_report, unjudged
+from deploy.security.roster import WORLD, robot_role
 from protocol.bus.bus import Event, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
@@ -143,7 +144,7 @@ class Fleet:
         while not all(map(table.outlasts, self._supervisor.running())) and time.monotonic() < deadline:
             self._supervisor.poll(_POLL)
         self._supervisor.stop(spare=(table.RECORDER,))
-        hosts = {} if self._options.hosts is None else places(self._options.hosts)
+        hosts = places(self._options.hosts)
         return [_row(usage, hosts.get(usage.name)) for usage in self._supervisor.usage()]
 
     def recordings(self) -> list[str]:
@@ -176,7 +177,7 @@ class Fleet:
         after its end. A restarted world may report again.
         """
         exits = self._supervisor.poll()
-        for text in self._supervisor.heard(table.WORLD):
+        for text in self._supervisor.heard(WORLD):
             try:
                 report = read_report(text)
             except MessageError as error:  # from a host that an attacker controls
@@ -190,7 +191,7 @@ class Fleet:
 
     def _follow(self, clock: Clock) -> None:
         self._clock = clock
-        self._supervisor.up((table.WORLD, *map(table.robot_name, clock.active)))
+        self._supervisor.up((WORLD, *map(robot_role, clock.active)))
         self._launcher.follow(clock)
         if self._watch is not None:
             self._watch(clock)
@@ -198,13 +199,13 @@ class Fleet:
     # -- RobotProcesses
 
     def knows(self, robot: int) -> bool:
-        return table.robot_name(robot) in self._supervisor.names
+        return robot_role(robot) in self._supervisor.names
 
     def runs(self, robot: int) -> bool:
-        return table.robot_name(robot) in self._supervisor.running()
+        return robot_role(robot) in self._supervisor.running()
 
     def act(self, robot: int, event: ProcessEvent) -> None:
-        getattr(self._supervisor, event)(table.robot_name(robot))
+        getattr(self._supervisor, event)(robot_role(robot))
 
     def welcome(self, robot: int) -> bool:
         self._assembly.start_newcomer(robot)
@@ -235,11 +236,11 @@ class Fleet:
         self._poll()
         if self._options.restarts:
             self._leaving = 0.0  # robots would wait for a restarted world
-        if table.WORLD in self._supervisor.running():
-            self._supervisor.signal(table.WORLD, signal.SIGTERM)
+        if WORLD in self._supervisor.running():
+            self._supervisor.signal(WORLD, signal.SIGTERM)
             deadline = time.monotonic() + _LAST_WORDS
             while (
-                table.WORLD in self._supervisor.running()
+                WORLD in self._supervisor.running()
                 and time.monotonic() < deadline
                 and STOP.count < _IMPATIENT
             ):

@@ -20,12 +20,12 @@ _GREETING = 30.0  # s for all hosts to answer
 
 
 class HostSpawners:
-    """Spawners of all hosts, with the interface of a `Spawner`.
+    """Spawners of this machine and of all other hosts, with the interface of a `Spawner`.
 
     The processes of a lost host count as ended, with a reason; that is no error.
 
     Args:
-        table: the hosts; those without ssh are this machine.
+        table: the hosts; those without ssh are this machine; None: this machine alone.
         places: name of a process -> name of its host; all others are started here.
         run: name of the run, for process titles.
         logs: folder of the log files of this machine's processes and of every host, if any.
@@ -36,7 +36,7 @@ class HostSpawners:
 
     def __init__(
         self,
-        table: HostsTable,
+        table: HostsTable | None,
         places: Mapping[str, str],
         run: str,
         logs: Path | None = None,
@@ -44,7 +44,7 @@ class HostSpawners:
         self._places = places
         self._numbers = count(1)  # of processes, on all hosts
         self._here = Spawner(run=run, logs=logs, lives=self._numbers)
-        there = [host for host in table.hosts if host.ssh]
+        there = [host for host in table.hosts if host.ssh] if table is not None else []
         self._there = {host.name: SshSpawner(host, run, logs, self._numbers) for host in there}
         self._lives: dict[int, Spawner] = {}  # process number -> spawner, of running processes
         self._own: deque[News] = deque()  # of processes on lost hosts

@@ -68,7 +68,7 @@ class Field:
         supervisor = stack.enter_context(Supervisor())
         for host, before in (("a", ()), ("b", ("a",))):
             supervisor.start([table.router(self._router(host, before), host=host)])
-            supervisor.report(table.router_name(host), 20.0)
+            supervisor.report(table.router_role(host), 20.0)
         self.world, self.spy = self.client("world", "a"), self.client("monitor", "a")
         self.honest = self.client("robot-2", "b")
         for question in QUESTIONS:

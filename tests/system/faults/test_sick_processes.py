@@ -44,7 +44,7 @@ def test_one_that_hangs_is_given_up_alone(
     def sick(connection: Connection, run: str, robot: int, *rest: Any, **options: Any) -> table.Process:
         entry = f"tests.system.faults.test_sick_processes:{hang.__name__}"
         return (
-            table.Process(table.robot_name(2), entry, (connection, run, robot))
+            table.Process(table.robot_role(2), entry, (connection, run, robot))
             if robot == 2
             else row(connection, run, robot, *rest, **options)
         )
