@@ -108,6 +108,16 @@ def _document(
     }
 
 
+class _Agent(msgspec.Struct):
+    type: str
+    start: Place
+    goal: Place
+
+    def robot(self, radius: float) -> tuple[float, Point, Point]:
+        """Radius, start and goal, without heights or headings."""
+        return radius, (self.start[0], self.start[1]), (self.goal[0], self.goal[1])
+
+
 def _box(x: float, y: float, wide: float, high: float) -> list[Point]:
     u, v = 0.5 * wide, 0.5 * high
     return [(x - u, y - v), (x + u, y - v), (x + u, y + v), (x - u, y + v)]
@@ -128,15 +138,9 @@ class _CbsEnvironment(msgspec.Struct):
     obstacles: list[_CbsObstacle] = []
 
 
-class _CbsRobot(msgspec.Struct):
-    type: str
-    start: Place
-    goal: Place
-
-
 class _Cbs(msgspec.Struct):
     environment: _CbsEnvironment
-    robots: Annotated[list[_CbsRobot], Meta(min_length=1)]
+    robots: Annotated[list[_Agent], Meta(min_length=1)]
 
 
 _CAR = 0.5 * math.hypot(0.5, 0.25)  # m, around its rectangle
@@ -168,10 +172,7 @@ def _db_cbs(file: Path, found: Any) -> Document:
     return _document(
         file,
         "db-CBS",
-        [
-            (radius, (robot.start[0], robot.start[1]), (robot.goal[0], robot.goal[1]))
-            for robot, (radius, _, _) in zip(said.robots, kinds, strict=True)
-        ],
+        [robot.robot(radius) for robot, (radius, _, _) in zip(said.robots, kinds, strict=True)],
         corners=(said.environment.min, said.environment.max),
         obstacles=[_box(*each.center, *each.size) for each in said.environment.obstacles],
         speed=min(speed for _, speed, _ in kinds),
@@ -191,16 +192,10 @@ class _World(msgspec.Struct):
     dimension: tuple[Coordinate, Coordinate, Coordinate, Coordinate, Coordinate, Coordinate]
 
 
-class _LscAgent(msgspec.Struct):
-    type: str
-    start: Place
-    goal: Place
-
-
 class _Lsc(msgspec.Struct):
     quadrotors: dict[str, _Quadrotor]
     world: Annotated[list[_World], Meta(min_length=1)]
-    agents: Annotated[list[_LscAgent], Meta(min_length=1)]
+    agents: Annotated[list[_Agent], Meta(min_length=1)]
     obstacles: list[dict[str, Any]] = []
 
 
@@ -220,10 +215,7 @@ def _lsc(file: Path, options: Options) -> Document:
     return _document(
         file,
         "LSC-DR",
-        [
-            (kind.radius, (agent.start[0], agent.start[1]), (agent.goal[0], agent.goal[1]))
-            for agent, kind in zip(said.agents, kinds, strict=True)
-        ],
+        [agent.robot(kind.radius) for agent, kind in zip(said.agents, kinds, strict=True)],
         corners=((x0, y0), (x1, y1)),
         obstacles=[] if options.obstacles is None else _columns(options.obstacles),
         speed=min(min(kind.max_vel[:2]) for kind in kinds),
