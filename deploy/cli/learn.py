@@ -156,7 +156,7 @@ def _found(found: Certificate) -> str:
             f"{found.scenario}: proven for every k >= {found.proven:g}: the goal is the only minimum, every "
             f"other critical point has a direction of descent ({found.boxes:,} boxes, {found.time:.1f} s)"
         )
-    if found.trial is not None:
+    if found.trial:
         text += f"\n{found.trial.k:g} was {found.trial.done:.1%} done; more --minutes may prove it"
     return text
 

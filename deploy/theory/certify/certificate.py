@@ -13,7 +13,6 @@ import hashlib
 import math
 import os
 import zlib
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
@@ -82,16 +81,6 @@ class Slab(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return _unpacked(self.branching)
 
 
-class Document(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Content of the file."""
-
-    format: str
-    scenario: str
-    goals: GoalSet
-    slabs: tuple[Slab, ...]
-    digest: str
-
-
 class Trial(NamedTuple):
     """The slab that is being searched: its k, the share done, and the number of boxes."""
 
@@ -100,14 +89,15 @@ class Trial(NamedTuple):
     boxes: int
 
 
-@dataclass
-class Certificate:
-    """Everything proven so far for one set of goals, and the slab that is being searched."""
+class Certificate(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
+    """Everything proven so far for one set of goals: the content of the file; and the slab being searched."""
 
-    goals: GoalSet
+    format: str = FORMAT
     scenario: str = ""
-    slabs: list[Slab] = field(default_factory=list)
-    trial: Trial | None = field(default=None, compare=False)
+    goals: GoalSet
+    slabs: list[Slab] = []
+    digest: str = ""  # in the file only
+    trial: Trial | msgspec.UnsetType = msgspec.UNSET  # not in the file
 
     @property
     def proven(self) -> float | None:
@@ -130,7 +120,7 @@ class Certificate:
 
     def add(self, k: float, branching: bytes, seconds: float) -> None:
         """Add the next proven slab, down to k."""
-        self.trial = None
+        self.trial = msgspec.UNSET
         self.slabs.append(Slab(k, len(branching), round(seconds, 3), _packed(branching)))
 
     def kappa(self, k: float) -> tuple[float, float]:
@@ -157,10 +147,10 @@ def stored(name: str, scenario: Scenario) -> Certificate | None:
 
 def store(certificate: Certificate, path: Path) -> None:
     """Write the file atomically."""
-    document = _document(certificate)
+    plain = msgspec.structs.replace(certificate, trial=msgspec.UNSET, digest=_digest(certificate))
     scratch = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        scratch.write_bytes(msgspec.json.format(msgspec.json.encode(document), indent=1) + b"\n")
+        scratch.write_bytes(msgspec.json.format(msgspec.json.encode(plain), indent=1) + b"\n")
         scratch.replace(path)
     finally:
         scratch.unlink(missing_ok=True)
@@ -173,12 +163,13 @@ def fetch(path: Path, goals: GoalSet | None = None) -> Certificate:
         ProofError: it cannot be read, is damaged, or belongs to other goals.
     """
     try:
-        document = msgspec.json.decode(path.read_bytes(), type=Document)
-        if document.format != FORMAT:
-            raise _refused(path, "format", f"is {document.format!r}, not {FORMAT!r}")
-        if document.digest != _digest(document):
+        certificate = msgspec.json.decode(path.read_bytes(), type=Certificate)
+        if certificate.format != FORMAT:
+            raise _refused(path, "format", f"is {certificate.format!r}, not {FORMAT!r}")
+        if certificate.digest != _digest(certificate):
             raise _refused(path, "digest", "does not fit the contents: the file is damaged")
-        certificate = _certificate(document)
+        certificate.digest = ""
+        _check(certificate)
     except OSError as error:
         raise _refused(path, "", f"cannot be read: {error.strerror}") from error
     except (msgspec.MsgspecError, ValueError, zlib.error) as error:
@@ -192,22 +183,17 @@ def _refused(path: Path, where: str, text: str) -> ProofError:
     return ProofError(str(path), [Fault(where, text)])
 
 
-def _document(certificate: Certificate) -> Document:
-    document = Document(FORMAT, certificate.scenario, certificate.goals, tuple(certificate.slabs), "")
-    return msgspec.structs.replace(document, digest=_digest(document))
+def _digest(certificate: Certificate) -> str:
+    plain = msgspec.structs.replace(certificate, trial=msgspec.UNSET, digest="")
+    return hashlib.sha256(msgspec.json.encode(plain)).hexdigest()
 
 
-def _digest(document: Document) -> str:
-    return hashlib.sha256(msgspec.json.encode(msgspec.structs.replace(document, digest=""))).hexdigest()
-
-
-def _certificate(document: Document) -> Certificate:
-    ks = [slab.k for slab in document.slabs]
+def _check(certificate: Certificate) -> None:
+    goals, ks = certificate.goals, [slab.k for slab in certificate.slabs]
     if any(not 0.0 < after < before for before, after in zip([math.inf, *ks], ks, strict=False)):
         raise ValueError("k does not decrease from slab to slab")
-    if not document.goals.goals or len(document.goals.goals) != len(document.goals.radii):
+    if not goals.goals or len(goals.goals) != len(goals.radii):
         raise ValueError("the numbers of goals and radii differ")
-    return Certificate(document.goals, document.scenario, list(document.slabs))
 
 
 def _packed(data: bytes) -> str:

@@ -11,6 +11,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from msgspec import UNSET
+
 from deploy.output import bar
 from deploy.theory.certify.boxes import scene_of
 from deploy.theory.certify.certificate import Certificate, GoalSet, Trial, fetch, store
@@ -97,15 +99,15 @@ def certify(
         UsageError: the goals cannot have a certificate.
     """
     goals = GoalSet.of(scenario)
-    certificate = fetch(path, goals) if path.exists() else Certificate(goals, scenario.name)
+    certificate = fetch(path, goals) if path.exists() else Certificate(goals=goals, scenario=scenario.name)
     until = time.monotonic() + 60.0 * minutes
     try:
         with bar("compiling", silent=quiet) as show, suppress(Stopped):
 
             def tell(found: Certificate) -> bool:
-                if found.trial is None:
+                if found.trial is UNSET:
                     store(found, path)
-                show(1.0 if found.trial is None else found.trial.done, _state(found))
+                show(1.0 if found.trial is UNSET else found.trial.done, _state(found))
                 return time.monotonic() < until
 
             prove(certificate, target, tell)
@@ -116,7 +118,7 @@ def certify(
 
 def _state(found: Certificate) -> str:
     proven = "" if found.proven is None else f"k ≥ {found.proven:g} proven, "
-    if found.trial is None:
+    if found.trial is UNSET:
         return f"{proven}{found.boxes:,} boxes"
     return f"{proven}trying {found.trial.k:g}, {found.boxes + found.trial.boxes:,} boxes"
 
@@ -130,7 +132,7 @@ def to_json(found: Certificate, path: Path, target: float | None) -> dict[str, A
         "boxes": found.boxes,
         "seconds": found.time,
         "slabs": [{"k": slab.k, "boxes": slab.boxes, "seconds": slab.seconds} for slab in found.slabs],
-        "unfinished": None if found.trial is None else found.trial._asdict(),
+        "unfinished": None if found.trial is UNSET else found.trial._asdict(),
         "interrupted": STOP.requested,
         "file": str(path),
     }

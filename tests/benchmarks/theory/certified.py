@@ -61,10 +61,10 @@ def rows(sets: int, boxes: int, seed: int = 0) -> Iterator[Row]:
 def _certified(problem: FleetProblem, boxes: int) -> Certificate:
     """As far down as so many boxes reach."""
     places = tuple((float(x), float(y)) for x, y in problem.goals)
-    certificate = Certificate(GoalSet(places, tuple(problem.radii.tolist()), problem.workspace))
+    certificate = Certificate(goals=GoalSet(places, tuple(problem.radii.tolist()), problem.workspace))
 
     def within(now: Certificate) -> bool:
-        return now.boxes + (0 if now.trial is None else now.trial.boxes) < boxes
+        return now.boxes + (now.trial.boxes if now.trial else 0) < boxes
 
     prove(certificate, LOWEST, within)
     return certificate

@@ -2,9 +2,9 @@
 
 import base64
 import zlib
-from dataclasses import replace
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from deploy.library.load import read
@@ -20,7 +20,7 @@ TRIPLE = GoalSet.of(read("figure-2"))
 
 
 def proven(goals: GoalSet, k: float) -> Certificate:
-    certificate = Certificate(goals, "test")
+    certificate = Certificate(goals=goals, scenario="test")
     prove(certificate, k, lambda _: True)
     return certificate
 
@@ -45,7 +45,7 @@ def test_what_is_stored_has_a_second_opinion(goals: GoalSet, k: float, tmp_path:
 
 
 def test_what_is_told_stops_it_and_it_goes_on() -> None:
-    certificate, told = Certificate(TRIPLE, "test"), []
+    certificate, told = Certificate(goals=TRIPLE, scenario="test"), []
 
     def tell(now: Certificate) -> bool:
         told.append(now.proven)
@@ -91,7 +91,7 @@ def test_forged_claims_do_not_survive_a_second_opinion(pair: Certificate) -> Non
     """A branching that stops below the k at which minima appear, ends too early, or goes on too long."""
     empty = Slab(2.2, 1, 0.0, "eJz7DwABAAEA")  # one node: nothing there
     assert empty.nodes == b"\xff"
-    checked = replay(Certificate(TRIPLE, slabs=[empty]), 3.0)
+    checked = replay(Certificate(goals=TRIPLE, slabs=[empty]), 3.0)
     assert (checked.proven, checked.enough(None)) == (None, False)
     assert "not verified" in str(checked.failed)
     slab = pair.slabs[1]
@@ -104,12 +104,12 @@ def test_forged_claims_do_not_survive_a_second_opinion(pair: Certificate) -> Non
 def _with(certificate: Certificate, nodes: bytes) -> Certificate:
     first, slab, *others = certificate.slabs
     text = base64.b64encode(zlib.compress(nodes)).decode()
-    return replace(certificate, slabs=[first, Slab(slab.k, len(nodes), 0.0, text), *others])
+    return msgspec.structs.replace(certificate, slabs=[first, Slab(slab.k, len(nodes), 0.0, text), *others])
 
 
 def test_goals_that_touch_have_no_certificate() -> None:
     with pytest.raises(UsageError, match="touch"):
-        prove(Certificate(GoalSet(((0.0, 0.0), (0.08, 0.0)), (0.04, 0.04), 0.3)), 10.0, lambda _: True)
+        prove(Certificate(goals=GoalSet(((0.0, 0.0), (0.08, 0.0)), (0.04, 0.04), 0.3)), 10.0, lambda _: True)
 
 
 def test_a_certificate_lies_beside_its_scenario(tmp_path: Path) -> None:
