@@ -148,7 +148,7 @@ class RobotLife(Generic[R, L, B]):
         found: list[L] = []
         for bound in self.bound.values():
             if bound.static and bound.peer == asked.peer:
-                found += bound.obeyed
+                found.extend(bound.obeyed)
         return found
 
     def behind(self, bound: Bound[R, L], line: L) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 import z3
 
 from tests.proof.model import BESIDE, BODY, CODE, DISJOINT, GONE, INSIDE, LINE_OF, OTHER, PRESENT, State, real
-from tests.proof.objects import SOURCE, ledger_of, ledger_state
+from tests.proof.objects import SOURCE, ledger_claims, ledger_of, ledger_state
 from tests.proof.outcomes import ANY_LINE, EPOCH, NAMES, NEXT, Case, Geometry, Outcome, S, apart
 from tests.proof.symbolic import Number
 
@@ -26,7 +26,7 @@ def of_ledger(rule: str, does: Rule, x: str, besides: Besides | None = None) -> 
         does(made, made.disks[CODE[x]], made.disks[CODE[OTHER[x]]])
         outcome = Outcome(geometry)
         outcome.after = ledger_state(made)
-        outcome.claims = history(outcome.after) | noted(geometry, outcome.after)
+        outcome.claims = history(outcome.after) | noted(geometry, outcome.after) | ledger_claims(made)
         if besides is not None:
             besides(x, outcome)
         return outcome
@@ -138,7 +138,7 @@ def _granted(x: str, outcome: Outcome) -> None:
 
 
 def _announce(made: Any, disk: Any) -> None:
-    found = made.announce(disk.name, None)
+    found = made.announce(disk.name, NEXT)
     found.held.disk = NAMES[disk.name]
 
 
@@ -175,7 +175,9 @@ def ledger_cases() -> Iterator[Case]:
 
 def _answer(b: str, slot: str) -> Case:
     def does(made: Any, *_: Any) -> None:
-        made.answer(getattr(made.pairs[1][2], slot), LINE_OF(S[f"{b}.number"], 0))
+        binding = getattr(made.pairs[1][2], slot)
+        binding.first = None  # it has none before
+        made.answer(binding, LINE_OF(S[f"{b}.number"], 0))
 
     case = of_ledger(f"answer {b}", does, "A")
     case.rule, case.given = f"answer {b}", [S[f"{b}.on"], S[f"{b}.frozen"], S[f"{b}.asked"] != 0]

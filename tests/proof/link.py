@@ -103,7 +103,15 @@ def broken(s: Record, facts: Facts, ranges: Mapping[str, list[int]]) -> list[str
         each = product(*[ranges[term] if term in terms else [0] for term in ("ra", "rb", "k")])
         if not all(holds(s, facts, *values) for values in each):
             found.append(name)
-    return found
+    return found + [f"{b}: lines" for b in "LS" if s[f"{b}.on"] and not _numbered_alike(s, b)]
+
+
+def _numbered_alike(s: Record, b: str) -> bool:
+    """Whether both ends keep the same line of each number, and the owner every open proposal."""
+    mine, theirs = s[f"{b}.A.lines"], s[f"{b}.B.lines"]
+    alike = all(mine[number] == theirs[number] for number in mine.keys() & theirs.keys())
+    open_numbers = range(s[f"{b}.A.seen"] + 1, s[f"{b}.A.number"] + 1)
+    return alike and (not mine or mine.keys() >= set(open_numbers))
 
 
 # -- the record of two disks

@@ -35,13 +35,32 @@ class Change(NamedTuple):
 
 
 _MODULES = dict.fromkeys(("adopt", "propose", "read answer"), "pair")
-_MODULES |= dict.fromkeys(("hear", "freeze", "command"), "robot")
+_MODULES |= dict.fromkeys(("hear", "freeze", "command", "turn"), "robot") | {"acknowledge": "records"}
 _LIVING, _STATIC = "if living is not None and living.told", "if static is not None and static.end"
 _NOTED = "self._geometry.note(disk)\n"
 _CHANGED = (  # name, rule, words of its source, and what is said in their place
     ("a follower adopts what its body does not fit", "adopt", "        if fits:", "        if True:"),
     ("an owner obeys only what it holds", "propose", "self.number += 1", "self.number += 1; self.seen += 1"),
     ("an owner holds the last number answered", "read answer", "= held, seen", "= seen, seen"),
+    (
+        "an owner obeys what it held before",
+        "read answer",
+        "                self.held = line",
+        "                pass",
+    ),
+    ("an owner drops open proposals", "read answer", "[each for each in self.open if each[0] > seen]", "[]"),
+    ("a proposal is not obeyed", "propose", "self.open.append((self.number, line))", "pass"),
+    (
+        "a follower obeys what it held before",
+        "adopt",
+        "self.held_number, self.held = number, line",
+        "self.held_number = number",
+    ),
+    ("a half-plane is not obeyed", "turn", "return [self.half]", "return []"),
+    ("an older region is told", "tell", "held.regions[-1]", "held.regions[0]"),
+    ("a disk is told its own place", "tell", "place = other.held", "place = disk.held"),
+    ("a region that is obeyed is forgotten", "acknowledge", "each[0] >= number", "each[0] > number"),
+    ("a first line is not recorded", "answer", "binding.first, binding.told = line,", "binding.told ="),
     ("tied by a binding that is not told", "grant", f"{_LIVING} != NO:", "if living is not None:"),
     ("tied by a place of its own", "grant", " and static.end(disk.name).dead == NO", ""),
     ("what is kept towards a place goes on", "grant", f"{_STATIC}(disk.name).dead != NO:", "if False:"),

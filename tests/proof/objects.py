@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 import z3
 
 from tests.interpreted import Edit, interpreted
 from tests.proof import symbolic
-from tests.proof.model import ASKED, CODE, LINE, LINE_OF, OTHER
-from tests.proof.outcomes import OBEYED, Geometry, S
+from tests.proof.model import ASKED, CODE, HALF, LINE, LINE_OF, LINES, OTHER, obeys
+from tests.proof.outcomes import HELD, OBEYED, Geometry, S
 from tests.proof.symbolic import Atom, Number, Truth, expression
 
 
@@ -34,12 +34,57 @@ SOURCE = Source()
 SOURCE.read()
 
 
+class Some:
+    """A list of any length: the elements that the solver can tell from others, which are all treated alike
+    (`test_form`), and what is appended.
+    """
+
+    def __init__(self, elements: Callable[[], Iterable[Any]]) -> None:
+        self._elements = elements
+        self._appended: list[Any] = []
+
+    @property
+    def is_longer(self) -> bool:
+        return bool(self._appended)
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter([*self._elements(), *self._appended])
+
+    def __getitem__(self, index: int) -> Any:
+        return list(self)[index]
+
+    def append(self, element: Any) -> None:
+        self._appended.append(element)
+
+
 def held_of(x: str) -> Any:
-    held = SOURCE.records.Held(0, None)
-    held.acknowledged, held.granted = Number(S[f"{x}.acked"]), Number(S[f"{x}.granted"])
-    held.regions = [(0, S[f"{x}.acked"])]  # the first of them; geometry speaks of all
-    held.disk, held.low, held.high = x, S[f"{x}.acked"], S[f"{x}.granted"]
+    """What a disk holds: the first region, the newest, and any one in between."""
+    acked, granted, held = S[f"{x}.acked"], S[f"{x}.granted"], SOURCE.records.Held(0, None)
+
+    def regions() -> list[Any]:
+        between = [r for r in (S[f"{x}.said"], HELD[x]) if Truth(z3.And(acked < r, r < granted))]
+        numbers = [acked, *between, *([granted] if Truth(acked < granted) else [])]
+        return [(Number(r), r) for r in numbers]
+
+    held.acknowledged, held.granted, held.regions = Number(acked), Number(granted), Some(regions)
+    held.disk, held.low, held.high = x, acked, granted
     return held
+
+
+def held_claims(held: Any, x: str) -> dict[str, Any]:
+    """A disk holds the regions that its record numbers, each of its number, and drops none but older ones."""
+    acked, granted = expression(held.acknowledged), expression(held.granted)
+    regions = [(expression(number), expression(region)) for number, region in held.regions]
+    kept = z3.And(S[f"{x}.acked"] <= HELD[x], HELD[x] <= S[f"{x}.granted"], acked <= HELD[x])
+    return {
+        f"{x}: regions": z3.And(
+            *[number == acked for number, _ in regions[:1]],
+            *[number == granted for number, _ in regions[-1:]],
+            z3.BoolVal(bool(regions)),
+            *[z3.And(number == region, acked <= number, number <= granted) for number, region in regions],
+            z3.Implies(kept, z3.Or(*[number == HELD[x] for number, _ in regions])),
+        )
+    }
 
 
 def disk_of(x: str) -> Any:
@@ -93,6 +138,28 @@ def ledger_state(made: Any) -> dict[str, Any]:
     return after
 
 
+def ledger_claims(made: Any) -> dict[str, Any]:
+    """The ledger's objects are what its state says."""
+    both = made.pairs[1].get(2)
+    found = {"both disks know the pair": z3.BoolVal(both is made.pairs[2].get(1))}
+    for x in "AB":
+        held = made.disks[CODE[x]].held
+        if not isinstance(held.regions, Some) or held.regions.is_longer:
+            found |= held_claims(held, x)
+    for binding in bindings_in(made):
+        told, first = expression(binding.told) != 0, LINE_OF(expression(binding.number), 0)
+        has = z3.BoolVal(False) if binding.first is None else expression(binding.first) == first
+        found[f"{binding.number.of} has its first line"] = z3.Implies(told, has)
+    return found
+
+
+def bindings_in(made: Any) -> list[Any]:
+    """The bindings of a ledger."""
+    both = made.pairs[1].get(2)
+    kinds = () if both is None else (both.living, both.static)
+    return [binding for binding in kinds if binding is not None]
+
+
 def _binding_state(b: str, binding: Any) -> dict[str, Any]:
     before, state = getattr(binding, "of", None), {}
     if before is None:
@@ -119,15 +186,41 @@ def bound_of(b: str, x: str, *, lines: bool = True) -> Any:
     y, number = OTHER[x], S[f"{b}.number"]
     bound = SOURCE.robot.Bound(SOURCE.records.Listed(Number(number), CODE[y], None, None, False), x == "A")
     if lines and Truth(S[f"{b}.{x}.state"] != ASKED):
-        bound.begin(Atom(LINE_OF(number, OBEYED[b])))
+        bound.begin(Atom(LINE_OF(number, S[f"{b}.{x}.held"])))
         bound.lines.seen = Number(S[f"{b}.{x}.seen"])
         bound.lines.held_number = Number(S[f"{b}.{x}.held"])
         if x == "A":
-            bound.lines.number = Number(S[f"{b}.A.number"])
+            bound.lines.number, bound.lines.open = Number(S[f"{b}.A.number"]), Some(lambda: _open(b))
     bound.of, bound.state = b, Number(S[f"{b}.{x}.state"])
     bound.static, bound.place = Truth(S[f"{b}.{x}.static"]), S[f"{y}.acked"]
     bound.half = Atom(S[f"{b}.{x}.half"])
     return bound
+
+
+def _open(b: str) -> list[Any]:
+    """Any open proposal of a binding, and the one that an answer names."""
+    last, seen = S[f"{b}.A.number"], S[f"{b}.A.seen"]
+    numbers = [k for k in (S[f"{b}.h2"], OBEYED[b]) if Truth(z3.And(seen < k, k <= last))]
+    return [(Number(k), Atom(LINE_OF(S[f"{b}.number"], k))) for k in numbers]
+
+
+def bound_claims(bound: Any, after: dict[str, Any], b: str, x: str) -> dict[str, Any]:
+    """An end obeys the lines that its state numbers, and no others."""
+    number, state, half = S[f"{b}.number"], after[f"{b}.{x}.state"], after[f"{b}.{x}.half"]
+    lines = [expression(line) for line in bound.obeyed]
+    any_line = LINE_OF(number, OBEYED[b])
+    obeyed = z3.Implies(obeys(after, b, x, OBEYED[b]), z3.Or(*[line == any_line for line in lines]))
+    known = [(after[f"{b}.{x}.held"], bound.lines.held)] if bound.lines is not None else []
+    known += [(expression(k), line) for k, line in getattr(bound.lines, "open", ())]
+    numbered = [z3.And(expression(line) == LINE_OF(number, k), obeys(after, b, x, k)) for k, line in known]
+    is_known = z3.And(z3.BoolVal(len(lines) == len(known)), *numbered)
+    return {
+        f"{b}.{x}: obeys no line yet": z3.Implies(state == ASKED, z3.BoolVal(not lines)),
+        f"{b}.{x}: obeys its lines": z3.Implies(state == LINES, z3.And(obeyed, is_known)),
+        f"{b}.{x}: obeys one half-plane": z3.Implies(
+            state == HALF, z3.And(z3.BoolVal(len(lines) == 1), *[line == half for line in lines])
+        ),
+    }
 
 
 def bound_state(bound: Any, after: dict[str, Any], b: str, x: str) -> None:

@@ -8,8 +8,18 @@ from typing import Any
 
 import z3
 
-from tests.proof.model import ASKED, BODY, CODE, HALF, LINE_OF, LINES, OTHER, PRESENT, ends, obeys
-from tests.proof.objects import SOURCE, UNKNOWN, bound_of, bound_state, ledger_of, robot_of, unknown_is_static
+from tests.proof.model import ASKED, BODY, CODE, HALF, LINE_OF, OTHER, PRESENT, ends
+from tests.proof.objects import (
+    SOURCE,
+    UNKNOWN,
+    bindings_in,
+    bound_claims,
+    bound_of,
+    bound_state,
+    ledger_of,
+    robot_of,
+    unknown_is_static,
+)
 from tests.proof.outcomes import HALF_PLANE, OBEYED, PART, PROPOSED, Case, Geometry, Outcome, S
 from tests.proof.symbolic import Atom, Impossible, Number, Truth, expression
 
@@ -25,9 +35,9 @@ def of_bound(rule: str, b: str, x: str, does: Callable[[Any, Any], object], *giv
         does(robot_of(x, geometry, bounds), bound)
         outcome = Outcome(geometry)
         for each in (b, *others):
-            outcome.terms.numbers.append(OBEYED[each])
-            outcome.given(z3.Implies(S[f"{each}.{x}.state"] == LINES, obeys(S, each, x, OBEYED[each])))
+            outcome.terms.numbers += [OBEYED[each], S[f"{each}.{x}.held"], S[f"{each}.h2"]]
         bound_state(bound, outcome.after, b, x)
+        outcome.claims = bound_claims(bound, outcome.after, b, x)
         return outcome
 
     return Case(f"{rule} {x} {b}", run, [S[f"{b}.on"], S[f"{b}.{x}.has"], *given])
@@ -119,9 +129,11 @@ def _say(run: Callable[[], Outcome], b: str) -> Outcome:
 def _adopt(x: str) -> Outcome:
     geometry = Geometry()
     made = robot_of(x, geometry, ())
+    made.region = S[f"{x}.obeyed"]
     made.adopt()
     outcome = Outcome(geometry)
     outcome.after[f"{x}.obeyed"] = expression(made.number)
+    outcome.claims = {f"{x}: the region of its number": expression(made.region) == expression(made.number)}
     return outcome
 
 
@@ -167,7 +179,10 @@ def listing(b: str, x: str) -> Any:
 def _hear(x: str, late: str) -> Outcome:
     """A Tick is heard, of which every binding in force is told as it was at its version (`history`)."""
     geometry = Geometry()
-    made = robot_of(x, geometry, [bound_of(b, x, lines=False) for b in ends_of(x, LIFE)])
+    known = [bound_of(b, x, lines=False) for b in ends_of(x, LIFE)]
+    for bound in known:
+        bound.lines, bound.place = bound.of, z3.Int(f"{bound.of}.place before")
+    made = robot_of(x, geometry, known)
     made.life = Number(LIFE)
     if late:
         made.version = Number(S[f"{late}.{x}.taken"])
@@ -179,23 +194,44 @@ def _hear(x: str, late: str) -> Outcome:
         after[f"{late}.{x}.taken"] = expression(made.version)
     else:
         after[f"{x}.taken"], after[f"{x}.offered"] = expression(made.version), expression(made.offered_number)
+    outcome.claims = {f"{x}: offered": expression(made.offered) == expression(made.offered_number)}
     for b in ends_of(x, LIFE, taken=False):
         after[f"{b}.{x}.has"] = z3.BoolVal(False)
         for bound in made.bound.values():
             if bound.number == Number(S[f"{b}.number"]):
+                outcome.claims |= _heard_of(bound, b, x)
                 bound_state(bound, after, b, x)
     return outcome
+
+
+def _heard_of(bound: Any, b: str, x: str) -> dict[str, Any]:
+    """An end after a Tick: one that was taken before has its lines still, another the first line if told."""
+    y, is_told, known = OTHER[x], Truth(z3.And(S[f"{b}.told"] != 0, S[f"{b}.told"] <= AT)), bound.lines == b
+    if known:
+        same = z3.BoolVal(bound.of == b)
+        bound.lines = None
+    else:
+        lines = [expression(line) == LINE_OF(S[f"{b}.number"], 0) for line in bound.obeyed]
+        same = z3.And(z3.BoolVal(len(lines) == bool(is_told)), *lines)
+    return {
+        f"{b}.{x}: its lines": same,
+        f"{b}.{x}: its place": expression(bound.place) == S[f"{y}.acked"],
+        f"{b}.{x}: its ends": z3.BoolVal(bound.peer == CODE[y] and bound.low == (x == "A")),
+    }
 
 
 def told_now(x: str) -> Outcome:
     """What the ledger tells a life of X now is what the rule of hearing takes it for, at this version."""
     made = ledger_of(Geometry())
+    for binding in bindings_in(made):
+        binding.first = binding.first if binding.told != 0 else None
     told, outcome = made.told(made.disks[CODE[x]]), Outcome()
     outcome.given(S["v"] == AT, S[f"{x}.life"] == LIFE, LIFE != 0)
     claims = {
         "life": expression(told.life) == LIFE,
         "version": expression(told.version) == AT,
-        "region": expression(told.number) == S[f"{x}.granted"],
+        "number": expression(told.number) == S[f"{x}.granted"],
+        "region": expression(told.region) == S[f"{x}.granted"],
     }
     for b, slot in (("L", "living"), ("S", "static")):
         both = made.pairs[1].get(2)
@@ -208,8 +244,16 @@ def told_now(x: str) -> Outcome:
         for each in listed:
             should = listing(b, x)
             claims[f"{b} is static"] = expression(each.static) == expression(should.static)
-            place = S[f"{OTHER[x]}.still"] if each.place is not None else z3.Not(S[f"{OTHER[x]}.still"])
+            y, first = OTHER[x], should.first
+            place = z3.Not(S[f"{y}.still"])
+            if each.place is not None:
+                place = z3.And(S[f"{y}.still"], expression(each.place) == S[f"{y}.acked"])
             claims[f"{b} says where the other end stands"] = place
+            same = z3.BoolVal(first is None and each.first is None)
+            if first is not None and each.first is not None:
+                same = expression(each.first) == expression(first)
+            claims[f"{b} has its first line"] = same
+            claims[f"{b} has its peer"] = z3.BoolVal(each.peer == CODE[y])
     outcome.claims = {f"told: {name}": claim for name, claim in claims.items()}
     return outcome
 
