@@ -221,12 +221,18 @@ def contract_torque(scene: Scene, box: Box, members: int) -> bool:
             )
             turn = weigh(_row(box, n + q), cross)
             torque = add(torque, turn if sign > 0 else (-turn[1], -turn[0]))
-    return _linear(scene, box, members, torque)
+    return _linear(scene, box, members, torque, True)
 
 
 @compiled
-def _linear(scene: Scene, box: Box, members: int, value: Interval) -> bool:
-    """Contract b by sum_C b_i x g_i in `value`, which is linear in b."""
+def contract_rotation(scene: Scene, box: Box) -> bool:
+    """v = J b, a rotation of the fleet: v^T H v / 2 = sum b_i . g_i, which is not negative at a minimum."""
+    return _linear(scene, box, -1, (0.0, np.inf), False)
+
+
+@compiled
+def _linear(scene: Scene, box: Box, members: int, value: Interval, cross: bool) -> bool:
+    """Contract b by the sum of b_i x g_i (`cross`) or b_i . g_i over the set, which is in `value`."""
     n = len(scene.goals)
     for row in range(n):
         if not (members >> (row // 2)) & 1:
@@ -234,13 +240,13 @@ def _linear(scene: Scene, box: Box, members: int, value: Interval) -> bool:
         rest = value
         for other in range(n):
             if other != row and (members >> (other // 2)) & 1:
-                rest = sub(rest, _moment(scene, box, other))
-        arm = scene.goals[row + 1] if row % 2 == 0 else -scene.goals[row - 1]
-        if arm == 0.0:
+                rest = sub(rest, _product(scene, box, other, cross))
+        factor = _factor(scene, row, cross)
+        if factor == 0.0:
             if rest[0] > 0.0 or rest[1] < 0.0:
                 return False
             continue
-        b = divide(rest, (arm, arm))
+        b = divide(rest, (factor, factor))
         lower(box, row, b[0])
         upper(box, row, b[1])
         if box[row, 0] > box[row, 1]:
@@ -249,10 +255,17 @@ def _linear(scene: Scene, box: Box, members: int, value: Interval) -> bool:
 
 
 @compiled
-def _moment(scene: Scene, box: Box, row: int) -> Interval:
-    """One term of b x g: b_x g_y or -b_y g_x."""
-    arm = scene.goals[row + 1] if row % 2 == 0 else -scene.goals[row - 1]
-    return mul(_row(box, row), (arm, arm))
+def _factor(scene: Scene, row: int, cross: bool) -> float:
+    """Factor of a coordinate of b in b x g = b_x g_y - b_y g_x, or in b . g."""
+    if cross:
+        return float(scene.goals[row + 1] if row % 2 == 0 else -scene.goals[row - 1])
+    return float(scene.goals[row])
+
+
+@compiled
+def _product(scene: Scene, box: Box, row: int, cross: bool) -> Interval:
+    factor = _factor(scene, row, cross)
+    return mul(_row(box, row), (factor, factor))
 
 
 @compiled

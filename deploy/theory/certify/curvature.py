@@ -25,7 +25,6 @@ from deploy.theory.certify.boxes import (
     add,
     compiled,
     down,
-    lower,
     lowest,
     middle,
     mul,
@@ -33,7 +32,6 @@ from deploy.theory.certify.boxes import (
     square,
     sub,
     up,
-    upper,
 )
 
 
@@ -44,35 +42,6 @@ def stiffness(box: Box, out: Derived, n: int, q: int) -> float:
     if beta <= 0.0:
         return np.inf
     return min(up(box[n + q, 1] / beta), up(up(out.total[1, 1] / beta) / beta))  # beta^2 may underflow
-
-
-@compiled
-def contract_rotation(scene: Scene, box: Box) -> bool:
-    """v = J b, a rotation of the fleet: v^T H v / 2 = sum b_i . g_i, which is not negative at a minimum."""
-    n = len(scene.goals)
-    total = 0.0
-    for row in range(n):
-        total = up(total + _reach(scene, box, row))
-    if total < 0.0:
-        return False
-    for row in range(n):
-        goal, rest = scene.goals[row], 0.0
-        for other in range(n):
-            if other != row:
-                rest = up(rest + _reach(scene, box, other))
-        if goal > 0.0:
-            lower(box, row, down(-rest / goal))
-        elif goal < 0.0:
-            upper(box, row, up(rest / -goal))
-        if box[row, 0] > box[row, 1]:
-            return False
-    return True
-
-
-@compiled
-def _reach(scene: Scene, box: Box, row: int) -> float:
-    goal = scene.goals[row]
-    return up(goal * box[row, 1]) if goal > 0.0 else up(goal * box[row, 0])
 
 
 # Heuristic choices, which do not affect the validity of a proof.

@@ -38,12 +38,13 @@ from deploy.theory.certify.certificate import EMPTY, FALLS
 from deploy.theory.certify.contractors import (
     contract_balance,
     contract_distances,
+    contract_rotation,
     contract_torque,
     contract_work,
     enclose,
     enclose_work,
 )
-from deploy.theory.certify.curvature import contract_rotation, falls
+from deploy.theory.certify.curvature import falls
 
 _UNBOUNDED = 1e50  # larger multipliers may overflow
 
