@@ -142,22 +142,19 @@ class ConvexPolygon:
         return math.hypot(px - x, py - y)
 
     def nearest(self, x: float, y: float) -> Point:
-        least, best, outside = math.inf, (x, y), False
+        least, best = math.inf, (x, y)
         ax, ay = self.points[-1]
-        nx, ny, offset = self.sides[-1]
-        for index, (bx, by) in enumerate(self.points):
-            if nx * x + ny * y > offset:  # only sides that face the point can be nearest
-                outside = True
-                ux, uy = bx - ax, by - ay
-                part = ((x - ax) * ux + (y - ay) * uy) / (ux * ux + uy * uy)
+        for bx, by in self.points:
+            ux, uy, vx, vy = bx - ax, by - ay, x - ax, y - ay
+            if ux * vy < uy * vx:  # only sides that face the point can be nearest
+                part = (vx * ux + vy * uy) / (ux * ux + uy * uy)
                 part = min(max(part, 0.0), 1.0)
                 px, py = ax + part * ux, ay + part * uy
                 square = (px - x) * (px - x) + (py - y) * (py - y)
                 if square < least:
                     least, best = square, (px, py)
             ax, ay = bx, by
-            nx, ny, offset = self.sides[index]
-        return best if outside else (x, y)
+        return best
 
     def limit(self, nx: float, ny: float, clearance: float) -> float:
         least = math.inf
