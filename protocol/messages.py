@@ -73,9 +73,9 @@ class FirstLine(msgspec.Struct, frozen=True, array_like=True, gc=False):
     offset: Real  # m, as of a Proposal
 
 
-@lru_cache(maxsize=8192)  # the same obstacles, for every robot and again until they are acknowledged
-def _defect(points: tuple[Vector, ...]) -> str:
-    return defect(points)
+# The same obstacles come for every robot, and again until they are acknowledged.
+_defect = lru_cache(maxsize=8192)(defect)
+_shape_of = lru_cache(maxsize=8192)(shape_of)
 
 
 class ListedBinding(msgspec.Struct, frozen=True, array_like=True, gc=False):
@@ -97,7 +97,7 @@ class ListedBinding(msgspec.Struct, frozen=True, array_like=True, gc=False):
     @property
     def place(self) -> Shape | None:
         """Place of a static other end."""
-        return shape_of(self.points, self.radius) if self.points else None
+        return _shape_of(self.points, self.radius) if self.points else None
 
 
 class Grants(msgspec.Struct, frozen=True, array_like=True, gc=False):
@@ -155,7 +155,7 @@ class PlacedObstacle(msgspec.Struct, frozen=True, array_like=True, gc=False):
     @property
     def shape(self) -> Shape:
         """Shape of a present or announced obstacle."""
-        return shape_of(self.points, self.radius)
+        return _shape_of(self.points, self.radius)
 
 
 class PartPlace(msgspec.Struct, frozen=True, array_like=True, gc=False):
