@@ -27,6 +27,7 @@ Plane = NDArray[np.complex128]
 MARGIN: Final = 0.02  # clearance of paths from obstacles, own radii
 REACH: Final = 8.0  # distance within which obstacles repel, own radii
 _STEP: Final = 0.5  # grid step, own radii
+_CELL: Final = 0.5  # side of a cell, distances within which obstacles repel
 MANY: Final = 64  # obstacles beyond which a grid is finer, and only near obstacles repel
 _POINTS: Final = 60_000, 250_000  # most of the grid, with few obstacles and with many
 _NEARER: Final = 0.98  # share of its clearance that a robot beside an obstacle has to keep
@@ -57,24 +58,41 @@ class Clearances:
         xs: Reals = self._left + self.step * np.arange(self.width, dtype=np.float64)
         ys: Reals = self._low + self.step * np.arange(self._height, dtype=np.float64)
         clear = np.minimum(self.reach, -distances(room, xs[None, :], ys[:, None]))
-        disks = np.array([(each.around.x, each.around.y, each.around.radius) for each in shapes])
-        self._x, self._y, radii = disks.reshape(-1, 3).T
-        self._shapes, self._reaches = list(shapes), self.reach + radii
+        self._cell = _CELL * self.reach
+        self._cells: dict[tuple[int, int], list[Shape]] = {}  # what may be near, by column and row
         for shape in shapes:
+            self._register(shape)
             (x0, y0), (x1, y1) = shape.box
             i, j = np.searchsorted(xs, (x0 - self.reach, x1 + self.reach)).tolist()
             k, m = np.searchsorted(ys, (y0 - self.reach, y1 + self.reach)).tolist()
             part = clear[k:m, i:j]
             np.minimum(part, distances(shape, xs[None, i:j], ys[k:m, None]), out=part)
         clear[[0, -1], :] = clear[:, [0, -1]] = -self.step  # a rim, so that all others have 8 neighbours
-        thin = self.step > 2.0 * radius  # walls may lie between two points that are clear of them
-        self._sides = _sides(shapes if thin else ())
+        self._is_coarse = self.step > 2.0 * radius  # walls may lie between two points that are clear of them
+        self._sides = _sides(shapes if self._is_coarse else ())
         self.clear: list[float] = clear.ravel().tolist()
 
-    def near(self, x: float, y: float, more: float) -> list[Shape]:
-        """Obstacles whose surrounding disks are within `reach` + `more` of (x, y)."""
-        near = np.flatnonzero((self._x - x) ** 2 + (self._y - y) ** 2 <= (self._reaches + more) ** 2)
-        return [self._shapes[index] for index in near.tolist()]
+    def _register(self, shape: Shape) -> None:
+        """Add an obstacle to all cells that its surrounding box is within `reach` of."""
+        (x0, y0), (x1, y1) = shape.box
+        left, low = self._cell_of(x0 - self.reach, y0 - self.reach)
+        right, high = self._cell_of(x1 + self.reach, y1 + self.reach)
+        for column in range(left, right + 1):
+            for row in range(low, high + 1):
+                self._cells.setdefault((column, row), []).append(shape)
+
+    def _cell_of(self, x: float, y: float) -> tuple[int, int]:
+        return math.floor(x / self._cell), math.floor(y / self._cell)
+
+    def near(self, x: float, y: float) -> list[Shape]:
+        """All obstacles within `reach` of (x, y); of others only some whose surrounding disks are."""
+        found: list[Shape] = []
+        for shape in self._cells.get(self._cell_of(x, y), ()):
+            around = shape.around
+            far, dx, dy = self.reach + around.radius, around.x - x, around.y - y
+            if dx * dx + dy * dy <= far * far:
+                found.append(shape)
+        return found
 
     def index(self, x: float, y: float) -> int:
         """Index of the grid point nearest to (x, y)."""
@@ -89,8 +107,16 @@ class Clearances:
 
     def at(self, x: float, y: float) -> float:
         """Clearance at (x, y), m, interpolated."""
+        u, v = self._on_grid(x, y)
+        return self._between(u, v)
+
+    def _on_grid(self, x: float, y: float) -> Vector:
+        """(x, y) in steps of the grid, or the nearest point of the grid's area."""
         u = min(max((x - self._left) / self.step, 0.0), self.width - 1.001)
-        v = min(max((y - self._low) / self.step, 0.0), self._height - 1.001)
+        return u, min(max((y - self._low) / self.step, 0.0), self._height - 1.001)
+
+    def _between(self, u: float, v: float) -> float:
+        """Clearance at a point in steps of the grid, m."""
         i, j = int(u), int(v)
         u, v, clear, below = u - i, v - j, self.clear, j * self.width + i
         above = below + self.width
@@ -101,15 +127,18 @@ class Clearances:
         """Whether the straight line keeps `clear` (m) of everything, or nearly the clearance at its ends.
         Clearance decreases at most as fast as the line proceeds, so spare clearance is skipped.
         """
-        needed = min(clear, _NEARER * self.at(*begin), _NEARER * self.at(*end))
-        (x, y), length, done = begin, math.dist(begin, end), 0.0
+        u, v = self._on_grid(begin[0], begin[1])
+        far_u, far_v = self._on_grid(end[0], end[1])
+        needed = min(clear, _NEARER * self._between(u, v), _NEARER * self._between(far_u, far_v))
+        du, dv, done = far_u - u, far_v - v, 0.0
+        length = self.step * math.sqrt(du * du + dv * dv)
         while done < length:
             part = done / length
-            here = self.at(x + part * (end[0] - x), y + part * (end[1] - y))
+            here = self._between(u + part * du, v + part * dv)
             if here < needed:
                 return False
             done += max(0.5 * self.step, here - needed)
-        return not self._crosses_side(complex(*begin), complex(*end))
+        return not (self._is_coarse and self._crosses_side(complex(*begin), complex(*end)))
 
     def _crosses_side(self, begin: complex, end: complex) -> bool:
         """Whether a straight line crosses a side of an obstacle that the grid may not show."""

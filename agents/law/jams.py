@@ -137,8 +137,9 @@ class RightOfWay(GivingWay):
         return self._trail[0]
 
     def _leave_trail(self, position: Vector) -> None:
-        for index, crumb in enumerate(self._trail):
-            if math.dist(position, crumb) < self._radius:
+        for index, (x, y) in enumerate(self._trail):
+            dx, dy = position[0] - x, position[1] - y
+            if dx * dx + dy * dy < self._radius * self._radius:
                 del self._trail[index + 1 :]
                 return
         if len(self._trail) < _CRUMBS:

@@ -21,7 +21,6 @@ from agents.peers.state import Peer
 from protocol.geometry import Disk, Shape, is_sphere_world
 from protocol.messages import Vector
 
-_SLACK: Final = 1.01  # radii: somewhat more than a robot moves before it looks through all again
 # Of a path, in radii: the clearance that it keeps; and half the width of gaps that are closed, if it may use
 # all others. The first is for passages in which two robots can pass, as narrow as the grid may show them.
 _WIDTHS: Final = ((1.75, None), (1.0, None), (1.0, 1.02), (1.0, 1.0))
@@ -66,8 +65,6 @@ class Attraction:
         self._obstacles: tuple[Shape, ...] = ()
         self._routes: dict[int, FieldRoute] = {}  # by index of the width, prepared when first needed
         self._clearances: Clearances | None = None
-        self._seen_from: Vector | None = None
-        self._seen: list[Shape] = []  # obstacles near that position
         self._goal: Vector | None = None
         self._choice = self._first  # index of the route for this goal
         self.winds = False
@@ -100,21 +97,9 @@ class Attraction:
     def repelling(self, position: Vector, obstacles: Sequence[Shape]) -> list[Peer]:
         """Repelling obstacles at `position` (m), as disks; of very many only near ones."""
         self._follow(obstacles)
-        near = self._near(*position) if len(obstacles) > MANY else obstacles
-        return obstacle_disks(self._room, near, *position)
-
-    def _near(self, x: float, y: float) -> list[Shape]:
-        """Obstacles within reach of (x, y). All of them are examined once in several ticks: of 3000 this
-        takes a fifth of a tick."""
-        if self._seen_from is None or math.dist(self._seen_from, (x, y)) > self._radius:
-            self._seen_from, self._seen = (x, y), self._map.near(x, y, _SLACK * self._radius)
-        near: list[Shape] = []
-        for shape in self._seen:
-            around = shape.around
-            reach, dx, dy = self._map.reach + around.radius, around.x - x, around.y - y
-            if dx * dx + dy * dy <= reach * reach:
-                near.append(shape)
-        return near
+        x, y = position
+        near = self._map.near(x, y) if len(obstacles) > MANY else obstacles
+        return obstacle_disks(self._room, near, x, y)
 
     def leads(self, start: Vector, goal: Vector, obstacles: Sequence[Shape]) -> bool:
         """Whether a path from `start` to `goal` was found."""
@@ -159,7 +144,7 @@ class Attraction:
         if obstacles == known:
             return
         self._routes, self._goal = {}, None
-        self._clearances = self._seen_from = None
+        self._clearances = None
         self.winds = not is_sphere_world(self._room, dict(enumerate(obstacles, 1)), self._radius)
 
     @property

@@ -55,7 +55,7 @@ def test_clearance_is_the_least_distance(seed: int, room: Shape) -> None:
         x, y = field.place(field.index(*place))
         clear = min(-room.distance(x, y), *(shape.distance(x, y) for shape in shapes))
         assert field.at(x, y) == pytest.approx(min(clear, field.reach))
-        assert {id(shape) for shape in field.near(x, y, 0.0)} >= {
+        assert {id(shape) for shape in field.near(x, y)} >= {
             id(shape) for shape in shapes if shape.distance(x, y) < field.reach
         }
 
