@@ -117,8 +117,8 @@ def _export(source: Source, where: str) -> None:
 
 
 def _serve(source: Watcher, port: int | None) -> None:
-    from deploy.telemetry.monitor.web import serve_in_thread
+    from deploy.telemetry.monitor.web import Server
 
-    with closing(serve_in_thread(source, port)) as server:
+    with closing(Server(source, port)) as server:
         print(f"{server.link}  (Ctrl-C ends it)", flush=True)
         STOP.wait()

@@ -212,10 +212,10 @@ def _publish(recording: Recording, router: str | None, run: str | None, speed: f
 
 def _show(recording: Recording, run: str | None, speed: float) -> None:
     from deploy.telemetry.monitor.watcher import Player
-    from deploy.telemetry.monitor.web import serve_in_thread
+    from deploy.telemetry.monitor.web import Server
 
     heard = ((entry.time, entry.message) for entry in recording.entries)
     player = Player(recording.scenario, run or recording.run, heard, speed=speed)
-    with closing(player), closing(serve_in_thread(player)) as server:
+    with closing(player), closing(Server(player)) as server:
         typer.echo(f"{server.link}  (Ctrl-C ends it)")
         STOP.wait()

@@ -38,10 +38,10 @@ def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[str]:
     """Serve a page that shows `fleet`, and print its address, which permits steering, to standard error.
     Raises UsageError if the libraries of the extra `web` are not installed.
     """
-    from deploy.telemetry.monitor.web import serve_in_thread
+    from deploy.telemetry.monitor.web import Server
 
     source = _watch(fleet, options.run)
-    server = serve_in_thread(source)
+    server = Server(source)
     print(f"live page: {server.link}", file=sys.stderr, flush=True)
     try:
         yield server.link

@@ -6,6 +6,7 @@ import asyncio
 import socket as socketlib
 import threading
 import time
+from functools import partial
 from hmac import compare_digest
 from pathlib import Path
 from secrets import token_urlsafe
@@ -188,47 +189,36 @@ async def _tell(socket: WebSocket, kind: str, **content: Any) -> None:
 
 
 class Server:
-    """A running server.
+    """Serves the live page of `source` from a thread, on 127.0.0.1, by default on a free port.
 
     Attributes:
         address: URL of the page, such as `http://127.0.0.1:8000`.
         link: the same with this server's token, which permits steering. Browsers do not send the part after
             `#`.
+
+    Raises:
+        UsageError: the port is taken.
     """
 
-    def __init__(self, server: uvicorn.Server, listener: socketlib.socket, token: str) -> None:
-        host, port = listener.getsockname()[:2]
+    def __init__(self, source: Steerable, port: int | None = None) -> None:
+        try:
+            listener = socketlib.create_server((HOST, port or 0), backlog=64)
+        except (OSError, OverflowError) as error:
+            text = f"--port {port}: {error}; name another port, or none to use a free one"
+            raise UsageError(text) from error
+        token, (host, port, *_) = token_urlsafe(16), listener.getsockname()
         self.address = f"http://{host}:{port}"
         self.link = f"{self.address}/#{token}"
-        self._server = server
-        self._thread = threading.Thread(
-            target=server.run, kwargs={"sockets": [listener]}, name="live page", daemon=True
+        app = application(source, [HOST, "localhost"], token)
+        config = uvicorn.Config(
+            app, log_level="error", access_log=False, timeout_graceful_shutdown=1, lifespan="off"
         )
+        self._server = uvicorn.Server(config)
+        serve = partial(self._server.run, [listener])
+        self._thread = threading.Thread(target=serve, name="live page", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
         """Disconnect all viewers and stop; may be called twice."""
         self._server.should_exit = True
         self._thread.join()
-
-
-def serve_in_thread(source: Steerable, port: int | None = None) -> Server:
-    """Serve the live page of `source` on 127.0.0.1, by default on a free port.
-
-    Raises:
-        UsageError: the port is taken.
-    """
-    listener = _listener(port)
-    token = token_urlsafe(16)
-    app = application(source, [HOST, "localhost"], token)
-    config = uvicorn.Config(
-        app, log_level="error", access_log=False, timeout_graceful_shutdown=1, lifespan="off"
-    )
-    return Server(uvicorn.Server(config), listener, token)
-
-
-def _listener(port: int | None) -> socketlib.socket:
-    try:
-        return socketlib.create_server((HOST, port or 0), backlog=64)
-    except (OSError, OverflowError) as error:
-        raise UsageError(f"--port {port}: {error}; name another port, or none to use a free one") from error

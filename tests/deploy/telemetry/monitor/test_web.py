@@ -19,7 +19,7 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from deploy.run.local import LocalFleet
-from deploy.telemetry.monitor.web import Server, serve_in_thread
+from deploy.telemetry.monitor.web import Server
 from protocol.bus.local import LocalNetwork
 from protocol.errors import UsageError
 from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, served, watch_local
@@ -159,7 +159,7 @@ def test_every_file_of_the_page_is_served_and_none_comes_from_elsewhere() -> Non
 def test_a_taken_port_is_named() -> None:
     source = watch_local(LocalNetwork(), "r")
     with served(source) as server, pytest.raises(UsageError, match=re.escape(server.address.rsplit(":")[-1])):
-        serve_in_thread(source, int(server.address.rsplit(":")[-1]))
+        Server(source, int(server.address.rsplit(":")[-1]))
 
 
 def test_without_the_web_libraries_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

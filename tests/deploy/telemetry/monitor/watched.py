@@ -9,7 +9,7 @@ from typing import Any
 
 from deploy.run.local import LocalFleet
 from deploy.telemetry.monitor.watcher import Player, Watcher
-from deploy.telemetry.monitor.web import Server, serve_in_thread
+from deploy.telemetry.monitor.web import Server
 from protocol.bus.local import LocalNetwork
 from protocol.operations import Steer
 from protocol.scenario.model import Control, ProcessFault, RobotSpec, Scenario, Time
@@ -50,7 +50,7 @@ def running(fleet: LocalFleet) -> Iterator[None]:
 
 @contextmanager
 def served(source: Watcher | Player) -> Iterator[Server]:
-    with closing(serve_in_thread(source)) as server:
+    with closing(Server(source)) as server:
         yield server
 
 
