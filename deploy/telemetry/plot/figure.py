@@ -52,42 +52,33 @@ def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     return ticks, ages * recording.scenario.time.step
 
 
-class ReceivedStates:
-    """The States that each robot received, computed from the recorded States and the same random link faults.
+def state_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray, float]:
+    """Ticks; (tick, robot) the age (s) of the oldest among the peers' newest States, NaN if none; and the
+    share of States lost by the link.
 
-    Only for robots of the scenario. Exact in lock-step; in real time without the delay of the network.
+    What each robot of the scenario received is computed from the recorded States and the same random link
+    faults: exact in lock-step; in real time without the delay of the network.
     """
-
-    def __init__(self, recording: Recording) -> None:
-        self._recording = recording
-        self._sent = 0
-        self._ids = recording.scenario.ids
-        self._radii = {spec.id: spec.radius for spec in recording.scenario.robots}
-        self._links = {robot: StateLink(recording.scenario, robot) for robot in self._ids}
-
-    def ages(self) -> tuple[np.ndarray, np.ndarray]:
-        """Ticks, and (tick, robot) the age (s) of the oldest among the peers' newest States; NaN if none."""
-        ticks = []
-        newest: dict[int, dict[int, int]] = {robot: {} for robot in self._ids}
-        rows = []
-        for tick, states in groupby(self._recording.said(State), attrgetter("tick")):
-            said = [state for state in states if state.robot in newest]
-            places = {state.robot: state.position for state in said}
-            for robot, link in self._links.items():
-                link.locate(tick, places.get(robot))
-                for state in said:
-                    if state.robot != robot:
-                        link.put(addressed_to(robot, state, self._radii[state.robot]))
-                        self._sent += 1
-                for heard in link.take(tick):
-                    newest[robot][heard.robot] = max(heard.tick, newest[robot].get(heard.robot, -1))
-            ticks.append(tick)
-            rows.append([tick - min(newest[robot].values(), default=np.nan) for robot in self._ids])
-        return np.array(ticks), np.array(rows, dtype=float) * self._recording.scenario.time.step
-
-    def share_lost(self) -> float:
-        """Share of States lost by the link; to be called after `ages`."""
-        return sum(link.lost for link in self._links.values()) / max(1, self._sent)
+    ids, sent = recording.scenario.ids, 0
+    radii = {spec.id: spec.radius for spec in recording.scenario.robots}
+    links = {robot: StateLink(recording.scenario, robot) for robot in ids}
+    newest: dict[int, dict[int, int]] = {robot: {} for robot in ids}
+    ticks, rows = [], []
+    for tick, states in groupby(recording.said(State), attrgetter("tick")):
+        said = [state for state in states if state.robot in newest]
+        places = {state.robot: state.position for state in said}
+        for robot, link in links.items():
+            link.locate(tick, places.get(robot))
+            for state in said:
+                if state.robot != robot:
+                    link.put(addressed_to(robot, state, radii[state.robot]))
+                    sent += 1
+            for heard in link.take(tick):
+                newest[robot][heard.robot] = max(heard.tick, newest[robot].get(heard.robot, -1))
+        ticks.append(tick)
+        rows.append([tick - min(newest[robot].values(), default=np.nan) for robot in ids])
+    ages = np.array(rows, dtype=float) * recording.scenario.time.step
+    return np.array(ticks), ages, sum(link.lost for link in links.values()) / max(1, sent)
 
 
 def delayed_sensing(recording: Recording) -> bool:
@@ -130,9 +121,9 @@ def draw_measurement_ages(axes: Axes, recording: Recording) -> None:
 
 def draw_heard_ages(axes: Axes, recording: Recording) -> None:
     """Age of the oldest State among the newest of each robot's peers."""
-    received = ReceivedStates(recording)
-    _ages(axes, recording, *received.ages())
-    axes.set_title(f"age of oldest peer state, {received.share_lost():.0%} lost", loc="left")
+    ticks, ages, lost = state_ages(recording)
+    _ages(axes, recording, ticks, ages)
+    axes.set_title(f"age of oldest peer state, {lost:.0%} lost", loc="left")
 
 
 def _ages(axes: Axes, recording: Recording, ticks: np.ndarray, ages: np.ndarray) -> None:

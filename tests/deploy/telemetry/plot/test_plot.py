@@ -11,7 +11,7 @@ from matplotlib import image
 from PIL import Image
 
 from deploy.telemetry.plot.draw import check, draw, until
-from deploy.telemetry.plot.figure import ReceivedStates, measurement_ages
+from deploy.telemetry.plot.figure import measurement_ages, state_ages
 from deploy.telemetry.plot.workspace import COLOURS, colour, dash
 from deploy.telemetry.recording.reader import Recording, read
 from protocol.errors import UsageError
@@ -107,12 +107,11 @@ def test_age_of_measurements_is_the_injected_delay(faulty):
 
 
 def test_age_of_states_is_the_injected_delay_at_least_and_grows_with_loss(faulty):
-    received = ReceivedStates(faulty)
-    _, ages = received.ages()
+    _, ages, lost = state_ages(faulty)
     known = ages[~np.isnan(ages)]
     assert known.min() == pytest.approx(0.15)
     assert known.max() > 0.2
-    assert received.share_lost() == pytest.approx(0.4, abs=0.1)
+    assert lost == pytest.approx(0.4, abs=0.1)
 
 
 # -- refusals
