@@ -1,8 +1,8 @@
 """Encoding and checked decoding of messages.
 
 Every payload is untrusted. It is accepted only if its size, version, type, shape and numbers are valid and
-its sender's id is that of its key; otherwise MessageError has one of `REASONS`. Each key is parsed once.
-States, which a robot reads once per peer and tick, are read by a `Cursor` where possible.
+its sender's id is that of its key; otherwise MessageError has one of `REASONS`. States, which a robot reads
+once per peer and tick, are read by a `Cursor` where possible.
 """
 
 from __future__ import annotations
@@ -17,10 +17,9 @@ from mypy_extensions import i64, mypyc_attr
 
 from protocol.errors import KeyGrammarError, MessageError
 from protocol.keys import STREAMS, parse
-from protocol.messages import VERSION, AnyMessage, Command, Message, Tick
+from protocol.messages import VERSION, AnyMessage, Message
 
 _TAG = re.compile(r"([a-z]+)/([0-9]+)")
-_MOST = 1 << 14  # remembered keys
 _DECODE: dict[str, Any] = {
     name: msgspec.msgpack.Decoder(stream.message).decode for name, stream in STREAMS.items()
 }
@@ -28,60 +27,38 @@ _DECODE: dict[str, Any] = {
 DAMAGED = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
 SHOWN = 300  # characters of the reason that are logged, escaped: a stranger may have written them
 REASONS = ("key", "oversize", "version", "type", "shape", "identity", "epoch")
-_pack = msgspec.msgpack.encode
 Told = TypeVar("Told")
 Made = TypeVar("Made")
 
 
-@final
-class Reader:
-    """Decodes the payloads of one key, whose last chunk is `stream`, of a `robot` or of the world (None): at
-    most `limit` bytes. Raises MessageError if nothing is published under such keys."""
-
-    __slots__ = ("_decode", "_speaks", "limit", "robot", "stream")
-
-    def __init__(self, stream: str, robot: int | None) -> None:
-        declared = STREAMS.get(stream)
-        if declared is None:
-            raise MessageError("key", f"nothing is published under a key that ends in {stream!r}")
-        self.stream, self.robot = stream, robot
-        self._decode = _DECODE[stream]
-        self.limit = declared.limit
-        self._speaks = "robot" in declared.message.__struct_fields__
-
-    def read(self, payload: bytes) -> AnyMessage:
-        """The message that `payload` is; raises MessageError if it is none, or another robot's."""
-        if len(payload) > self.limit:
-            raise MessageError(
-                "oversize", f"{self.stream}: {len(payload)} bytes, at most {self.limit} are read"
-            )
-        try:
-            message: Any = self._decode(payload)
-        except DAMAGED as error:
-            raise _refusal(self.stream, payload, error) from None
-        if self._speaks and message.robot != self.robot:
-            raise MessageError(
-                "identity", f"{self.stream}: names another robot than its key, which says {self.robot}"
-            )
-        read: AnyMessage = message
-        return read
+def encode(message: Message) -> bytes:
+    """A message as sent."""
+    return msgspec.msgpack.encode(message)
 
 
-_readers: dict[str, Reader] = {}
+def decode(key: str, payload: bytes) -> AnyMessage:
+    """Decode a payload of `key`; raises MessageError with `reason` in `REASONS`."""
+    try:
+        address = parse(key)
+    except KeyGrammarError as error:
+        raise MessageError("key", str(error)) from None
+    return read(address.stream, address.robot, payload)
 
 
-def reader(key: str) -> Reader:
-    """The reader of a key; raises MessageError if nothing is published under it."""
-    known = _readers.get(key)
-    if known is None:
-        try:
-            address = parse(key)
-        except KeyGrammarError as error:
-            raise MessageError("key", str(error)) from None
-        if len(_readers) >= _MOST:
-            _readers.clear()
-        known = _readers[key] = Reader(address.stream, address.robot)
-    return known
+def read(stream: str, robot: int | None, payload: bytes) -> AnyMessage:
+    """Decode a payload of a stream of a `robot`, or of the world (None); raises MessageError."""
+    declared = STREAMS.get(stream)
+    if declared is None:
+        raise MessageError("key", f"nothing is published under a key that ends in {stream!r}")
+    if len(payload) > declared.limit:
+        raise MessageError("oversize", f"{stream}: {len(payload)} bytes, at most {declared.limit} are read")
+    try:
+        message: AnyMessage = _DECODE[stream](payload)
+    except DAMAGED as error:
+        raise _refusal(stream, payload, error) from None
+    if getattr(message, "robot", robot) != robot:
+        raise MessageError("identity", f"{stream}: names another robot than its key, which says {robot}")
+    return message
 
 
 def _refusal(stream: str, payload: bytes, error: Exception) -> MessageError:
@@ -101,41 +78,6 @@ def _refusal(stream: str, payload: bytes, error: Exception) -> MessageError:
     if found[1] != stream:
         return MessageError("type", f"{stream}: holds a {found[1]}")
     return MessageError("shape", f"{stream}: {error}")
-
-
-def _with_defaults(message: type[Message]) -> tuple[tuple[str, object], ...]:
-    """Optional fields and their defaults, from the last one on."""
-    defaults = message.__struct_defaults__
-    fields = message.__struct_fields__[-len(defaults) :]
-    return tuple(zip(reversed(fields), reversed(defaults), strict=True))
-
-
-_OF_TICK: Final = _with_defaults(Tick)
-_OF_COMMAND: Final = _with_defaults(Command)
-
-
-def encode(message: Message) -> bytes:
-    """A message as sent. The last fields of Ticks and Commands are omitted if they have their defaults."""
-    if isinstance(message, Tick):
-        return _shortened(message, _OF_TICK)
-    if isinstance(message, Command):
-        return _shortened(message, _OF_COMMAND)
-    return _pack(message)
-
-
-def _shortened(message: Message, fields: tuple[tuple[str, object], ...]) -> bytes:
-    """Without final `fields` with default values, each of which is one byte of a short array."""
-    payload, spare = _pack(message), 0
-    for name, default in fields:
-        if getattr(message, name) != default:
-            break
-        spare += 1
-    return bytes((payload[0] - spare,)) + payload[1 : len(payload) - spare] if spare else payload
-
-
-def decode(key: str, payload: bytes) -> AnyMessage:
-    """Decode a payload of `key`; raises MessageError with `reason` in `REASONS`."""
-    return reader(key).read(payload)
 
 
 def keeps_newest(make: Callable[[Told], Made]) -> Callable[[Told], Made]:

@@ -13,7 +13,7 @@ from typing import Final, final
 import msgspec
 from mypy_extensions import mypyc_attr
 
-from protocol.codec import Cursor, Reader, keeps_newest
+from protocol.codec import Cursor, keeps_newest, read
 from protocol.errors import MessageError
 from protocol.keys import STREAMS
 from protocol.messages import HIGHEST_ID, LARGEST, UNIT, Answer, Claim, Proposal, State, Vector
@@ -163,7 +163,6 @@ class PeerReader:
 
     def __init__(self, robot: int, peer: int, epoch: int = 0, limits: Plausible = _ANY) -> None:
         self._robot, self._peer, self._epoch = robot, peer, epoch
-        self._reader = Reader("state", peer)
         self._limits = limits
         whole = msgspec.msgpack.encode([State.__struct_config__.tag, peer, *[None] * (_FIELDS - 2)])
         self._begin = whole[: 2 - _FIELDS]
@@ -229,7 +228,7 @@ class PeerReader:
         return found
 
     def _any(self, payload: bytes) -> PeerState:
-        message = self._reader.read(payload)
+        message = read("state", self._peer, payload)
         assert isinstance(message, State)
         if message.epoch != self._epoch:
             raise MessageError("epoch", f"state: of epoch {message.epoch}, this robot is of {self._epoch}")

@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from itertools import count
 from math import inf
 from pathlib import Path
@@ -21,7 +22,7 @@ from deploy.output import check_target
 from deploy.telemetry.live import VIEWED, FleetView
 from deploy.telemetry.recording.form import schema, to_object
 from deploy.telemetry.scene import TOPICS, FleetScene, Picture
-from protocol.codec import Reader
+from protocol.codec import read
 from protocol.errors import KeyGrammarError, MessageError, RecordingError, UsageError
 from protocol.keys import STREAMS, Address, parse
 from protocol.messages import VERSION, Truth
@@ -87,7 +88,7 @@ class _Channel:
 
     def __init__(self, address: Address, number: int) -> None:
         self.number, self.count = number, 0
-        self.read = Reader(address.stream, address.robot).read
+        self.read = partial(read, address.stream, address.robot)
         self.form = to_object(STREAMS[address.stream].message)
 
 
