@@ -66,7 +66,6 @@ class RobotNode:
         self._namespace = namespace
         self._world = WorldSession(bus, run, robot, wait, say, read)
         self._peers = Subscriptions(bus, run, robot)
-        self._health_key = robot_key(run, robot, "health")
         self._summary = world_key(run, "summary")
         self._link: RosLink | None = None
         self._base: AttachedBase | None = None
@@ -155,7 +154,7 @@ class RobotNode:
             bus.subscribe(robot_key(run, robot, "wish"))
         self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
         self._tell_command = bus.publisher(STREAMS["command"], robot_key(run, robot, "command"))
-        self._tell_health = bus.publisher(STREAMS["health"], self._health_key)
+        self._tell_health = bus.publisher(STREAMS["health"], robot_key(run, robot, "health"))
         self._declare_topics(core)
         if self._base is None:
             self._announce()
@@ -366,8 +365,7 @@ class RobotNode:
 
     def _report(self) -> None:
         self._reported = time.monotonic()
-        if self._bus.is_heard(self._health_key):  # the cost of a report grows with the number of pairs
-            self._tell_health(encode(self._health()))
+        self._tell_health(encode(self._health()))
 
     def _health(self) -> Health:
         core = self.core

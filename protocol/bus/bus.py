@@ -16,9 +16,7 @@ import time
 from collections.abc import Callable, Iterable
 from math import inf
 from pathlib import Path
-from typing import Final, NamedTuple, Protocol, final
-
-from mypy_extensions import mypyc_attr
+from typing import Final, NamedTuple, Protocol
 
 from protocol.errors import ProcessError
 from protocol.keys import Stream
@@ -27,24 +25,11 @@ from protocol.process.signals import STOP
 Publish = Callable[[bytes], None]
 
 
-@final
-@mypyc_attr(acyclic=True)
-class Sample:
-    """A publication under `key`. Immutable."""
+class Sample(NamedTuple):
+    """A publication under `key`."""
 
-    __slots__ = ("key", "payload")
-
-    def __init__(self, key: str, payload: bytes) -> None:
-        self.key, self.payload = key, payload
-
-    def __repr__(self) -> str:
-        return f"Sample({self.key!r}, {self.payload!r})"
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Sample) and self.key == other.key and self.payload == other.payload
-
-    def __hash__(self) -> int:
-        return hash((self.key, self.payload))
+    key: str
+    payload: bytes
 
 
 class Foreign(NamedTuple):
@@ -62,14 +47,12 @@ class Presence(NamedTuple):
     alive: bool
 
 
-@final
-class Query:
+class Query(NamedTuple):
     """A request under `key`; exactly one `reply` is expected."""
 
-    __slots__ = ("key", "payload", "reply")
-
-    def __init__(self, key: str, payload: bytes, reply: Callable[[bytes], None]) -> None:
-        self.key, self.payload, self.reply = key, payload, reply
+    key: str
+    payload: bytes
+    reply: Callable[[bytes], None]
 
 
 Event = Sample | Foreign | Presence | Query
@@ -91,9 +74,6 @@ class Bus(Protocol):
 
     def listen(self, key_expression: str) -> None:
         """Subscribe to a key expression outside this fleet; its events are `Foreign`, with attachments."""
-
-    def is_heard(self, key: str) -> bool:
-        """Whether `key` may have a subscriber; True if unknown."""
 
     def subscribe(self, *key_expressions: str) -> None:
         """Subscribe to key expressions, of which plain keys cost least."""

@@ -138,9 +138,6 @@ class LocalBus:
 
         return publish
 
-    def is_heard(self, key: str) -> bool:
-        return bool(self.network.route(key) or self.network.watchers(key))
-
     def subscribe(self, *key_expressions: str) -> None:
         for each in key_expressions:
             if "*" in each:

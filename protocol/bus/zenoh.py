@@ -108,9 +108,6 @@ class ZenohBus:
             return publisher.put
         return lambda payload: publisher.put(payload, attachment=attach())
 
-    def is_heard(self, key: str) -> bool:  # noqa: ARG002
-        return True
-
     def subscribe(self, *key_expressions: str) -> None:
         # A declared key is sent as a number, any other as text, which must be looked up.
         for each in key_expressions:
