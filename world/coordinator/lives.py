@@ -337,11 +337,6 @@ class Lives:
             self.roster.alter(robot, status="standing", position=position, bound=bound)
         note(self.fenced, (tick + 1, Standing(robot, self.of[robot].incarnation, position)))
 
-    def goes_on(self, robot: int, incarnation: int) -> bool:
-        """Whether this life has joined and is neither over nor lost."""
-        life = self.of[robot]
-        return life.goes_on and life.incarnation == incarnation
-
     def lose(self, tick: int, robot: int, reason: str) -> bool:
         """Record the failure of an active life's process, with a reason for the report; else False."""
         life = self.of[robot]

@@ -33,7 +33,6 @@ class Slot:
     """One robot id, and its admitted process."""
 
     session: str = ""
-    granted: int = 0  # its incarnation
     since: float = 0.0  # s, time of its admission
     missing: float = inf  # s, time since which its token is missing, though it may be alive
     health: Health | None = None  # report of its process at the end of the run
@@ -71,7 +70,7 @@ class Admissions:
         self._world = world
         self.processes = Processes() if processes is None else processes
         newest, lives = self.processes.newest, world.lives.of
-        self.slots = {robot: Slot(newest.get(robot, ""), life.incarnation) for robot, life in lives.items()}
+        self.slots = {robot: Slot(newest.get(robot, "")) for robot in lives}
         self._tokens: set[tuple[int, str]] = set()  # robots and sessions of present processes
         # Newest request of each robot that waits for its disk, s, by the clock; -inf afterwards.
         self._early: dict[int, float] = {}
@@ -143,22 +142,22 @@ class Admissions:
             return joining.Refusal(f"robot {robot}: this process was given up {CHANCES} times; start another")
         if reason := self._obstacle(join):
             return joining.Wait(_RETRY, reason)
-        lives, newest = world.lives, self.processes.newest.get(robot)
-        before, goes_on = lives.of[robot].fate, lives.goes_on(robot, slot.granted)
-        if goes_on and join.session == newest:
-            if join.health is None or join.health.incarnation < slot.granted:
+        life, newest = world.lives.of[robot], self.processes.newest.get(robot)
+        before = life.fate
+        if life.goes_on and join.session == newest:
+            if join.health is None or join.health.incarnation < life.incarnation:
                 slot.session = join.session  # it lost its slot while the scenario paused it
-                return self._admission(slot)
+                return self._admission(robot)
             world.lost(robot)  # as the process reports
-        elif goes_on or slot.session not in ("", join.session):
+        elif life.goes_on or slot.session not in ("", join.session):
             world.lost(robot, "showed no sign of life after it was admitted; another process came")
         try:
-            slot.granted = world.join(robot)
+            world.join(robot)
         except JoinError as error:
             return joining.Refusal(str(error))
         slot.session, slot.since = join.session, self._clock()
         self.processes.admit(robot, join.session, before)
-        return self._admission(slot)
+        return self._admission(robot)
 
     def _obstacle(self, join: joining.Join) -> str:
         """The reason why a process must wait; "" if it need not."""
@@ -177,10 +176,11 @@ class Admissions:
         goals = tuple(status for status in self._world.goal_statuses() if status.number)
         return joining.Overview(self._world.scenario, self._lockstep, goals)
 
-    def _admission(self, slot: Slot) -> joining.Admission:
+    def _admission(self, robot: int) -> joining.Admission:
         away = AWAY if self._checkpoint is not None and self._checkpoint.kept else 0.0
-        scenario, founded = self._world.scenario, self._world.lives.founded
-        return joining.Admission(slot.granted, self._lockstep, scenario, away, founded, self._epoch)
+        lives = self._world.lives
+        life, scenario = lives.of[robot].incarnation, self._world.scenario
+        return joining.Admission(life, self._lockstep, scenario, away, lives.founded, self._epoch)
 
     # -- presence
 

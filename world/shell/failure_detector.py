@@ -78,8 +78,7 @@ class FailureDetector:
         """A token disappeared: give its process up, unless its life may return within a grace period."""
         if not self._admissions.go(robot, session):
             return
-        granted = self._admissions.slots[robot].granted
-        if self._grace and self._run.world.lives.goes_on(robot, granted):
+        if self._grace and self._run.world.lives.of[robot].goes_on:
             self._admissions.miss(robot)
         else:
             self._gone(robot)
