@@ -80,6 +80,7 @@ class RobotNode:
         self._said_state = self._said_command = b""  # newest payloads
         self._published = self._received = 0
         self._due = self._reported = time.monotonic()
+        bus.watch(world_tokens(run))  # before the first request: the world that admits it may die at once
 
     @property
     def deadline(self) -> float:
@@ -147,7 +148,6 @@ class RobotNode:
     def _declare(self, core: Robot) -> None:
         """Declare subscriptions before publishers before the token, which shows that all are there."""
         bus, run, robot = self._bus, self._run, self._robot
-        bus.watch(world_tokens(run))
         bus.subscribe(robot_key(run, robot, "tick"))
         bus.subscribe(self._summary)
         if core.scenario.control.law == "external":

@@ -17,7 +17,7 @@ from protocol.messages import Health
 Say = Callable[[str], None]
 Read = Callable[[bytes], joining.Reply]
 
-PATIENCE: Final = 10.0  # s without a message of the world before a probe, or before giving up
+PATIENCE: Final = 10.0  # s without a message of the world before it is asked, or before giving up
 RETRY: Final = 0.2  # s until the next question after one that was of no use
 _TIMEOUT = 2.0  # s that a question may take
 _BRIEF = 0.1  # s that it may take when the run is over: the end of the world's token may have been missed
@@ -39,7 +39,8 @@ class WorldSession:
         session: of this process.
         epoch: of the coordinator that admitted this process last, 0 for none.
         heard: when the last message of the world arrived, s, monotonic.
-        back: whether it, or another one, has come back, so that this life may have ended meanwhile.
+        back: whether to ask to join, since it, or another one, has come back, or is silent: this life may
+            have ended meanwhile. The world confirms a life that has not.
     """
 
     def __init__(
@@ -50,7 +51,7 @@ class WorldSession:
         self.heard = time.monotonic()
         self.back = False
         self._bus, self._run, self._robot, self._say, self._read = bus, run, robot, say, read
-        self._others: set[str] = set()  # sessions of other present worlds
+        self._present: set[str] = set()  # sessions of worlds
         self._bearable, self._timeout = wait, _TIMEOUT  # s without an answer; s, timeout of a request
         self._away = 0.0  # s after which the world may still return, as it announced
         self._gone = inf  # s, monotonic: loss of its token
@@ -91,18 +92,14 @@ class WorldSession:
 
     def _answer(self, request: bytes) -> joining.Reply:
         """The reply of the only coordinator; raises BusError if two reply."""
-        replies = self._ask(request)
+        replies = self._bus.ask(robot_key(self._run, self._robot, "join"), request, self._timeout)
         if len(replies) > 1:
             raise BusError(f"{len(replies)} worlds of this run answer, end all but one")
         return self._read(replies[0])
 
-    def _ask(self, request: bytes) -> list[bytes]:
-        return self._bus.ask(robot_key(self._run, self._robot, "join"), request, self._timeout)
-
     def admitted(self, admission: joining.Admission) -> None:
         """Note the admission of an incarnation."""
         self.epoch, self._gone, self._told_gone = admission.epoch, inf, False
-        self._others.discard(session_of(admission.epoch))
         self._away, self._refused, self.back = admission.away, 0, False
         self._bearable, self._timeout = max(PATIENCE, admission.away), _TIMEOUT
 
@@ -122,11 +119,14 @@ class WorldSession:
     def on_token(self, session: str, alive: bool) -> None:
         """A world's token appeared or disappeared. Without its own the robot stands, and joins another."""
         own = self.is_own(session)
-        if not own:
-            (self._others.add if alive else self._others.discard)(session)
-        elif not alive:
+        (self._present.add if alive else self._present.discard)(session)
+        if own and not alive:
             self._gone = time.monotonic()
-        if self._gone == inf or not (self._others or (own and alive)):
+        elif own and self._gone == inf:
+            return  # nothing was missed
+        # Its own may have disappeared before this process saw it.
+        is_lost = self.epoch > 0 and session_of(self.epoch) not in self._present
+        if not (own and alive) and not (is_lost and self._present):
             return
         if self._told_gone:
             which = "is back" if own and alive else "has been started again"
@@ -143,5 +143,4 @@ class WorldSession:
         if now > self._gone + self._bearable:
             raise BusError(f"run {self._run!r}: the world has been gone for {self._bearable:g} s; gives up")
         if now > self.heard + PATIENCE and self._gone == inf:
-            self._ask(b"")  # raises without an answer; a paused world answers
-            self.heard = time.monotonic()
+            self.back = True
