@@ -9,6 +9,7 @@ field begins with its unit, if it has one; `docs/streams.md` is generated from t
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 from typing import Annotated, Final, Literal
 
@@ -91,8 +92,10 @@ class ListedBinding(msgspec.Struct, frozen=True, array_like=True, gc=False):
     def __post_init__(self) -> None:
         if len(self.points) > 1 and (problem := _defect(self.points)):
             raise ValueError(f"the place of disk {self.peer} {problem}")
-        if self.static and not self.points:
+        if (self.static or self.first is None) and not self.points:
             raise ValueError(f"disk {self.peer} stands, and has no place")
+        if self.first is not None and abs(math.hypot(*self.first[:2]) - 1.0) >= UNIT - 1.0:
+            raise ValueError(f"the normal of the first line towards disk {self.peer} is not of length 1")
 
     @property
     def place(self) -> Shape | None:
@@ -108,6 +111,13 @@ class Grants(msgspec.Struct, frozen=True, array_like=True, gc=False):
     number: Count  # of the newest region granted
     region: Round | None  # m, the disk in which to stay; None: anywhere
     bindings: tuple[ListedBinding, ...]  # all in force of this life
+
+    def __post_init__(self) -> None:
+        numbers = {each.number for each in self.bindings}
+        if len(numbers) < len(self.bindings):
+            raise ValueError("two bindings have one number")
+        if max(self.life, self.number, *numbers) > self.version:
+            raise ValueError(f"version {self.version} names a life, region or binding that is newer")
 
 
 class Standing(msgspec.Struct, frozen=True, array_like=True, gc=False):
@@ -210,6 +220,10 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     over: bool = False  # the run has ended: join again, as a new life or to receive the verdict
     heard: Count | None = None  # external fleet: tick of the newest Command of this incarnation that it has
     grants: Grants | None = None  # region and bindings to obey; None once this incarnation has them
+
+    def __post_init__(self) -> None:
+        if self.grants is not None and any(each.peer == self.robot for each in self.grants.bindings):
+            raise ValueError(f"robot {self.robot} is bound to itself")
 
 
 class Report(msgspec.Struct, frozen=True, array_like=True, gc=False):

@@ -31,9 +31,15 @@ from protocol.messages import (
 )
 
 _POINT = ((0.5, -0.25),)  # of what is checked beyond its types: a disk's centre
+_BINDINGS = (ListedBinding(7, -1, (0.6, 0.8, 0.4)), ListedBinding(6, -2, None, _POINT, 0.05, True))
 _CHECKED: dict[type, dict[str, st.SearchStrategy[Any]]] = {
     Member: {"position": st.just(_POINT[0])},
-    ListedBinding: {"points": st.just(_POINT)},
+    Grants: {
+        "life": st.integers(0, 5),
+        "version": st.integers(7, 2**53),
+        "number": st.integers(0, 7),
+        "bindings": st.sampled_from([(), _BINDINGS]),
+    },
     PlacedObstacle: {"points": st.just(_POINT)},
 }
 

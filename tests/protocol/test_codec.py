@@ -93,6 +93,28 @@ def test_a_foreign_id_is_refused(message: AnyMessage, robot: int) -> None:
     assert refused(key, encode(message)) == (None if robot == message.robot else "identity")  # type: ignore[union-attr]  # filtered
 
 
+LISTED = [7, 2, [1.0, 0.0, 0.5]]
+
+
+@pytest.mark.parametrize(
+    "grants",
+    [
+        [10, 9, 8, None, []],
+        [5, 9, 10, None, []],
+        [5, 6, 6, None, [LISTED]],
+        [5, 9, 8, None, [LISTED, LISTED]],
+        [5, 9, 8, None, [[7, 1, [1.0, 0.0, 0.5]]]],
+        [5, 9, 8, None, [[7, 2, None]]],
+        [5, 9, 8, None, [[7, 2, [0.5, 0.0, 0.5]]]],
+    ],
+    ids=["life", "region", "binding", "twice", "to itself", "without a place", "no unit normal"],
+)
+def test_grants_that_no_ledger_makes_are_refused(grants: list[Any]) -> None:
+    *said, _ = msgspec.to_builtins(Tick(1, 1, 3, (1, 2)))
+    for told, reason in (([5, 9, 8, None, [LISTED]], None), (grants, "shape")):
+        assert refused(a_key("tick"), msgspec.msgpack.encode([*said, told])) == reason
+
+
 @pytest.mark.parametrize("name", sorted(STREAMS))
 def test_oversize_is_refused_unread(name: str) -> None:
     assert refused(a_key(name), b"\x90" * (STREAMS[name].limit + 1)) == "oversize"

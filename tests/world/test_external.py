@@ -159,3 +159,21 @@ def test_a_run_ends_if_a_robot_is_not_where_the_ledger_has_it(off: float, verdic
     assert world.verdict == verdict
     assert world.lives.of[1].begun == (not verdict)
     assert ("robot 1 is at (0.250, 0.000), not where" in world.referee.reason) == bool(verdict)
+
+
+def test_a_late_command_that_names_grants_that_were_never_made_is_not_heard() -> None:
+    scenario = load("turtlebots-2", ["world.plant=external", "time.endless=true"], 1)
+    world, robot = WorldCore(scenario), scenario.ids[0]
+    for each in scenario.ids:
+        world.join(each)
+    for _ in range(2):
+        world.open_tick()
+        world.close_tick()
+    world.open_tick()
+    for command in (
+        Command(robot, 1, 1, (0.0, 0.0), version=10**6),
+        Command(robot, 1, 1, (0.0, 0.0), roster=10**6),
+    ):
+        assert not world.accept(command)
+    assert world.exchange.refused == {"ledger": 2}
+    assert world.accept(Command(robot, 1, 1, (0.0, 0.0)))

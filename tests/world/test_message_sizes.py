@@ -132,7 +132,7 @@ def test_a_roster_of_all_obstacles_that_there_may_be_fits() -> None:
     obstacles.take_away(MOST + MOST_THINGS)
     assert "corners" in obstacles.refusal(ROUNDISH, wide, [])
     bindings = tuple(
-        ListedBinding(LIFE + n, -n, (1.0, 0.0, 0.1), each.points, each.radius, True)
+        ListedBinding(LIFE - 6000 - n, -n, (1.0, 0.0, 0.1), each.points, each.radius, True)
         for n, each in enumerate(obstacles.changes, 1)
         if each.status != "gone"
     )
@@ -144,7 +144,7 @@ def test_a_roster_of_all_obstacles_that_there_may_be_fits() -> None:
     assert_fits(Clock(LIFE, 1e6, IDS, (), "", obstacles=obstacles.changes), world_key("r", "clock"))
     assert ROUNDISH.points is not None
     listed = [
-        ListedBinding(LIFE + n, -n, (1.0, 0.0, 0.1), ROUNDISH.points, 0.0, True) for n in range(1, 5001)
+        ListedBinding(LIFE - n, -n, (1.0, 0.0, 0.1), ROUNDISH.points, 0.0, True) for n in range(1, 5001)
     ]
     grants = msgspec.structs.replace(
         grants, bindings=(*grants.bindings, *listed)

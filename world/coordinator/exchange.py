@@ -114,7 +114,7 @@ class Exchange:
         waiting: active robots that still owe one.
         missed: number of missing Commands, over all active robots and ticks.
         refused: number of refused Commands, by reason: late, early, incarnation (of another life), fenced,
-            inactive, duplicate, unknown, ledger (it refers to grants that were never made).
+            inactive, duplicate, unknown, ledger (it refers to a roster or grants that were never made).
     """
 
     def __init__(self, scenario: Scenario, lives: Lives, missions: Missions, tick: int = 0) -> None:
@@ -224,13 +224,13 @@ class Exchange:
             return "unknown"
         if command.incarnation != life.incarnation:
             return "incarnation"
-        if life.fenced:
-            return "fenced"
+        if life.fenced or self._lives.refuses(command):
+            return "fenced" if life.fenced else "ledger"
         if command.tick != self.tick or self.told is None:
             return "late" if command.tick < self.tick else "early"
         if command.robot not in self.waiting:
             return "duplicate" if command.robot in self.taken else "inactive"
-        return "ledger" if self._lives.keeper.refuses(command) else ""
+        return ""
 
     def blamed(self) -> dict[int, str]:
         """Robots to give up in the open tick, with reasons; clears the reports of missing States."""

@@ -118,7 +118,7 @@ class Keeper:
         """Whether a Command refers to grants that its robot's present life cannot have received."""
         disk = self._ledger.disks.get(command.robot)
         granted = 0 if disk is None else disk.held.granted
-        return command.version > self.version or command.region > granted
+        return command.version > self.version or command.region > min(granted, command.version)
 
     def acknowledge(self, command: Command) -> None:
         """Record the region and bindings that the present life of a robot obeys."""

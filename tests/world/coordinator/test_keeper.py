@@ -161,7 +161,8 @@ def test_what_was_never_granted_cannot_be_obeyed() -> None:
     keeper = founded(fleet())
     keeper.advance({})
     told = news(keeper, 1)
-    for version, region in ((told.version + 1, told.number), (told.version, told.number + 1)):
+    lies = ((told.version + 1, told.number), (told.version, told.number + 1), (0, told.number))
+    for version, region in lies:
         assert keeper.refuses(Command(1, 1, 0, (0.0, 0.0), version=version, region=region))
 
 
