@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from agents.bases.base import misplaced
 from agents.bases.dialects import Topic
@@ -15,6 +16,7 @@ from protocol.messages import Command, Sense, Tick, Vector
 if TYPE_CHECKING:
     from agents.bases.ros2 import Ros2Base
 
+_NUMBERS: Final = re.compile(r"[-.0-9]+")  # of a fault, which vary with every measurement
 _BOOT = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
 
 
@@ -109,8 +111,9 @@ class AttachedBase:
             if known is not None and not founded:
                 trouble = misplaced(core.scenario, core.robot, *known)
             self.in_place = not trouble
-        if trouble != self.trouble:
-            self.trouble = trouble
+        is_news = _NUMBERS.sub("", trouble) != _NUMBERS.sub("", self.trouble)
+        self.trouble = trouble
+        if is_news:
             self._say(f"{trouble}; stands" if trouble else "its base and its localisation are sound")
 
     def _publish(self, payloads: Iterable[bytes]) -> None:
