@@ -1,15 +1,12 @@
 """Adaptations to late States: extrapolation of peers, softer repulsion and more speed near goals.
 
 - A peer with a much longer remaining path than the robot is extrapolated by its wish, and the robot makes
-room
-  ahead of time (`foreseen`). Only one of two does that, since both would drive each other back; and a part of
-  the received gap remains.
-- The repulsive layer around a disk is about gamma/k thin. Near the goals it is thinner than the motion of
-a peer
-  before its State arrives: robots come so close that each waits until the other leaves, and lines allow
-      them no
-  more speed than gap over latency. A smaller k (`late_gain`) keeps them farther apart, for a slightly longer
-  path. Far from the goals it would only widen detours.
+  room ahead of time (`foreseen`). Only one of two does that, since both would drive each other back; and a
+  part of the received gap remains.
+- The repulsive layer around a disk is about gamma/k thin. Near the goals it is thinner than the motion of a
+  peer before its State arrives: robots come so close that each waits until the other leaves, and lines allow
+  them no more speed than gap over latency. A smaller k (`late_gain`) keeps them farther apart, for a slightly
+  longer path. Far from the goals it would only widen detours.
 - Each robot computes the common pace from past positions of the others. Near its goal, where gaps and not the
   others' motion limit it, a robot goes faster (`late_speed`).
 

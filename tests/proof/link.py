@@ -6,12 +6,13 @@ rule the invariant has to hold of it, and nothing may change but by a rule.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache, wraps
 from itertools import product
-from typing import Any, Protocol
+from typing import Any
 
 import z3
 
@@ -34,15 +35,45 @@ RULES: dict[type, list[str]] = {
 }
 
 
-class Facts(Protocol):
-    """What geometry says of a record: a region is named by its number, a line by two."""
+class Facts(ABC):
+    """What geometry says of a record: a region is named by its number, a line by two.
 
+    Args:
+        regions: that A and B hold, by number.
+        firsts: first lines of bindings, by number.
+        s: the record.
+    """
+
+    def __init__(self, regions: dict[str, dict[int, Any]], firsts: dict[int, Any], s: Record) -> None:
+        self.regions, self._firsts, self._s = regions, firsts, s
+
+    @abstractmethod
     def apart(self, a: int, b: int) -> bool: ...
+    @abstractmethod
     def inside(self, x: str, body: Any, region: int) -> bool: ...
-    def beside(self, x: str, region: int, line: Any) -> bool: ...
+    @abstractmethod
     def fits(self, x: str, body: Any, line: Any) -> bool: ...
+    @abstractmethod
     def disjoint(self, a: Any, b: Any) -> bool: ...
-    def line(self, binding: int, number: int) -> Any: ...
+
+    @abstractmethod
+    def shape(self, region: Any) -> Any:
+        """Of a region, as a body is given."""
+
+    def beside(self, x: str, region: int, line: Any) -> bool:
+        known = self.regions[x].get(region)
+        return known is None or self.fits(x, self.shape(known), line)
+
+    def line(self, binding: int, number: int) -> Any:
+        """As one of the ends keeps it, or the ledger; each line that is obeyed is kept by its end."""
+        for lines in (
+            self._s[f"{b}.{x}.lines"] for b in "LS" for x in "AB" if self._s[f"{b}.number"] == binding
+        ):
+            if number in lines:
+                return lines[number]
+        assert number == 0
+        assert self._firsts[binding] is not None
+        return self._firsts[binding]
 
 
 # -- what the solver was asked, as Python

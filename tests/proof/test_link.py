@@ -15,39 +15,30 @@ from protocol.kernel.records import GONE
 from protocol.line import ROUNDING, Line
 from protocol.region import Region, RegionGeometry, support
 from tests.agents.lines.models.skirmishes.skirmish import Skirmish
-from tests.proof.link import Record, Watch, bindings_of, broken, ranges_of, record, watched
+from tests.proof.link import Facts, Watch, bindings_of, broken, ranges_of, record, watched
 from world.world import WorldCore
 
 pytestmark = pytest.mark.skipif(ledgers.__file__.endswith(".so"), reason="only sources can be looked at")
 PRODUCT: Any = SimpleNamespace(Robot=Robot, World=WorldCore, Line=Line)
 
 
-Regions = dict[str, dict[int, Region]]
-
-
-class PlaneFacts:
+class PlaneFacts(Facts):
     """What the plane says of a record; a body is the true disk."""
 
-    def __init__(
-        self, regions: dict[str, dict[int, Region]], firsts: dict[int, Line | None], s: Record
-    ) -> None:
-        self._regions, self._firsts, self._s = regions, firsts, s
-
     def apart(self, a: int, b: int) -> bool:
-        one, other = self._regions["A"].get(a), self._regions["B"].get(b)
+        one, other = self.regions["A"].get(a), self.regions["B"].get(b)
         return one is None or other is None or RegionGeometry().clear(_held(one), other)
 
     def inside(self, x: str, body: Shape, region: int) -> bool:
-        known = self._regions[x].get(region)
+        known = self.regions[x].get(region)
         if known is None or known.is_everywhere or not isinstance(body, Disk):
             return known is not None
         around = known.shape.around
         gap = around.radius - Disk(around.x, around.y, 0.0).distance(body.x, body.y) - body.radius
         return gap >= -ROUNDING
 
-    def beside(self, x: str, region: int, line: Line) -> bool:
-        known = self._regions[x].get(region)
-        return known is None or self.fits(x, known.shape, line)
+    def shape(self, region: Region) -> Shape:
+        return region.shape
 
     def fits(self, x: str, body: Shape, line: Line) -> bool:
         if x == "A":
@@ -57,16 +48,6 @@ class PlaneFacts:
     def disjoint(self, a: Shape, b: Shape) -> bool:
         """Bodies that stand where the run begins; the judge looks at all others."""
         return True
-
-    def line(self, binding: int, number: int) -> Line:
-        kinds = [b for b in "LS" if self._s[f"{b}.number"] == binding]
-        for lines in (self._s[f"{b}.{x}.lines"] for b in kinds for x in "AB"):
-            if number in lines:
-                found: Line = lines[number]
-                return found
-        first = self._firsts[binding]
-        assert first is not None
-        return first
 
 
 def _held(region: Region) -> Any:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 from protocol.kernel.records import GONE, DiskRecord, Held
 from protocol.kernel.robot import Bound
-from tests.proof.link import Record
+from tests.proof.link import Facts
 
 Span = tuple[int, int]
 
@@ -63,39 +63,21 @@ def overlap(one: Span, other: Span) -> bool:
     return max(one[0], other[0]) < min(one[1], other[1])
 
 
-Regions = dict[str, dict[int, Span]]
-
-
-class TrackFacts:
+class TrackFacts(Facts):
     """What the track says of a record of two disks."""
 
-    def __init__(self, regions: Regions, firsts: dict[int, Line | None], s: Record) -> None:
-        self._regions, self._firsts, self._s, self._track = regions, firsts, s, Track()
-
     def apart(self, a: int, b: int) -> bool:
-        one, other = self._regions["A"].get(a), self._regions["B"].get(b)
+        one, other = self.regions["A"].get(a), self.regions["B"].get(b)
         return one is None or other is None or not overlap(one, other)
 
     def inside(self, x: str, body: Span, region: int) -> bool:
-        return region in self._regions[x] and self._track.inside(body, self._regions[x][region])
+        return region in self.regions[x] and Track().inside(body, self.regions[x][region])
 
-    def beside(self, x: str, region: int, line: Line) -> bool:
-        known = self._regions[x].get(region)
-        return known is None or self._track.fits(known, line, x == "A")
+    def shape(self, region: Span) -> Span:
+        return region
 
     def fits(self, x: str, body: Span, line: Line) -> bool:
-        return self._track.fits(body, line, x == "A")
+        return Track().fits(body, line, x == "A")
 
     def disjoint(self, a: Span, b: Span) -> bool:
         return not overlap(a, b)
-
-    def line(self, binding: int, number: int) -> Line:
-        """As one of the ends keeps it, or the ledger; each line that is obeyed is kept by its end."""
-        kinds = [b for b in "LS" if self._s[f"{b}.number"] == binding]
-        for lines in (self._s[f"{b}.{x}.lines"] for b in kinds for x in "AB"):
-            if number in lines:
-                return cast(Line, lines[number])
-        first = self._firsts[binding]
-        assert first is not None
-        assert number == 0
-        return first
