@@ -17,11 +17,13 @@ import numpy as np
 
 from protocol.messages import Id, Vector
 from protocol.scenario.model import Scenario
-from world.judge.clearance import Disks, Plane, Reals
+from world.judge.clearance import FEW, Disks, Plane, Reals
 
 _CENTIMETRES = 100.0
 _MOST = 300.0  # decades, in place of an infinite logarithm
 _TINY = np.finfo(np.float64).tiny  # in place of unused values that are not positive
+_ROWS = 8  # factors, of pairs or gaps, that are multiplied before a logarithm
+_TWICE = np.tri(_ROWS, dtype=np.bool_)
 
 
 class Goals(msgspec.Struct, frozen=True, dict=True):
@@ -142,9 +144,36 @@ def phi(log_gamma: float, log_beta: float, k: float) -> float:
 
 def _log_beta(disks: Disks, positions: Plane) -> list[float]:
     """log beta of each configuration; -inf outside free space."""
+    walls = disks.beta(positions)
+    if len(disks) > FEW:
+        return [
+            _log_product(each, disks.radii) + _log(wall) for each, wall in zip(positions, walls, strict=True)
+        ]
     relative = disks.relative(positions)
     beta_pairs = relative.real**2 + relative.imag**2 - disks.contact**2
-    beta = np.concatenate((beta_pairs, disks.beta(positions)), axis=-1)
+    beta = np.concatenate((beta_pairs, walls), axis=-1)
     found = np.log(np.maximum(beta, _TINY)).sum(axis=-1)
     logs: list[float] = np.where(beta.min(axis=-1) > 0.0, found, -math.inf).tolist()
     return logs
+
+
+def _log(beta: Reals) -> float:
+    """Logarithm of the product; -inf unless all are positive."""
+    if beta.min() <= 0.0:
+        return -math.inf
+    return float(np.log(np.multiply.reduceat(beta, np.arange(0, len(beta), _ROWS))).sum())
+
+
+def _log_product(positions: Plane, radii: Reals) -> float:
+    """`_log` of beta of all pairs, some rows of their triangle at a time."""
+    x, y, total = positions.real.copy(), positions.imag.copy(), 0.0
+    for begin in range(0, len(x), _ROWS):
+        rows = slice(begin, begin + _ROWS)
+        beta = (x[rows, None] - x[begin:]) ** 2
+        beta += (y[rows, None] - y[begin:]) ** 2
+        beta -= (radii[rows, None] + radii[begin:]) ** 2
+        beta[:, : len(beta)][_TWICE[: len(beta), : len(beta)]] = 1.0  # each pair once
+        if beta.min() <= 0.0:
+            return -math.inf
+        total += float(np.log(beta.prod(axis=0)).sum())
+    return total

@@ -90,13 +90,27 @@ def spread(robots, seed, k):
 
 
 @pytest.mark.parametrize(
-    ("robots", "k"), [(1, 2.0), (2, 5.0), (3, 20.0), (6, 60.0), (6, 1000.0), (20, 700.0), (70, 1e4), (6, 1e4)]
+    ("robots", "k"), [(1, 2.0), (2, 5.0), (3, 20.0), (6, 60.0), (6, 1000.0), (20, 700.0), (6, 1e4)]
 )
 @pytest.mark.parametrize("seed", range(3))
 def test_phi_and_its_logarithm_equal_the_formulas_in_many_digits(robots, k, seed):
     setting, positions = spread(robots, seed, k)
     (level,) = judged(setting, positions[None])
     assert level == pytest.approx(exact(setting, positions), rel=1e-10)
+
+
+@pytest.mark.parametrize("robots", [2, 20, 70])
+def test_phi_of_many_is_the_same(robots, monkeypatch):
+    setting, positions = spread(robots, 0, 1e4)
+    disks = Disks.of(setting)
+    goals = Goals({n: ((0.0, 0.0), (at.real + 0.01, at.imag)) for n, at in enumerate(positions, 1)})
+    positions = np.array([positions, positions])
+    positions[1, 0] = positions[1, -1] + RADIUS
+    found = levels_of(disks, goals, setting.k, positions)
+    monkeypatch.setattr("world.judge.measures.FEW", 0)
+    again = levels_of(disks, goals, setting.k, positions)
+    assert np.array(again) == pytest.approx(np.array(found), rel=1e-12)
+    assert found[0] < found[1] == (1.0, 300.0)
 
 
 def test_phi_is_0_at_the_goal_and_1_on_the_boundary_and_outside():
