@@ -148,7 +148,9 @@ class ConvexPolygon:
             ux, uy, vx, vy = bx - ax, by - ay, x - ax, y - ay
             if ux * vy < uy * vx:  # only sides that face the point can be nearest
                 part = (vx * ux + vy * uy) / (ux * ux + uy * uy)
-                part = min(max(part, 0.0), 1.0)
+                if 0.0 < part < 1.0:  # and straight from one there is no nearer point
+                    return ax + part * ux, ay + part * uy
+                part = 0.0 if part <= 0.0 else 1.0
                 px, py = ax + part * ux, ay + part * uy
                 square = (px - x) * (px - x) + (py - y) * (py - y)
                 if square < least:
