@@ -1,10 +1,11 @@
-"""Robots' nodes with external bases, in real time on the in-process bus."""
+"""Robots' nodes with external bases, on the in-process bus; what they would wait for is skipped."""
 
 from __future__ import annotations
 
 import math
 import random
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -16,6 +17,7 @@ from protocol.bus.bus import Event, Foreign
 from protocol.errors import BusError, JoinError, UsageError
 from tests.agents.bases.wheels import STEP, Wheels
 from tests.mortal import MortalFleet
+from tests.skipped_waits import skipped_waits
 from world.report import result_of
 from world.world import WorldCore
 
@@ -26,6 +28,14 @@ SETTINGS = (
     "sensing.noise_bound=0.006",
     "time.endless=true",
 )
+
+
+@pytest.fixture(autouse=True)
+def _skipped_waits(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Time of the base is that of its robot: no computer is suspended."""
+    with skipped_waits():
+        monkeypatch.setattr(time, "clock_gettime", lambda _: time.monotonic())
+        yield
 
 
 class Floor:
