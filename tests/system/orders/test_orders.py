@@ -1,7 +1,6 @@
-"""Orders while a fleet runs: through the bus to the robots, after a restart of the world, on real zenoh."""
+"""Orders while a fleet runs on real zenoh: by the Python interface, by any client, from the command line."""
 
 import json
-import math
 import signal
 import subprocess
 import sys
@@ -10,7 +9,6 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from deploy.library.load import load
 from deploy.run.operator import operating
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
@@ -18,33 +16,12 @@ from protocol.errors import BusError
 from protocol.scenario.model import Journey, Operation, Point
 from tests.deploy.processes.ports import free_ports
 from tests.deploy.telemetry.monitor.watched import until
-from tests.mortal import MortalFleet
-from tests.system.orders.turnover import asked, step
 
-SCENARIO = load("swap-4")
 PLACE = (0.05, 0.02)
 
 
 def sent(robot: int, *points: Point, within: float | None = None) -> Operation:
     return Operation(goal=Journey(robot, points, within=within))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("world_dies", [False, True])
-def test_a_robot_goes_where_it_is_sent(world_dies: bool, tmp_path: Path) -> None:
-    fleet = MortalFleet(SCENARIO, tmp_path / "checkpoint")
-    step(fleet, 30)
-    assert asked(fleet, {"goal": {"robot": 2, "points": [PLACE]}}).accepted
-    step(fleet, 15)
-    if world_dies:
-        fleet.kill_world()
-        fleet.start_world()
-    report = fleet.execute()
-    assert (report["verdict"], report["collisions"], len(report["worlds"])) == ("arrived", 0, world_dies)
-    assert math.dist(report["positions"]["2"], PLACE) <= SCENARIO.time.tolerance
-
-
-# -- on real zenoh
 
 
 def served(endpoint: str, result: Path) -> subprocess.Popen[bytes]:
