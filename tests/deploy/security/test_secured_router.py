@@ -72,7 +72,7 @@ def test_without_a_certificate_no_client_gets_in_and_each_is_told_why(endpoint: 
 
 
 def test_an_expired_certificate_says_so(tmp_path: Path) -> None:
-    create(tmp_path / "keys", ROSTER, days=6.0 / 86400.0)
+    create(tmp_path / "keys", ROSTER, days=1e-9)
     proof = credentials(tmp_path / "keys", "robot-1")
     listener = Connection("router", credentials=credentials(tmp_path / "keys", "router"))
     failures: list[str] = []
