@@ -189,6 +189,18 @@ def test_a_fleet_cut_off_from_its_coordinator_stands_within_hold_and_braking_and
     assert floor.closest > 0.0
 
 
+def test_a_robot_does_not_move_on_ticks_that_come_when_it_is_fenced():
+    """They were under way for longer than its coordinator waited for it."""
+    floor = Floor(fleet(3), 1).run(FROM)
+    floor.late = 1
+    floor.run(FROM + 3.0)
+    floor.cut = True
+    del floor.held[5:]
+    floor.release()
+    told = {floor.run(FROM + 3.0 + 0.01 * step).crews[1].wheels.aims for step in range(100)}
+    assert told == {(0.0, 0.0)}
+
+
 @pytest.mark.parametrize(
     "seed", [0, pytest.param(1, marks=pytest.mark.campaign), pytest.param(2, marks=pytest.mark.campaign)]
 )
