@@ -2,7 +2,7 @@
 
 import builtins
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
@@ -44,6 +44,13 @@ class Mutant(NamedTuple):
     edits: tuple[Edit, ...]
     model: str
     first: int
+
+    def hunt(self, violation_of: Callable[[int], str], runs: int) -> tuple[int, str]:
+        """How many random runs it takes, and the violation; "" if so many show none."""
+        for tried, seed in enumerate(range(self.first, self.first + runs), 1):
+            if violation := violation_of(seed):
+                return tried, violation
+        return runs, ""
 
 
 def without(rule: str, says: str, *edits: Edit, model: str = "skirmish", first: int = 0) -> Mutant:

@@ -6,14 +6,13 @@ from random import Random
 from types import ModuleType
 
 from protocol.scenario.body import PRESETS
-from tests.agents.bodies import mutants as bodies
+from tests.agents.bodies import test_rides as bodies
 from tests.agents.bodies.ride import KINDS, ROUNDING, excess_of
 from tests.agents.bodies.ride import Product as RideProduct
-from tests.agents.lines.models import mutants as lines
+from tests.agents.lines.models import test_models as lines
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import aftermath, skirmish
 from tests.campaigns.campaign import Campaign, Dice, Mutant, Outcome
-from tests.interpreted import Mutant as Edited
 from tests.system.orders.turnover import Turnover
 from tests.world.plants.fleet import BODIES as CARRIERS
 from tests.world.plants.fleet import PERIODS, drive, hostile, varied
@@ -28,8 +27,10 @@ def _of_lines(model: ModuleType, dice: Dice) -> Outcome:
     return Outcome("violated" if violation else "held", violation)
 
 
-def _line_mutants(model: str) -> Sequence[Mutant]:
-    return [Mutant(each.rule, partial(lines.hunt, each)) for each in lines.MUTANTS if each.model == model]
+def _mutants(of: ModuleType, model: str = "") -> Sequence[Mutant]:
+    """Those of a test; of one model only, if it is named."""
+    chosen = (each for each in of.MUTANTS if model in ("", each.model))
+    return [Mutant(each.rule, partial(of.hunt, each)) for each in chosen]
 
 
 def _ride(dice: Dice) -> Outcome:
@@ -39,15 +40,6 @@ def _ride(dice: Dice) -> Outcome:
     excess = excess_of(seed // len(KINDS), kind, _ride_product())
     violation = f"{kind}: beyond by {excess:.3g} m" if excess > ROUNDING else ""
     return Outcome(kind, violation, figures={"excess, m": excess})
-
-
-def _ride_mutant(mutant: Edited) -> tuple[int, str]:
-    rides, excess = bodies.hunt(mutant)
-    return rides, f"{mutant.model}: {excess:.3g} m" if excess > ROUNDING else ""
-
-
-def _ride_mutants() -> Sequence[Mutant]:
-    return [Mutant(each.rule, partial(_ride_mutant, each)) for each in bodies.MUTANTS]
 
 
 def _drive(dice: Dice, naive: bool = False) -> Outcome:
@@ -109,9 +101,9 @@ def _naive() -> tuple[int, str]:
     return 10, ""
 
 
-SKIRMISH = Campaign(partial(_of_lines, skirmish), 5_000, partial(_line_mutants, "skirmish"))
-AFTERMATH = Campaign(partial(_of_lines, aftermath), 5_000, partial(_line_mutants, "aftermath"))
-BODIES = Campaign(_ride, 30_000, _ride_mutants)
+SKIRMISH = Campaign(partial(_of_lines, skirmish), 5_000, partial(_mutants, lines, "skirmish"))
+AFTERMATH = Campaign(partial(_of_lines, aftermath), 5_000, partial(_mutants, lines, "aftermath"))
+BODIES = Campaign(_ride, 30_000, partial(_mutants, bodies))
 PLANTS = Campaign(_drive, 200, lambda: [Mutant("bodies are no points", _naive)])
 DEVIATIONS = Campaign(_deviation, 40, patience=600.0)
 WORLDS = Campaign(_deaths, 1_000)

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.agents.bodies import mutants as of_bodies
-from tests.agents.lines.models import mutants as of_lines
+from tests.agents.bodies import test_rides as of_bodies
+from tests.agents.lines.models import test_models as of_lines
 from tests.agents.parts import test_haul as of_parts
 from tests.campaigns import catalogue, endurance, faults
 from tests.campaigns.__main__ import main

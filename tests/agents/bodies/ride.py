@@ -67,12 +67,16 @@ def _imported(name: str) -> ModuleType:
     return __import__(name, fromlist=["*"])
 
 
-def excess_of(
-    seed: int, kind: str, product: Product, ticks: int = TICKS, period: float | None = None
-) -> float:
+def excess_of(seed: int, kind: str, product: Product, period: float | None = None) -> float:
     """The most by which the body is ever beyond what it must obey, m; negative if it never is."""
     ride = Ride(seed, kind, product, period)
-    return max(ride.tick() for _ in range(ticks))
+    return max(ride.tick() for _ in range(TICKS))
+
+
+def violation_of(seed: int, kind: str, product: Product, period: float | None = None) -> str:
+    """By how much the body leaves what it must obey; "" if it does not."""
+    excess = excess_of(seed, kind, product, period)
+    return f"{kind}: beyond by {excess:.3g} m" if excess > ROUNDING else ""
 
 
 class Ride:
@@ -113,7 +117,7 @@ class Ride:
         lines = self.product.lines.SeparatingLines(
             OWN, self.radius, speed=self.speed, period=self.period, reach=self.filter.reach
         )
-        lines.hear(Grants(1, 9, 8, None, tuple(bindings)), Neighbours(dict.fromkeys(PEERS, self.radius)))
+        lines.hear(Grants(1, 19, 8, None, tuple(bindings)), Neighbours(dict.fromkeys(PEERS, self.radius)))
         return lines
 
     def tick(self) -> float:
