@@ -18,7 +18,7 @@ from agents.law.api import View
 from agents.law.deadlock import Progress, barred, circling
 from agents.law.flow import Flow, desired_velocity
 from agents.law.gradient import Gradient, Slice, boundary_radius
-from agents.law.jams import Dispersal, GivingWay, RightOfWay
+from agents.law.jams import GivingWay
 from agents.law.late_states import foreseen, late_gain, late_speed
 from agents.law.obstacles import Attraction
 from agents.peers.far import NOTHING
@@ -54,9 +54,9 @@ class AugmentedLaw:
             self._attraction.repelling(spec.start, shapes)
             self._attraction.aim(spec.start, spec.goal, shapes)  # map and path may take longer than a tick
         self._progress = Progress(scenario.time.step, self._lap) if "escape" in additions else None
-        self._gives_way = "jams" in additions
-        self._right_of_way = RightOfWay(robot, spec.radius, self._lap, scenario.time.step)
-        self._dispersal = Dispersal(robot, spec.radius, self._lap, scenario.time.step)
+        self._jams: GivingWay | None = None
+        if "jams" in additions:
+            self._jams = GivingWay(robot, spec.radius, self._lap, scenario.time.step)
         self._yields = False
         self._wanted: Vector = (0.0, 0.0)
         self._slice: Slice | None = None
@@ -111,12 +111,11 @@ class AugmentedLaw:
 
     def _aim(self, view: View) -> Vector:
         """Point of attraction: the goal, or the place to back off to."""
-        if not self._gives_way:
+        jams = self._jams
+        if jams is None:
             return self._along(view, view.goal)
-        winds = self._winds
-        jams: GivingWay = self._right_of_way if winds else self._dispersal
-        if winds:
-            self._right_of_way.let_pass(view.tick, view.position, self._moving)
+        if self._winds:
+            jams.let_pass(view.tick, view.position, self._moving)
         back = jams.yielding(view.tick, view.goal)
         self._yields = back is not None
         if back is not None:
@@ -125,10 +124,10 @@ class AugmentedLaw:
         left = math.dist(view.position, aim)
         if self._winds:
             if left > self._tolerance:
-                self._right_of_way.look(view.tick, view.position, left, self._moving, view.obstacles)
+                jams.look_in_passages(view.tick, view.position, left, self._moving, view.obstacles)
         elif self._progress is not None:
             stuck = self._progress.strength > 0.0
-            self._dispersal.look(view.tick, view.position, left, self._moving, stuck=stuck)
+            jams.look_in_the_open(view.tick, view.position, left, self._moving, stuck=stuck)
         return aim
 
     def _along(self, view: View, goal: Vector) -> Vector:

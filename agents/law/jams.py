@@ -1,11 +1,13 @@
 """Jams: robots that back off for a while, so that others get through.
 
-In passages with room for one robot only, two robots block each other (`RightOfWay`): one goes first; the
-others go back along their paths to a place where it can pass, and wait until it has passed, or for a while.
+In passages with room for one robot only, two robots block each other (`look_in_passages`): one goes first;
+the others go back along their paths to a place where it can pass, and wait until it has passed, or for a
+while.
 
-In open space (`Dispersal`), a crowd whose goals are on its far side presses itself together, and no robot can
-move before another does. So all but one spread from the jam's centroid to twice the distance, pause, and
-continue one after the other. A robot at its goal moves aside likewise for one that stands beside it.
+In open space (`look_in_the_open`), a crowd whose goals are on its far side presses itself together, and no
+robot can move before another does. So all but one spread from the jam's centroid to twice the distance,
+pause, and continue one after the other. A robot at its goal moves aside likewise for one that stands beside
+it.
 """
 
 from __future__ import annotations
@@ -34,9 +36,10 @@ CROWD: Final = 8  # robots from which a jam does not resolve itself
 _CRUMBS: Final = 4096
 
 
+@final
 class GivingWay:
-    """One robot's part in jams; subclasses say what a jam is, and where to back off to. `lap`: time in which
-    the largest disk moves by its radius at full speed, s; `period`: of a tick, s."""
+    """One robot's part in jams. `lap`: time in which the largest disk moves by its radius at full speed, s;
+    `period`: of a tick, s."""
 
     def __init__(self, robot: int, radius: float, lap: float, period: float) -> None:
         self._robot, self._radius = robot, radius
@@ -45,6 +48,9 @@ class GivingWay:
         self._nearest, self._since = math.inf, 0
         self._back: Vector | None = None
         self._until = 0
+        self._trail: list[Vector] = []
+        self._awaited: dict[int, float] = {}  # peers that go first -> distance from their goals then, m
+        self._beside: dict[int, Vector] = {}  # peers that wanted to pass -> position at the last look, m
 
     def yielding(self, tick: int, goal: Vector) -> Vector | None:
         """Place to back off to, m, while the robot gives way; None if it may continue to `goal` (m)."""
@@ -78,22 +84,9 @@ class GivingWay:
         own = _order(self._robot, turn)
         return [peer for peer in jam if _order(peer.robot, turn) < own]
 
+    # -- in narrow passages
 
-def _order(robot: int, turn: int) -> int:
-    """A permutation of ids that differs from turn to turn."""
-    return (robot * 7919 + turn * 104_729 * robot) % 1_000_003
-
-
-@final
-class RightOfWay(GivingWay):
-    """One robot's behaviour in jams in narrow passages."""
-
-    def __init__(self, robot: int, radius: float, lap: float, period: float) -> None:
-        super().__init__(robot, radius, lap, period)
-        self._trail: list[Vector] = []
-        self._awaited: dict[int, float] = {}  # peers that go first -> distance from their goals then, m
-
-    def look(
+    def look_in_passages(
         self, tick: int, position: Vector, left: float, peers: Sequence[PeerState], obstacles: Sequence[Shape]
     ) -> None:
         """Update in a tick in which the robot may continue, at `position` and `left` m from its goal, among
@@ -145,19 +138,12 @@ class RightOfWay(GivingWay):
         if len(self._trail) < _CRUMBS:
             self._trail.append(position)
 
+    # -- in open space
 
-@final
-class Dispersal(GivingWay):
-    """One robot's behaviour in jams in open space."""
-
-    def __init__(self, robot: int, radius: float, lap: float, period: float) -> None:
-        super().__init__(robot, radius, lap, period)
-        self._beside: dict[int, Vector] = {}  # peers that wanted to pass -> position at the last look, m
-
-    def look(
+    def look_in_the_open(
         self, tick: int, position: Vector, left: float, peers: Sequence[PeerState], *, stuck: bool
     ) -> None:
-        """As `RightOfWay.look`; `stuck`: whether the robot escapes from a deadlock."""
+        """As `look_in_passages`; `stuck`: whether the robot escapes from a deadlock."""
         if left <= NEAR * self._radius:
             self._look_beside(tick, position, peers)
             return
@@ -184,6 +170,11 @@ class Dispersal(GivingWay):
             if robot in before and math.dist(place, before[robot]) < STANDING * self._radius:
                 self._back_off(tick, _spread(position, jam), WAIT)
                 return
+
+
+def _order(robot: int, turn: int) -> int:
+    """A permutation of ids that differs from turn to turn."""
+    return (robot * 7919 + turn * 104_729 * robot) % 1_000_003
 
 
 def _jam(position: Vector, radius: float, peers: Sequence[PeerState]) -> list[PeerState]:

@@ -5,7 +5,7 @@ from random import Random
 
 import pytest
 
-from agents.law.jams import ASIDE, CROWD, JAM, QUEUE, TURN, WAIT, Dispersal, RightOfWay
+from agents.law.jams import ASIDE, CROWD, JAM, QUEUE, TURN, WAIT, GivingWay
 from agents.peers.state import PeerState
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
@@ -37,11 +37,11 @@ def test_all_but_one_of_a_crowd_spread_and_stand_for_a_while() -> None:
     places = {1: (0.1, 0.0)} | {peer.robot: (peer.x, peer.y) for peer in ring(CROWD)}
     went = []
     for own, (x, y) in places.items():
-        jams = Dispersal(own, R, LAP * STEP, STEP)
+        jams = GivingWay(own, R, LAP * STEP, STEP)
         others = [state(robot, *place) for robot, place in places.items() if robot != own]
         for tick in range(int(JAM * LAP) + 2):
             if jams.yielding(tick, FAR) is None:
-                jams.look(tick, (x, y), 0.9, others, stuck=True)
+                jams.look_in_the_open(tick, (x, y), 0.9, others, stuck=True)
         back = jams.yielding(int(JAM * LAP) + 2, FAR)
         if back is None:
             went.append(own)
@@ -55,13 +55,13 @@ def test_all_but_one_of_a_crowd_spread_and_stand_for_a_while() -> None:
 
 def arrived(moves: float = 0.0, gamma: float = 1.0) -> tuple[float, float] | None:
     """Where a robot at its goal steps aside to for another beside it that moves by so much, m, in JAM."""
-    jams = Dispersal(1, R, LAP * STEP, STEP)
+    jams = GivingWay(1, R, LAP * STEP, STEP)
     for tick in range(int(2.5 * JAM * LAP)):
         back = jams.yielding(tick, (0.0, 0.0))
         if back is not None:
             return back
         peer = state(2, 0.081, moves * tick / (JAM * LAP), gamma)
-        jams.look(tick, (0.0, 0.0), 0.0, [peer], stuck=False)
+        jams.look_in_the_open(tick, (0.0, 0.0), 0.0, [peer], stuck=False)
     return None
 
 
@@ -152,13 +152,13 @@ WALLS = (
 
 def jammed(robot: int, peer: PeerState, begin: int) -> tuple[float, float] | None:
     """Where a robot backs off to after JAM, if it has driven from x = -0.5 m to 0.5 m, into the passage."""
-    right = RightOfWay(robot, WIDE, PASSAGE_LAP * STEP, STEP)
+    right = GivingWay(robot, WIDE, PASSAGE_LAP * STEP, STEP)
     for tick in range(begin, begin + 21 + int(JAM + 1) * PASSAGE_LAP):
         x = min(-0.5 + 0.05 * (tick - begin), 0.5)
         back = right.yielding(tick, (2.5, 0.0))
         if back is not None:
             return back
-        right.look(tick, (x, 0.0), 2.5 - x, [peer], WALLS)
+        right.look_in_passages(tick, (x, 0.0), 2.5 - x, [peer], WALLS)
     return None
 
 
