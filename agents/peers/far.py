@@ -22,19 +22,19 @@ Array = NDArray[np.float64]
 @final
 @mypyc_attr(acyclic=True)
 class SummaryPlaces:
-    """One decoded summary; raises MessageError if it is malformed. Immutable, and shared by all robots of a
-    process.
+    """One summary; raises MessageError if it is malformed. Immutable.
 
     Attributes:
-        runs: ids of its robots, encoded as in the summary.
+        tick, epoch: as in the summary.
+        runs: ids of its robots, encoded as there.
         robots: the same ids, ascending.
         index: position of each id in the arrays.
         x, y: positions, m; shape (n,).
-        gammas, slices: as in the summary, m^2 and m.
+        gammas, slices: as there, m^2 and m.
     """
 
     def __init__(self, summary: Summary) -> None:
-        self.tick, self.runs = summary.tick, summary.robots
+        self.tick, self.epoch, self.runs = summary.tick, summary.epoch, summary.robots
         count = len(summary.gammas) // 4
         sizes_fit = len(summary.gammas) == len(summary.slices) == 4 * count
         if not sizes_fit or len(summary.positions) != 8 * count:
@@ -54,8 +54,12 @@ class SummaryPlaces:
 
 
 # Robots of one process share what follows from the newest summaries: among 1000 a tick takes a fifth less.
-places_of = lru_cache(maxsize=1)(SummaryPlaces)
-read_summary = lru_cache(maxsize=1)(decode)  # by key and payload
+@lru_cache(maxsize=1)
+def read_summary(key: str, payload: bytes) -> SummaryPlaces:
+    """The summary in a payload of its key; raises MessageError."""
+    message = decode(key, payload)
+    assert isinstance(message, Summary)
+    return SummaryPlaces(message)
 
 
 @lru_cache(maxsize=16)

@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Final
 
-from agents.peers.far import NOTHING, Arrivals, FarPicture, places_of
+from agents.peers.far import NOTHING, Arrivals, FarPicture, SummaryPlaces
 from agents.peers.link import StateLink
 from agents.peers.roster import radii_of
 from agents.peers.state import Peer, PeerState
-from protocol.messages import Member, Summary, Tick, Vector
+from protocol.messages import Member, Tick, Vector
 from protocol.scenario.model import Scenario
 
 _NEVER: Final = 2**62
@@ -194,10 +194,10 @@ class PeerInbox:
         else:
             self._link.put(state)
 
-    def on_summary(self, summary: Summary) -> None:
-        """Receive the world's summary of all positions; raises MessageError if it is malformed."""
+    def on_summary(self, places: SummaryPlaces) -> None:
+        """Receive the world's summary of all positions."""
         if self._far is not None:
-            self._far.on_summary(places_of(summary))
+            self._far.on_summary(places)
 
     def look_afar(self, position: Vector, radius: float) -> None:
         """Apply the summary that is due, once: the far field around the own disk (m)."""

@@ -16,7 +16,7 @@ from typing import Final
 from msgspec.structs import replace
 
 from agents.bases.base import ros_of
-from agents.peers.far import read_summary
+from agents.peers.far import SummaryPlaces, read_summary
 from agents.robot import Robot
 from agents.shell.attached_base import AttachedBase
 from agents.shell.ros_link import AttachedTools, RosLink
@@ -27,7 +27,7 @@ from protocol.bus.bus import Bus, Event, Foreign, Presence, Sample
 from protocol.codec import SHOWN, decode, encode
 from protocol.errors import BusError, KeyGrammarError, MessageError
 from protocol.keys import STREAMS, is_driver, parse, robot_key, robot_token, world_key, world_tokens
-from protocol.messages import AnyMessage, Health, State, Summary, Tick, Wish
+from protocol.messages import AnyMessage, Health, State, Tick, Wish
 
 REPORT_PERIOD: Final = 0.5  # s between health messages
 
@@ -211,7 +211,7 @@ class RobotNode:
         try:
             peer = self._peers.readers.get(key)
             heard = None if peer is None else peer.read(payload)
-            message = None
+            message: AnyMessage | SummaryPlaces | None = None
             if peer is None:
                 message = read_summary(key, payload) if key == self._summary else decode(key, payload)
         except MessageError as error:
@@ -242,26 +242,19 @@ class RobotNode:
             if tools.stopped and base is not None and core is not None:
                 base.stand(core, founded=self._founded)
 
-    def _on_message(self, core: Robot, message: AnyMessage | None) -> None:
+    def _on_message(self, core: Robot, message: AnyMessage | SummaryPlaces | None) -> None:
         """Receive any message other than the State of a known peer."""
-        if isinstance(message, Tick | Summary) and message.epoch != core.epoch:
+        if isinstance(message, Tick | SummaryPlaces) and message.epoch != core.epoch:
             self._rejected["epoch"] += 1
         elif isinstance(message, Tick):
             self._on_tick(core, message)
-        elif isinstance(message, Summary):
-            self._on_summary(core, message)
+        elif isinstance(message, SummaryPlaces):
+            core.hearing.on_summary(message)
+            self._command_if_complete(core)
         elif isinstance(message, Wish):
             core.tell(message.velocity)
         elif isinstance(message, State) and not core.scenario.hears_near:
             self._rejected["identity"] += 1  # of no active robot
-
-    def _on_summary(self, core: Robot, summary: Summary) -> None:
-        try:
-            core.hearing.on_summary(summary)
-        except MessageError as error:
-            self._reject(self._summary, error)
-            return
-        self._command_if_complete(core)
 
     def _reject(self, key: str, error: MessageError) -> None:
         """Count a message that is dropped, and report the first for each reason."""

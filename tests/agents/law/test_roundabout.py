@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from agents.law import View
 from agents.law.roundabout import STEEPEST, WIDE, Encounter, Encounters, Roundabout, roundabout
-from agents.peers.far import FarPicture, places_of
+from agents.peers.far import FarPicture, SummaryPlaces
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
 from deploy.library.encounters import circle
@@ -38,8 +38,8 @@ def _picture(places: dict[int, Vector], velocities: dict[int, Vector]) -> FarPic
         each: (x - ago * velocities[each][0], y - ago * velocities[each][1])
         for each, (x, y) in places.items()
     }
-    before = FarPicture(places_of(_said(0, earlier)), radii)
-    return FarPicture(places_of(_said(BETWEEN, places)), radii, before)
+    before = FarPicture(SummaryPlaces(_said(0, earlier)), radii)
+    return FarPicture(SummaryPlaces(_said(BETWEEN, places)), radii, before)
 
 
 def _view(tick: int, neighbours: Neighbours, position: Vector = (0.0, 0.0)) -> View:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.peers.far import places_of
+from agents.peers.far import SummaryPlaces
 from protocol.crowd import LEAD, period
 from protocol.errors import MessageError
 from protocol.messages import Command, Sense, Summary, Vector
@@ -167,14 +167,14 @@ def test_a_later_life_awaits_only_peers_that_its_grants_name(moves: float) -> No
 @given(st.sets(st.integers(1, 12), min_size=1))
 def test_runs_stand_for_the_ids_that_they_are_made_of(ids: set[int]) -> None:
     flat = np.zeros(len(ids), dtype="<f4").tobytes()
-    assert places_of(Summary(0, runs(sorted(ids)), 2 * flat, flat, flat)).robots.tolist() == sorted(ids)
+    assert SummaryPlaces(Summary(0, runs(sorted(ids)), 2 * flat, flat, flat)).robots.tolist() == sorted(ids)
 
 
 @pytest.mark.parametrize("told", [(2, 2, 3, 1), (4, 1, 2, 2), (1, 2**32 - 1), (1, 4), (1, 1)])
 def test_runs_that_cannot_be_are_refused(told: tuple[int, ...]) -> None:
     made = np.array(told, dtype="<u4").tobytes()
     with pytest.raises(MessageError):
-        places_of(Summary(0, made, bytes(24), bytes(12), bytes(12)))
+        SummaryPlaces(Summary(0, made, bytes(24), bytes(12), bytes(12)))
 
 
 def test_a_summary_has_the_slices_as_last_commanded_and_else_the_attraction() -> None:
@@ -199,4 +199,4 @@ SIGNALLING = np.full(1, 0x7FA00001, "<u4").tobytes()  # NaN of which a conversio
 )
 def test_slices_that_are_no_norms_are_refused(slices: bytes) -> None:
     with pytest.raises(MessageError):
-        places_of(Summary(0, runs([1]), bytes(8), bytes(4), slices))
+        SummaryPlaces(Summary(0, runs([1]), bytes(8), bytes(4), slices))

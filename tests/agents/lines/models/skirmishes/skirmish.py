@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping
 from random import Random
 from typing import Any
 
+from agents.peers.far import SummaryPlaces
 from agents.peers.state import addressed_to
 from protocol.messages import Command, State, Tick, Vector
 from protocol.scenario.model import Operation, Scenario
@@ -118,9 +119,10 @@ class Skirmish:
     def _sum_up(self, rng: Random) -> None:
         """Deliver the newest summary to each process, or lose it, at any time after it was made."""
         summary = self.world.exchange.summary
+        places = None if summary is None else SummaryPlaces(summary)
         for process in (*self.processes.values(), *self.former):
-            if summary is not None and rng.random() >= self.loss:
-                process.core.hearing.on_summary(summary)
+            if places is not None and rng.random() >= self.loss:
+                process.core.hearing.on_summary(places)
 
     def _operate(self, rng: Random) -> None:
         book = self.world.lives.obstacles
