@@ -23,7 +23,7 @@ from protocol.geometry import Shape
 from protocol.kernel.pair import Follower, Owner
 from protocol.kernel.robot import ASKED, LINES, Bound, RobotLife
 from protocol.line import ROUNDING, SURE, HalfPlane, Line
-from protocol.messages import Answer, Proposal, Vector
+from protocol.messages import Answer, FirstLine, Proposal, Vector
 from protocol.region import Region
 
 Kernel: TypeAlias = "RobotLife[Region, Line, Cover]"
@@ -209,6 +209,7 @@ class Bond:
 
     Attributes:
         half_planes: constraints on the own centre.
+        first: the first line, found and not in the ledger yet.
         answers_left: number of States that still have to carry the answer.
     """
 
@@ -216,6 +217,7 @@ class Bond:
         self.bound, self.peer = bound, bound.peer
         self.own_radius, self.state = own_radius, state
         self.answers_left = 0
+        self.first: FirstLine | None = None
         self.half_planes: list[HalfPlane] = []
         self.renew()
 

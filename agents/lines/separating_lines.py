@@ -60,11 +60,9 @@ class SeparatingLines:
         self._period, self._max_step = period, speed * period
         self._reach = reach if reach > 0.0 else self._max_step
         self._negotiation = Negotiation(self._max_step, period, standoff)
-        self._bonds: dict[int, Bond] = {}  # by number of the binding
         self._each: list[Bond] = []
         self._lines: dict[int, Bond] = {}  # towards the present life of a peer, by peer
         self._still: list[Bond] = []  # towards static disks
-        self._firsts: dict[int, FirstLine] = {}  # found, not in the ledger yet, by number of the binding
         self._tick = 0
         self._own = OwnSet(0.0, 0.0, math.inf)
 
@@ -79,21 +77,18 @@ class SeparatingLines:
         if grants.life != kernel.life or grants.version <= kernel.version:
             return
         kernel.hear(_told(grants))
-        known, self._bonds = self._bonds, {}
-        for number, bound in kernel.bound.items():
-            bond = known.get(number)
+        known, self._each = {bond.bound.number: bond for bond in self._each}, []
+        for listed in grants.bindings:
+            bound = kernel.bound[listed.number]
+            bond = known.get(listed.number)
             if bond is None:
                 bond = Bond(bound, self._size(bound.peer), neighbours.state(bound.peer))
             else:
                 bond.renew()
-            self._bonds[number] = bond
-        told = {each.number for each in grants.bindings if each.first is not None}
-        self._firsts = {
-            number: line
-            for number, line in self._firsts.items()
-            if number in kernel.bound and number not in told
-        }
-        self._each = sorted(self._bonds.values(), key=lambda bond: (bond.peer, bond.bound.number))
+            if listed.first is not None:
+                bond.first = None
+            self._each.append(bond)
+        self._each.sort(key=lambda bond: (bond.peer, bond.bound.number))
         self._still = [bond for bond in self._each if bond.bound.place is not None]
         self._lines = {bond.peer: bond for bond in self._each if not bond.bound.static}
 
@@ -109,7 +104,7 @@ class SeparatingLines:
 
     def firsts(self) -> tuple[FirstLine, ...]:
         """First lines to send to the ledger."""
-        return tuple(list(self._firsts.values())[:FIRSTS])
+        return tuple([bond.first for bond in self._each if bond.first is not None][:FIRSTS])
 
     @property
     def peers(self) -> set[int]:
@@ -175,7 +170,7 @@ class SeparatingLines:
             return
         if bond.is_asked:
             kernel.freeze(bound, line)
-            self._firsts[bound.number] = FirstLine(bound.number, line.nx, line.ny, line.offset)
+            bond.first = FirstLine(bound.number, line.nx, line.ny, line.offset)
         else:
             kernel.turn(bound, line)
         bond.renew()

@@ -144,8 +144,9 @@ MUTANTS = (
         "a first line is said until the ledger tells it",
         Edit(
             _LINES,
-            "        return tuple(list(self._firsts.values())[:FIRSTS])",
-            "        found, self._firsts = tuple(self._firsts.values()), {}\n        return found",
+            "        return tuple([bond.first for bond in self._each if bond.first is not None][:FIRSTS])",
+            "        found = tuple([bond.first for bond in self._each if bond.first is not None])\n"
+            "        for bond in self._each:\n            bond.first = None\n        return found",
         ),
         model="aftermath",
     ),
