@@ -85,46 +85,38 @@ def fit_line(
     taken it by then to where its desired velocity leads. The line separates the two swept areas, and leaves
     the owner `share` of the gap between them. If they meet, all times are shortened by one factor, so two
     that drive at each other share the gap in proportion to what each wants of it. Either keeps a `standoff`,
-    m, the owner first: where the gap seen is less than two, one at least can make room.
+    m, the owner first: where the gap seen is less than two, one at least can make room. A line in the middle
+    separates disks whose gap is narrower than what lines take.
 
     None if the disks overlap by their States, and also after the desired motion.
     """
-    mine = theirs = 0.0
+    mine, theirs, least = 0.0, 0.0, _NEED
     if standoff > 0.0:
         gap = math.hypot(follower.x - owner.x, follower.y - owner.y) - owner.radius - follower.radius
         room = max(0.0, _MOST * (gap - _NEED))
         mine, theirs = min(standoff, room), min(standoff, max(0.0, room - standoff))
-    need = owner.radius + follower.radius + _NEED + mine + theirs
+    need = owner.radius + follower.radius + least + mine + theirs
     span = _closest(owner, follower, ahead, begin, end)
     if _length(span) < need:
         span = _closest(owner, follower, 0.0, 0.0, 0.0)
         if _length(span) < need:
-            return _halfway(span, owner.radius, follower.radius)
-        low, high = 0.0, 1.0
-        for _ in range(_BISECTIONS):
-            middle = 0.5 * (low + high)
-            longer = _closest(owner, follower, middle * ahead, middle * begin, middle * end)
-            if _length(longer) < need:
-                high = middle
-            else:
-                low, span = middle, longer
+            mine, least, share, need = 0.0, 0.0, 0.5, owner.radius + follower.radius
+            if _length(span) < need + 2.0 * SURE:
+                return None
+        else:
+            low, high = 0.0, 1.0
+            for _ in range(_BISECTIONS):
+                middle = 0.5 * (low + high)
+                longer = _closest(owner, follower, middle * ahead, middle * begin, middle * end)
+                if _length(longer) < need:
+                    high = middle
+                else:
+                    low, span = middle, longer
     (ax, ay), (bx, by) = span
     length = _length(span)
     nx, ny = (bx - ax) / length, (by - ay) / length
-    edge = nx * ax + ny * ay + owner.radius + 0.5 * _NEED + mine
+    edge = nx * ax + ny * ay + owner.radius + 0.5 * least + mine
     return Line(nx, ny, edge + share * (length - need))
-
-
-def _halfway(span: Span, mine: float, theirs: float) -> Line | None:
-    """The line in the middle of a gap that is narrower than what lines take, between disks of these radii,
-    m; None if nothing is left."""
-    (ax, ay), (bx, by) = span
-    length = _length(span)
-    gap = length - mine - theirs
-    if gap < 2.0 * SURE:
-        return None
-    nx, ny = (bx - ax) / length, (by - ay) / length
-    return Line(nx, ny, nx * ax + ny * ay + mine + 0.5 * gap)
 
 
 def _length(span: Span) -> float:
