@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from functools import lru_cache
 from typing import Final, final
 
@@ -41,8 +41,9 @@ class SummaryPlaces:
             raise MessageError(
                 "shape", "summary: as many positions as squared distances and slices are needed"
             )
-        places = _numbers(summary.positions).reshape(-1, 2)
-        self.x, self.y = _column(places, 0), _column(places, 1)
+        places = np.ascontiguousarray(_numbers(summary.positions).reshape(-1, 2).T)
+        places.setflags(write=False)
+        self.x, self.y = places
         self.gammas: Array = _numbers(summary.gammas)
         self.slices: Array = _numbers(summary.slices)
         sizes = np.concatenate((np.abs(places).ravel(), self.gammas, self.slices))
@@ -81,6 +82,31 @@ def _sizes(known: tuple[Mapping[int, int], Mapping[int, float]]) -> Array:
 
 
 @final
+@mypyc_attr(acyclic=True)
+class FarField:
+    """Terms of far disks in the slice, to first order around (x, y), m.
+
+    Attributes:
+        log_x, log_y: half the gradient of log beta there, 1/m.
+        xx, xy, yy: its derivative, symmetric, 1/m^2.
+        gamma, largest: sum of the disks' squared distances to their goals and the largest of them, m^2.
+        slice: the largest norm of the disks' own slices, m.
+        count: number of disks.
+        tick: of their positions.
+    """
+
+    def __init__(self, tick: int = 0, x: float = 0.0, y: float = 0.0) -> None:
+        self.tick = tick
+        self.x, self.y = x, y
+        self.log_x = self.log_y = self.xx = self.xy = self.yy = 0.0
+        self.gamma = self.largest = self.slice = 0.0
+        self.count = 0
+
+
+NOTHING = FarField()
+
+
+@final
 class FarPicture:
     """One summary, with the radii that one robot knows.
 
@@ -90,13 +116,13 @@ class FarPicture:
         before: the picture before, from which robots moved.
 
     Attributes:
-        tick, places: of the summary.
+        places: of the summary.
     """
 
     def __init__(
         self, places: SummaryPlaces, radii: Mapping[int, float], before: FarPicture | None = None
     ) -> None:
-        self.tick, self.places = places.tick, places
+        self.places = places
         self._before = places if before is None else before.places
         self._sizes = _sizes((places.index, radii))
 
@@ -107,11 +133,37 @@ class FarPicture:
 
     def field(self, position: Vector, radius: float, known: Collection[int]) -> FarField:
         """The terms that all robots but the `known` (own id included, each once) add to the slice of a robot
-        of `radius`, m, near its position, m."""
+        of `radius`, m, near its position, m; those nearer than sqrt(2) contact distances are left out of log
+        beta."""
         far = self.places
-        index = [far.index[robot] for robot in known if robot in far.index]
-        terms = (far.x, far.y, radius + self._sizes, far.gammas, far.slices)
-        return far_field(self.tick, position, *terms, index)
+        near = [far.index[robot] for robot in known if robot in far.index]
+        field = FarField(far.tick, *position)
+        field.count = len(far.gammas) - len(near)
+        if field.count <= 0:
+            return field
+        contacts = radius + self._sizes
+        squares = contacts * contacts
+        ax, ay = position[0] - far.x, position[1] - far.y
+        beta = ax * ax
+        beta += ay * ay
+        beta -= squares
+        np.copyto(beta, np.inf, where=beta <= squares)
+        inverse = np.reciprocal(beta)
+        gammas, slices = far.gammas, far.slices
+        if near:
+            gammas, slices = gammas.copy(), slices.copy()
+            inverse[near] = gammas[near] = slices[near] = 0.0
+        slope = inverse * inverse
+        slope *= -2.0
+        trace = float(np.add.reduce(inverse))
+        field.log_x, field.log_y = float(ax.dot(inverse)), float(ay.dot(inverse))
+        along = slope * ax
+        field.xx, field.xy = trace + float(along.dot(ax)), float(along.dot(ay))
+        slope *= ay
+        field.yy = trace + float(slope.dot(ay))
+        field.gamma, field.largest = float(np.add.reduce(gammas)), float(np.maximum.reduce(gammas))
+        field.slice = float(np.maximum.reduce(slices))
+        return field
 
 
 _EARLY: Final = 8  # most summaries kept until they are due; more wait only after a long pause
@@ -151,7 +203,7 @@ class Arrivals:
 
     @property
     def _taken(self) -> int:
-        return -1 if self._picture is None else self._picture.tick
+        return -1 if self._picture is None else self._picture.places.tick
 
     def new_picture(self, radii: Mapping[int, float]) -> FarPicture | None:
         """The summary that is due, returned once, with the radii of all robots, m; None if there is none."""
@@ -172,12 +224,6 @@ def _numbers(payload: bytes) -> Array:
     return numbers
 
 
-def _column(numbers: Array, index: int) -> Array:
-    column: Array = numbers[:, index].copy()
-    column.setflags(write=False)
-    return column
-
-
 @lru_cache(maxsize=1)  # ids seldom change
 def _ids(runs: bytes, count: int) -> tuple[NDArray[np.int64], Mapping[int, int]]:
     """The ids that `runs` encode (`protocol.messages.Summary`), `count` in all, and the index of each."""
@@ -193,76 +239,3 @@ def _ids(runs: bytes, count: int) -> tuple[NDArray[np.int64], Mapping[int, int]]
     ids.setflags(write=False)
     known: list[int] = ids.tolist()
     return ids, {robot: place for place, robot in enumerate(known)}
-
-
-@final
-@mypyc_attr(acyclic=True)
-class FarField:
-    """Terms of far disks in the slice, to first order around (x, y), m.
-
-    Attributes:
-        log_x, log_y: half the gradient of log beta there, 1/m.
-        xx, xy, yy: its derivative, symmetric, 1/m^2.
-        gamma, largest: sum of the disks' squared distances to their goals and the largest of them, m^2.
-        slice: the largest norm of the disks' own slices, m.
-        count: number of disks.
-        tick: of their positions.
-    """
-
-    def __init__(self, tick: int = 0, x: float = 0.0, y: float = 0.0) -> None:
-        self.tick = tick
-        self.x, self.y = x, y
-        self.log_x = self.log_y = self.xx = self.xy = self.yy = 0.0
-        self.gamma = self.largest = self.slice = 0.0
-        self.count = 0
-
-
-NOTHING = FarField()
-
-
-def far_field(
-    tick: int,
-    position: Vector,
-    x: Array,
-    y: Array,
-    contacts: Array,
-    gammas: Array,
-    slices: Array,
-    known: Sequence[int] = (),
-) -> FarField:
-    """The field of disks; those nearer than sqrt(2) contact distances are left out of log beta.
-
-    Args:
-        tick: of the positions.
-        position: the point of expansion, m.
-        x, y: positions of the disks, m.
-        contacts: distance at which each touches, m.
-        gammas, slices: as of `SummaryPlaces`.
-        known: indices of disks that do not count, each once.
-    """
-    field = FarField(tick, *position)
-    field.count = len(gammas) - len(known)
-    if field.count <= 0:
-        return field
-    squares = contacts * contacts
-    ax, ay = position[0] - x, position[1] - y
-    beta = ax * ax
-    beta += ay * ay
-    beta -= squares
-    np.copyto(beta, np.inf, where=beta <= squares)
-    inverse = np.reciprocal(beta)
-    others, norms = gammas, slices
-    if known:
-        others, norms = gammas.copy(), slices.copy()
-        inverse[known] = others[known] = norms[known] = 0.0
-    slope = inverse * inverse
-    slope *= -2.0
-    trace = float(np.add.reduce(inverse))
-    field.log_x, field.log_y = float(ax.dot(inverse)), float(ay.dot(inverse))
-    along = slope * ax
-    field.xx, field.xy = trace + float(along.dot(ax)), float(along.dot(ay))
-    slope *= ay
-    field.yy = trace + float(slope.dot(ay))
-    field.gamma, field.largest = float(np.add.reduce(others)), float(np.maximum.reduce(others))
-    field.slice = float(np.maximum.reduce(norms))
-    return field

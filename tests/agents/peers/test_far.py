@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from agents.law.gradient import Slice
-from agents.peers.far import NOTHING, far_field
+from agents.peers.far import NOTHING, FarField, FarPicture, SummaryPlaces
 from agents.peers.state import Peer
+from protocol.messages import Summary
+from world.coordinator.exchange import runs
 
 OWN, PLACE, GOAL, WORKSPACE = 0.04, (0.1, -0.2), (0.5, 0.3), 3.0
 
@@ -18,18 +20,26 @@ def crowd(seed: int, count: int, least: float) -> list[Peer]:
     random = Random(seed)
     peers: list[Peer] = []
     while len(peers) < count:
-        x, y = random.uniform(-2.5, 2.5), random.uniform(-2.5, 2.5)
+        x, y, gamma = np.float32(
+            [random.uniform(-2.5, 2.5), random.uniform(-2.5, 2.5), random.uniform(0.0, 4.0)]
+        ).tolist()
         if math.dist((x, y), PLACE) > least:
-            peers.append(Peer(x, y, random.uniform(0.02, 0.06), random.uniform(0.0, 4.0)))
+            peers.append(Peer(x, y, random.uniform(0.02, 0.06), gamma))
     return peers
+
+
+def field_of(far: list[Peer], slices: list[float], known: list[int] | None = None) -> FarField:
+    """That of disks with the ids from 1 on, for a robot that knows some of them, by index."""
+    places, gammas = np.float32([(each.x, each.y) for each in far]), np.float32([each.gamma for each in far])
+    ids = runs(list(range(1, len(far) + 1)))
+    summary = Summary(3, ids, places.tobytes(), gammas.tobytes(), np.float32(slices).tobytes())
+    picture = FarPicture(SummaryPlaces(summary), {n: each.radius for n, each in enumerate(far, 1)})
+    return picture.field(PLACE, OWN, [1 + index for index in known or ()])
 
 
 def slices(near: list[Peer], far: list[Peer], known: list[int] | None = None) -> tuple[Slice, Slice]:
     """With all of them one by one, and with a field in place of the far ones."""
-    x, y = np.array([each.x for each in far]), np.array([each.y for each in far])
-    contacts = np.array([OWN + each.radius for each in far])
-    gammas = np.array([each.gamma for each in far])
-    field = far_field(3, PLACE, x, y, contacts, gammas, gammas, known or ())
+    field = field_of(far, [each.gamma for each in far], known)
     left = [each for index, each in enumerate(far) if index not in (known or ())]
     every = Slice(GOAL, OWN, WORKSPACE, 50.0, [*near, *left])
     return every, Slice(GOAL, OWN, WORKSPACE, 50.0, near, field)
@@ -66,10 +76,10 @@ def test_the_derivative_is_that_of_the_field() -> None:
 
 
 def test_disks_that_may_touch_are_left_out_and_an_empty_field_is_nothing() -> None:
-    touching = far_field(0, PLACE, *np.array([PLACE]).T, np.array([0.1]), np.array([2.0]), np.array([1.5]))
+    touching = field_of([Peer(*PLACE, 0.06, 2.0)], [1.5])
     assert (touching.log_x, touching.xx) == (0.0, 0.0)
     assert (touching.gamma, touching.largest, touching.slice) == (2.0, 2.0, 1.5)
-    empty = far_field(0, PLACE, np.zeros(1), np.zeros(1), np.ones(1), np.ones(1), np.ones(1), [0])
+    empty = field_of([Peer(0.0, 0.0, 0.96, 1.0)], [1.0], [0])
     assert (
         (empty.count, empty.gamma, empty.slice)
         == (NOTHING.count, NOTHING.gamma, NOTHING.slice)
