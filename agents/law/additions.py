@@ -34,6 +34,7 @@ class AugmentedLaw:
         aim: point of attraction, m, as of the last `look`.
         straight: length of the straight first part of the path there, m; infinite if it does not turn.
         obstacles: static obstacles then, as disks.
+        disks: peers as received, and static disks.
     """
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
@@ -59,11 +60,12 @@ class AugmentedLaw:
             self._jams = GivingWay(robot, spec.radius, self._lap, scenario.time.step)
         self._yields = False
         self._wanted: Vector = (0.0, 0.0)
-        self._slice: Slice | None = None
+        self._slice = Slice(spec.goal, spec.radius, self._workspace, math.inf, [])  # the attraction alone
         # Of the present tick, set by `look`.
         self.aim = self._goal = spec.goal
         self.straight = math.inf
         self.obstacles: list[Peer] = []
+        self.disks: list[Peer] = []
         self._peers: list[Peer] = []
         self._moving: list[PeerState] = []
         self._far = NOTHING
@@ -84,7 +86,7 @@ class AugmentedLaw:
         x, y = view.position
         attraction = self._attraction
         self.obstacles = [] if attraction is None else attraction.repelling(view.position, view.obstacles)
-        others, self._moving = view.neighbours.disks(), view.neighbours.moving()
+        self.disks, self._moving = view.neighbours.disks(), view.neighbours.moving()
         oldest = view.tick
         for state in self._moving:
             oldest = min(oldest, state.tick)
@@ -95,9 +97,10 @@ class AugmentedLaw:
         self.straight = math.inf if self._attraction is None else self._attraction.straight
         self._far = view.neighbours.far
         self._late = view.tick - self._far.tick
-        k = gain_for_fleet(self._k, self._robots, len(others) + self._far.count + 1)
+        k = gain_for_fleet(self._k, self._robots, len(self.disks) + self._far.count + 1)
         gx, gy = self.aim
         self._away = math.hypot(x - gx, y - gy)
+        others = self.disks
         if self._adapts and self._latency > 0.0:
             me = Peer(x, y, self._radius, math.dist(view.position, view.goal) ** 2)
             others = foreseen(me, others, view.tick, self._period, self._lap)
@@ -140,8 +143,6 @@ class AugmentedLaw:
 
     def slice_norm(self, position: Vector, goal: Vector) -> float:
         """|D_i|, m; before the first tick that of the attraction alone."""
-        if self._slice is None:
-            return 2.0 * math.hypot(position[0] - goal[0], position[1] - goal[1])
         self._slice.goal = self.aim if goal == self._goal else goal
         return self._slice.norm(*position)
 
@@ -151,7 +152,6 @@ class AugmentedLaw:
         if strength > 0.0:
             vx, vy = circling(view.position, self.aim, self._radius, self._peers)
             drift = (strength * self._free * vx, strength * self._free * vy)
-        assert self._slice is not None
         return desired_velocity(
             Flow(self._slice, self._scale, drift),
             view.position,

@@ -21,6 +21,7 @@ from typing import Final, final
 from agents.law.additions import AugmentedLaw
 from agents.law.api import View
 from agents.law.roundabout import Encounters, Roundabout, roundabout, together
+from agents.peers.state import PeerState
 from protocol.geometry import Disk
 from protocol.line import HalfPlane
 from protocol.messages import Vector
@@ -267,18 +268,13 @@ class ReciprocalLaw:
         x, y = view.position
         self._late = 0.0
         found: list[tuple[float, HalfPlane]] = []
-        for state in view.neighbours.moving():
-            if state.placed:
-                age = (view.tick - state.tick) * self._period
-                rx, ry = state.x + age * state.vx - x, state.y + age * state.vy - y
-                if self._add(found, (rx, ry), state.radius, state.desired, 0.5):
+        for disk in (*self._gradient.disks, *self._gradient.obstacles):
+            if isinstance(disk, PeerState):
+                age = (view.tick - disk.tick) * self._period
+                rx, ry = disk.x + age * disk.vx - x, disk.y + age * disk.vy - y
+                if self._add(found, (rx, ry), disk.radius, disk.desired, 0.5):
                     self._late = max(self._late, age / self._lap)
-        for member in view.neighbours.standing.values():
-            if member.position is not None:
-                rx, ry = member.position[0] - x, member.position[1] - y
-                self._add(found, (rx, ry), member.radius, (0.0, 0.0), 1.0)
-        for disk in self._gradient.obstacles:
-            if disk.radius > 0.0:
+            elif disk.radius > 0.0:
                 self._add(found, (disk.x - x, disk.y - y), disk.radius, (0.0, 0.0), 1.0)
         found.sort(key=lambda each: each[0])
         return [each[1] for each in found]
