@@ -9,12 +9,15 @@ from typing import Any
 import z3
 
 from tests.proof.model import BESIDE, BODY, CODE, DISJOINT, GONE, INSIDE, LINE_OF, OTHER, PRESENT, State, real
-from tests.proof.objects import SOURCE, ledger_claims, ledger_of, ledger_state
+from tests.proof.objects import SOURCE, held_claims, ledger_claims, ledger_of, ledger_state
 from tests.proof.outcomes import ANY_LINE, EPOCH, NAMES, NEXT, Case, Geometry, Outcome, S, apart
 from tests.proof.symbolic import Number
 
 Rule = Callable[[Any, Any, Any], object]  # of the ledger, the disk and the other one
 Besides = Callable[[str, Outcome], None]  # what else happens to the disk
+
+
+_OF_ALL_PAIRS = ("fence", "grant", "announce", "remove")  # rules that change all bindings of their disk
 
 
 def of_ledger(rule: str, does: Rule, x: str, besides: Besides | None = None) -> Case:
@@ -26,7 +29,8 @@ def of_ledger(rule: str, does: Rule, x: str, besides: Besides | None = None) -> 
         does(made, made.disks[CODE[x]], made.disks[CODE[OTHER[x]]])
         outcome = Outcome(geometry)
         outcome.after = ledger_state(made)
-        outcome.claims = history(outcome.after) | noted(geometry, outcome.after) | ledger_claims(made)
+        outcome.claims = history(outcome.after) | noted(geometry, outcome.after)
+        outcome.claims |= ledger_claims(made, x if rule in _OF_ALL_PAIRS else "")
         if besides is not None:
             besides(x, outcome)
         return outcome
@@ -190,7 +194,7 @@ def _begin() -> Outcome:
     a, b = (outcome.after[f"{x}.body"] for x in "AB")
     outcome.facts = []
     outcome.given(EPOCH > 0, *[INSIDE[x](outcome.after[f"{x}.body"], EPOCH) for x in "AB"])
-    outcome.given(DISJOINT(a, b))
+    outcome.given(DISJOINT(a, b), *[S[f"{x}.granted"] < EPOCH for x in "AB"])  # nothing was held before
     for x in "AB":
         outcome.after[f"{x}.said"] = z3.IntVal(0)
     return outcome
@@ -198,21 +202,19 @@ def _begin() -> Outcome:
 
 def _restart() -> Outcome:
     """Another coordinator begins: a new ledger of a new epoch, with disks where they stand."""
-    made = SOURCE.ledger.Ledger(0, {1: None, 2: None}, Geometry())
+    geometry = Geometry()
+    made = SOURCE.ledger.Ledger(Number(EPOCH), {1: EPOCH, 2: EPOCH}, geometry)
     outcome = Outcome()
-    after = outcome.after
+    after = outcome.after = ledger_state(made)
     outcome.given(S["v"] < EPOCH)
+    outcome.claims = noted(geometry, after) | {"a version of its epoch": after["v"] == EPOCH}
     for x in "AB":
-        disk = made.disks[CODE[x]]
-        assert (disk.life, disk.still, made.pairs[1]) == (0, True, {})
+        outcome.claims |= held_claims(made.disks[CODE[x]].held, x)
+        outcome.claims[f"{x}: is there"] = after[f"{x}.phase"] == PRESENT
         body = z3.Const(f"{x}.restarted", BODY)
         was_there = S[f"{x}.phase"] == PRESENT
         after[f"{x}.phase"] = z3.If(was_there, z3.IntVal(PRESENT), z3.IntVal(0))
-        after[f"{x}.life"], after[f"{x}.still"] = z3.IntVal(disk.life), z3.BoolVal(disk.still)
-        after[f"{x}.acked"] = after[f"{x}.granted"] = EPOCH
         outcome.begins(x)
         outcome.stands_at(x, body, EPOCH)
         outcome.given(INSIDE[x](body, EPOCH), body == real(S, x))
-    after["v"] = EPOCH
-    after["L.on"] = after["S.on"] = z3.BoolVal(False)
     return outcome

@@ -9,8 +9,8 @@ import z3
 
 from tests.interpreted import Edit, interpreted
 from tests.proof import symbolic
-from tests.proof.model import ASKED, CODE, HALF, LINE, LINE_OF, LINES, OTHER, obeys
-from tests.proof.outcomes import HELD, OBEYED, Geometry, S
+from tests.proof.model import ASKED, CODE, HALF, LINE, LINE_OF, LINES, OTHER, PRESENT, obeys
+from tests.proof.outcomes import HELD, NAMES, OBEYED, Geometry, S
 from tests.proof.symbolic import Atom, Number, Truth, expression
 
 
@@ -29,6 +29,8 @@ class Source:
         for module in (self.pair, self.ledger, self.robot):
             module.require = symbolic.require
 
+
+THIRD, FOURTH = 3, 4  # disks beside A and B
 
 SOURCE = Source()
 SOURCE.read()
@@ -109,14 +111,54 @@ def ledger_of(geometry: Geometry) -> Any:
     """The ledger of the state; a way through it for each of the bindings that may be in force."""
     made = SOURCE.ledger.Ledger(0, {}, geometry)
     made.version = Number(S["v"])
-    made.disks = geometry.disks = {CODE[x]: disk_of(x) for x in "AB"}
-    made.pairs = {1: {}, 2: {}}
+    two = {CODE[x]: disk_of(x) for x in "AB"}
+    made.disks = geometry.disks = {THIRD: third_of(), **two, FOURTH: third_of()}
+    made.disks[FOURTH].name = FOURTH
+    made.pairs = {name: {} for name in made.disks}
+    for name in CODE.values():
+        made.pairs[name][THIRD] = made.pairs[THIRD][name] = pair_with_third(name, THIRD)
     living, static = (bool(Truth(S[f"{b}.on"])) for b in "LS")
     if living or static:
         both = made.pairs[1][2] = made.pairs[2][1] = SOURCE.ledger.Pair()
         both.living = binding_of("L") if living else None
         both.static = binding_of("S") if static else None
+    for name in CODE.values():
+        made.pairs[name][FOURTH] = made.pairs[FOURTH][name] = pair_with_third(name, FOURTH)
+    made.others = {name: others_of(made, name) for name in CODE.values()}
     return made
+
+
+def third_of() -> Any:
+    """A disk that is neither A nor B, of which nothing is asked."""
+    held = SOURCE.records.Held(2, z3.Int("third.region"))
+    held.disk, held.low, held.high = "", z3.IntVal(2), z3.IntVal(2)
+    disk = SOURCE.records.DiskRecord(THIRD, held, PRESENT)
+    disk.life, disk.still = 1, False
+    return disk
+
+
+def pair_with_third(name: int, third: int) -> Any:
+    """Its bindings with A or B: one that it is asked about, and an older one towards a place of its own."""
+    both, life = SOURCE.ledger.Pair(), Number(S[f"{NAMES[name]}.life"])
+    ends = SOURCE.records.End(name, life, 0), SOURCE.records.End(third, 1, 0)
+    both.living = SOURCE.records.Binding(Number(z3.IntVal(2)), *ends, third, None)
+    ends = SOURCE.records.End(name, life, 0), SOURCE.records.End(third, 1, 2)
+    line = Atom(z3.Const(f"{name}-{third}.line", LINE))
+    both.static = SOURCE.records.Binding(Number(z3.IntVal(1)), *ends, 0, line)
+    return both
+
+
+def others_of(made: Any, name: int) -> list[Any]:
+    """All that the ledger has of a disk's bindings with third ones."""
+    found: list[Any] = []
+    for third in (THIRD, FOURTH):
+        pair = made.pairs[name].get(third)
+        found += [pair is made.pairs[third].get(name), pair]
+        for binding in () if pair is None else (pair.living, pair.static):
+            found += [id(binding)]
+            if binding is not None:
+                found += [id(binding.first), id(binding.told), binding.low.dead, binding.high.dead]
+    return found
 
 
 def ledger_state(made: Any) -> dict[str, Any]:
@@ -138,10 +180,14 @@ def ledger_state(made: Any) -> dict[str, Any]:
     return after
 
 
-def ledger_claims(made: Any) -> dict[str, Any]:
-    """The ledger's objects are what its state says."""
+def ledger_claims(made: Any, x: str = "") -> dict[str, Any]:
+    """The ledger's objects are what its state says, and nothing changes between third disks and any but X."""
     both = made.pairs[1].get(2)
-    found = {"both disks know the pair": z3.BoolVal(both is made.pairs[2].get(1))}
+    same = [made.others[CODE[y]] == others_of(made, CODE[y]) for y in "AB" if y != x]
+    found = {
+        "both disks know the pair": z3.BoolVal(both is made.pairs[2].get(1)),
+        "others stay as they are": z3.BoolVal(all(same)),
+    }
     for x in "AB":
         held = made.disks[CODE[x]].held
         if not isinstance(held.regions, Some) or held.regions.is_longer:

@@ -145,11 +145,14 @@ class Geometry:
             ]
 
         self.facts.append(says)
-        return [disk.name, other.name] if Truth(named) else [disk.name]
+        thirds = [name for name in self.disks if name not in NAMES]
+        return [thirds[0], disk.name, *([other.name] if Truth(named) else []), thirds[-1]]
 
     def apart(self, one: Any, other: Any) -> Truth:
         if one is other:
             return Truth(z3.BoolVal(False))
+        if not (one.disk and other.disk):
+            return self._answer(lambda _: [])
         mine = {one.disk: one, other.disk: other}
         a, b = mine["A"], mine["B"]
         return self._answer(
@@ -162,6 +165,8 @@ class Geometry:
 
     def clear(self, held: Any, region: Any) -> Truth:
         x = held.disk
+        if not x:
+            return self._answer(lambda _: [])
         return self._answer(lambda t: [z3.Implies(_in(held, r), apart(x, r, region)) for r in t.regions[x]])
 
     def beside(self, held: Any, line: Any, low: bool) -> Truth:

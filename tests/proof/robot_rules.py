@@ -10,7 +10,9 @@ import z3
 
 from tests.proof.model import ASKED, BODY, CODE, HALF, LINE_OF, OTHER, PRESENT, ends
 from tests.proof.objects import (
+    FOURTH,
     SOURCE,
+    THIRD,
     UNKNOWN,
     bindings_in,
     bound_claims,
@@ -208,7 +210,7 @@ def _heard_of(bound: Any, b: str, x: str) -> dict[str, Any]:
     """An end after a Tick: one that was taken before has its lines still, another the first line if told."""
     y, is_told, known = OTHER[x], Truth(z3.And(S[f"{b}.told"] != 0, S[f"{b}.told"] <= AT)), bound.lines == b
     if known:
-        same = z3.BoolVal(bound.of == b)
+        same = z3.BoolVal(bound.of == b and bound.half is not None)
         bound.lines = None
     else:
         lines = [expression(line) == LINE_OF(S[f"{b}.number"], 0) for line in bound.obeyed]
@@ -254,6 +256,8 @@ def told_now(x: str) -> Outcome:
                 same = expression(each.first) == expression(first)
             claims[f"{b} has its first line"] = same
             claims[f"{b} has its peer"] = z3.BoolVal(each.peer == CODE[y])
+    thirds = [each.peer for each in told.bindings if each.peer not in CODE.values()]
+    claims["all others are listed"] = z3.BoolVal(thirds == [THIRD, FOURTH])
     outcome.claims = {f"told: {name}": claim for name, claim in claims.items()}
     return outcome
 
@@ -269,6 +273,8 @@ def _command(x: str) -> Outcome:
     outcome.after[f"{x}.body"], outcome.after[f"{x}.own"] = made.body, made.own
     outcome.after[f"{x}.reach"] = expression(made.part) == CODE[OTHER[x]]
     outcome.covers_less(x, own, body)
+    kept = z3.And(made.body == body, made.own == own, expression(made.part) == PART)
+    outcome.claims = {f"{x}: what is covered from now on": kept}
     return outcome
 
 
@@ -280,4 +286,5 @@ def _locate(x: str) -> Outcome:
     outcome.after[f"{x}.body"], outcome.after[f"{x}.own"] = made.body, made.own
     for less, more in ((body, S[f"{x}.body"]), (own, S[f"{x}.own"]), (own, body)):
         outcome.covers_less(x, less, more)
+    outcome.claims = {f"{x}: what is covered": z3.And(made.body == body, made.own == own)}
     return outcome
