@@ -33,13 +33,11 @@ def test_every_planted_fault_is_found(fault: planted.Fault) -> None:
 
 @pytest.mark.process
 @pytest.mark.timeout(90)
-def test_real_processes_drive_the_same_trajectory() -> None:
+def test_another_trajectory_on_real_processes_is_a_violation() -> None:
     drawings = (drawn(Dice(seed)) for seed in range(99))
     scenario = next(s for s in drawings if s and len(s.robots) == 3 and len(s.process) == 2)
-    trajectory = observe(scenario).trajectory
-    assert list(on_processes(scenario, "mesh", trajectory)) == []
-    (other,) = on_processes(scenario, "routed", "0" * 64)
-    assert other.kind == "bus"
+    (found,) = on_processes(scenario, "routed", "0" * 64)
+    assert found.kind == "bus"
 
 
 def _lossy() -> Scenario:

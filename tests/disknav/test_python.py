@@ -8,9 +8,7 @@ import polars
 import pytest
 
 import disknav
-from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
-from deploy.run.options import RunOptions, fresh_run_name
 from protocol.errors import UsageError
 from protocol.scenario.file import write_toml
 from world.judge.record import TrajectoryDigest
@@ -127,19 +125,6 @@ def test_columns_and_frames_say_the_same() -> None:
 
 
 @pytest.mark.process
-def test_a_robot_of_a_fleet_is_sent_elsewhere() -> None:
-    scenario = disknav.build({"robots": ROBOTS, "time": {"endless": True}})
-    options = RunOptions(run=fresh_run_name())
-    with (
-        Fleet(scenario, options) as fleet,
-        disknav.operate(options.run, router=fleet.topology.endpoint) as orders,
-    ):
-        number = orders.send(2, (0.05, 0.1))
-        ended = orders.outcome(2, number, within=60.0)
-    assert (ended.number, ended.status, ended.goal) == (number, "arrived", (0.05, 0.1))
-
-
-@pytest.mark.process
 def test_a_fleet_drives_the_same_and_is_recorded(tmp_path: Path) -> None:
     scenario = disknav.build({"robots": ROBOTS, "link": {"delay": [0.0, 0.1]}})
     here = disknav.run(scenario)
@@ -150,7 +135,10 @@ def test_a_fleet_drives_the_same_and_is_recorded(tmp_path: Path) -> None:
     assert recording.result == fleet.result
     assert np.array_equal(recording.trajectory.positions, fleet.trajectory.positions)
     commands, states = recording.columns("command"), recording.columns("state")
-    assert set(commands["robot"].tolist()) == {2, 7}
+    ticks = [tick for tick in range(fleet.result["ticks"]) for _ in ROBOTS]
+    for columns in (commands, states):
+        assert set(columns["robot"].tolist()) == {2, 7}
+        assert sorted(columns["tick"].tolist()) == ticks
     speeds = np.hypot(commands["velocity_x"], commands["velocity_y"])
     assert 0.05 < speeds.max() <= 0.10 * (1 + 1e-9)
     own = states["robot"] == 7

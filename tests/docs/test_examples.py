@@ -17,16 +17,20 @@ ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "docs/examples"
 
 
-def run(folder: str, script: str, *words: str, cwd: Path) -> None:
+def run(folder: str, script: str, *words: str, cwd: Path) -> str:
     shutil.copytree(EXAMPLES / folder, cwd, dirs_exist_ok=True)
     call = [sys.executable, script, *words]
     done = subprocess.run(call, cwd=cwd, capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
+    return done.stdout
 
 
 @pytest.mark.process
+@pytest.mark.long(12)
 def test_a_fleet_that_lives(tmp_path: Path) -> None:
-    run("03-living-fleet", "orders.py", f"tcp/127.0.0.1:{free_ports(1)[0]}", cwd=tmp_path)
+    said = run("03-living-fleet", "orders.py", f"tcp/127.0.0.1:{free_ports(1)[0]}", cwd=tmp_path)
+    assert "robot=3" in said
+    assert "status='arrived', goal=(0.15, 0.05)" in said
     assert (tmp_path / "yard.mcap").stat().st_size > 10_000
 
 

@@ -16,7 +16,7 @@ from protocol.messages import Clock
 from protocol.operations import Reply
 from protocol.scenario.body import Body
 from protocol.scenario.file import parse_toml
-from protocol.scenario.model import Operation, Order, ProcessFault, RobotSpec
+from protocol.scenario.model import Operation, Order, ProcessFault
 from tests.campaigns.observe import observe
 from tests.skipped_waits import skipped_waits
 from tests.system.orders.turnover import GUEST, GUESTED, SWAP, Turnover, asked, status, step, to_be
@@ -32,23 +32,6 @@ def test_nothing_appears_while_somebody_is_in_its_place() -> None:
     assert status(fleet, 7) == "appearing"
     to_be(fleet, 7, "live")  # the present robots make room
     assert result_of(fleet.world.world)["collisions"] == 0
-
-
-@pytest.mark.slow
-def test_a_robot_that_is_removed_ends_and_may_come_back() -> None:
-    fleet = LocalFleet(replace(SWAP, time=replace(SWAP.time, endless=True)))
-    step(fleet, 20)
-    node = fleet.robots[2].node
-    assert asked(fleet, {"remove": 2}).accepted
-    step(fleet, 5)
-    assert (status(fleet, 2), fleet.world.world.truth.robots) == ("gone", (1, 3, 4))
-    assert (node.finished, node.verdict) == (True, "removed")
-    assert asked(fleet, {"add": RobotSpec(2, 0.02, (0.0, -0.2), (0.1, -0.2))}).accepted
-    to_be(fleet, 2, "live")
-    step(fleet, 40)
-    report = result_of(fleet.world.world)
-    assert (report["collisions"], report["robots"]) == (0, [1, 2, 3, 4])
-    assert math.dist(report["positions"]["2"], (0.0, -0.2)) > 0.01  # it moves again
 
 
 @pytest.mark.parametrize(

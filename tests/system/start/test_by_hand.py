@@ -28,11 +28,11 @@ class ByHand:
         self.endpoint = f"tcp/127.0.0.1:{port}"
         self.processes: list[subprocess.Popen[str]] = []
 
-    def start(self, *command: str, wait: float = 60.0) -> subprocess.Popen[str]:
+    def start(self, *command: str, run: str = "hand", wait: float = 60.0) -> subprocess.Popen[str]:
         connection = (
             ["--listen", self.endpoint]
             if command[0] == "router"
-            else ["--router", self.endpoint, "--run", "hand", "--wait", str(wait)]
+            else ["--router", self.endpoint, "--run", run, "--wait", str(wait)]
         )
         call = [sys.executable, "-m", "disknav", "node", *command, *connection]
         process = subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -75,15 +75,14 @@ def test_robots_first_router_last(tmp_path: Path) -> None:
     assert it.endpoint in said_by["router"]
 
 
-@pytest.mark.long(8)
 def test_no_process_waits_for_longer_than_asked() -> None:
-    with by_hand() as it:
-        lost = it.start("robot", "1", wait=1.0)
-        assert lost.wait(60.0) == EXIT_FAULT
+    with by_hand() as nowhere, by_hand() as it:
+        lost = nowhere.start("robot", "1", wait=1.0)
         it.start("router")
         until(lambda: reachable(it.endpoint), 60.0)
         alone = it.start("robot", "1", wait=2.0)
-        assert alone.wait(60.0) == EXIT_FAULT
+        empty = it.start("world", "figure-2", run="empty", wait=1.0)
+        assert [each.wait(60.0) for each in (lost, alone)] == [EXIT_FAULT] * 2
         assert "no world answers" in alone.stderr.read()
-        found, report = said(it.start("world", "figure-2", wait=1.0))
+        found, report = said(empty)
         assert (found, report["verdict"]) == (EXIT_FAULT, "aborted")

@@ -43,7 +43,9 @@ def driving(supervisor: Supervisor, connection: Connection, run: str) -> Iterato
         yield operator
 
 
-def test_a_second_world_is_refused_and_stops_reach_the_first(capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_second_world_is_refused_and_stops_reach_the_first(
+    disknav: Forks, capfd: pytest.CaptureFixture[str]
+) -> None:
     run = fresh_run_name()
     with Supervisor() as supervisor, Supervisor() as others:
         connection = router(supervisor)
@@ -55,18 +57,11 @@ def test_a_second_world_is_refused_and_stops_reach_the_first(capfd: pytest.Captu
                 assert operator.operate().halted
                 assert not operator.operate(RELEASE).halted
             assert [exit_.code for exit_ in exits] == [REFUSED]
+            done = disknav("run", "swap-2", "--run", run, "--router", connection.connect[0])
+            assert not operator.operate().halted
             assert supervisor.running() == ["router", "world", "robot-1", "robot-2"]
     (said,) = [line for line in capfd.readouterr().err.splitlines() if "another world" in line]
     assert f"another world of run {run!r} is on this network: end that one first" in said
-
-
-def test_a_run_beside_a_world_of_the_same_run_ends_with_one_line(disknav: Forks) -> None:
-    run = fresh_run_name()
-    with Supervisor() as supervisor:
-        connection = router(supervisor)
-        with driving(supervisor, connection, run) as operator:
-            done = disknav("run", "swap-2", "--run", run, "--router", connection.connect[0])
-            assert not operator.operate().halted
     assert (done.returncode, len(done.stderr.splitlines())) == (2, 1)
     assert f"another world of run {run!r} is on this network" in done.stderr
 

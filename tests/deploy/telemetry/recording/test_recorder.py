@@ -14,15 +14,14 @@ from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from deploy.telemetry.recording.reader import read
 from deploy.telemetry.recording.recorder import Recorder
-from deploy.telemetry.recording.replay import recomputed
 from deploy.telemetry.recording.writer import RecordingWriter
 from protocol import joining
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import encode
 from protocol.errors import BusError, RecordingError
 from protocol.keys import STREAMS, everything, robot_key, world_key
-from protocol.messages import Clock, Command, Result, State
-from tests.deploy.telemetry.recording.recorded import ROBOTS, FakeWorld, said_by, scenario
+from protocol.messages import Clock, Command, Result
+from tests.deploy.telemetry.recording.recorded import FakeWorld, said_by, scenario
 
 
 def _recorder(bus: LocalBus, run: str, folder: Path) -> tuple[Recorder, RecordingWriter]:
@@ -99,22 +98,6 @@ def test_a_world_that_answers_nonsense_is_asked_again(tmp_path, first):
 
 
 # -- as a process
-
-
-@pytest.mark.process
-def test_a_fleet_is_recorded_to_the_last_message(tmp_path):
-    path = tmp_path / "fleet.mcap"
-    with Fleet(scenario(), RunOptions(), record=path) as fleet:
-        report = fleet.execute()
-        fleet.processes()
-        fleet.record(report | {"transport": "routed"})
-        assert fleet.recordings() == [str(path)]
-    found = read(path)
-    assert (found.cut, found.result) == (False, report | {"transport": "routed"})
-    assert recomputed(found) == (report["trajectory_sha256"], 0)
-    for spec in ROBOTS:
-        assert [state.tick for state in said_by(found, State, spec.id)] == list(range(report["ticks"]))
-        assert [command.tick for command in said_by(found, Command, spec.id)] == list(range(report["ticks"]))
 
 
 @pytest.mark.process
