@@ -10,14 +10,14 @@ from random import Random
 from statistics import median
 
 import disknav
-from agents.shell.node import RobotNode
+from tests.benchmarks.steps import MeteredFleet
 
 _PITCH = 1.09  # m, between centres of boxes
 _SETTLED = 5  # ticks until all are bound to what is near
 
 
 class Fleet:
-    """One Simulation, and what its ticks took.
+    """One fleet, and what its ticks took.
 
     Attributes:
         whole: processor time of each tick, s.
@@ -48,28 +48,15 @@ class Fleet:
                 "obstacles": obstacles,
             }
         )
-        self._simulation = disknav.Simulation(scenario)
+        self._fleet = MeteredFleet(scenario)
         for _ in range(_SETTLED):
-            self._simulation.step()
+            self._fleet.step()
 
     def step(self) -> None:
-        took = 0.0
-        handle = RobotNode.handle
-
-        def timed(node: RobotNode, *arguments: object) -> None:
-            nonlocal took
-            begun = time.process_time()
-            handle(node, *arguments)  # type: ignore[arg-type]  # whatever it takes
-            took += time.process_time() - begun
-
-        RobotNode.handle = timed  # type: ignore[method-assign]  # for this tick
-        begun = time.process_time()
-        try:
-            self._simulation.step()
-        finally:
-            RobotNode.handle = handle  # type: ignore[method-assign]
+        before, begun = self._fleet.robots_cpu(), time.process_time()
+        self._fleet.step()
         self.whole.append(time.process_time() - begun)
-        self.robots.append(took)
+        self.robots.append(self._fleet.robots_cpu() - before)
 
 
 _CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))

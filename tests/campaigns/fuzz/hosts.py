@@ -71,7 +71,7 @@ class HostOnPipe(SshSpawner):
         self._frames = FramedMessages(descriptor, MAX_NEWS, 5.0)
 
 
-def _read_news(drawn: list[bytes]) -> bool:
+def _read_news(drawn: list[bytes]) -> None:
     reading, writing = os.pipe()
     try:
         host = HostOnPipe(reading)
@@ -83,7 +83,6 @@ def _read_news(drawn: list[bytes]) -> bool:
     finally:
         os.close(reading)
         os.close(writing)
-    return True
 
 
 # -- logs
@@ -107,7 +106,7 @@ def _raise(_: object) -> None:
     raise  # noqa: PLE0704  what a handler would print
 
 
-def _read_line(drawn: bytes) -> bool:
+def _read_line(drawn: bytes) -> None:
     _relay().take(drawn)
     (handler,) = _relay()._logger.handlers
     stream = handler.stream  # type: ignore[attr-defined]
@@ -116,7 +115,6 @@ def _read_line(drawn: bytes) -> bool:
     stream.seek(0)
     stream.truncate()
     assert all(each.isprintable() or each == "\n" for each in shown), shown
-    return True
 
 
 # -- files about hosts
@@ -130,20 +128,18 @@ def _as_file(name: str, content: bytes) -> Iterator[Path]:
     path.unlink()
 
 
-def _read_table(drawn: str) -> bool:
+def _read_table(drawn: str) -> None:
     with _as_file("hosts.toml", drawn.encode(errors="surrogatepass")) as path:
         read_hosts(path)
-    return True
 
 
-def _read_roster(drawn: bytes) -> bool:
+def _read_roster(drawn: bytes) -> None:
     with _as_file("roster.json", drawn) as path:
         try:
             roster = read(path.parent)
         except KeyGrammarError as error:  # of a run that cannot have this name
             raise CertificateError(str(error)) from error
         assert roster.roles
-    return True
 
 
 def _draw_roster(rng: Random) -> bytes:

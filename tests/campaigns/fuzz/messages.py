@@ -74,7 +74,7 @@ def _draw_message(rng: Random) -> tuple[str, bytes]:
     return key, damaged_message(valid, other, rng)
 
 
-def _read_message(drawn: tuple[str, bytes]) -> bool:
+def _read_message(drawn: tuple[str, bytes]) -> None:
     key, payload = drawn
     heard = _heard(key, payload)
     try:
@@ -90,7 +90,6 @@ def _read_message(drawn: tuple[str, bytes]) -> bool:
             message.position,
             message.desired,
         )
-    return True
 
 
 def _heard(key: str, payload: bytes) -> PeerState | None:
@@ -141,26 +140,17 @@ def _requested(valid: Callable[[], list[bytes]]) -> Callable[[Random], bytes]:
     return lambda rng: damaged_message(rng.choice(valid()), rng.choice(valid()), rng)
 
 
-def _read_request(payload: bytes) -> bool:
+def _read_request(payload: bytes) -> None:
     join = joining.decode_request(1, payload)
     assert joining.decode_request(1, joining.encode_request(join)) == join
-    return True
-
-
-def _read_reply(payload: bytes) -> bool:
-    joining.encode_reply(joining.decode_reply(payload))
-    return True
-
-
-def _read_steer(payload: bytes) -> bool:
-    msgspec.msgpack.encode(decode_steer(payload))
-    return True
 
 
 JOINING = {
     "join": Target(_requested(requests), _read_request, MessageError, 10),
-    "reply": Target(_requested(_replies), _read_reply, MessageError, 6),
-    "steer": Target(_requested(steers), _read_steer, MessageError, 6),
+    "reply": Target(
+        _requested(_replies), lambda p: joining.encode_reply(joining.decode_reply(p)), MessageError, 6
+    ),
+    "steer": Target(_requested(steers), lambda p: msgspec.msgpack.encode(decode_steer(p)), MessageError, 6),
 }
 
 
@@ -175,7 +165,7 @@ def draw_key(rng: Random) -> str:
     return damaged_text(valid, f"disknav/{run}/world/alive", rng) if rng.randrange(6) else valid
 
 
-def _read_key(text: str) -> bool:
+def _read_key(text: str) -> None:
     run, robot, stream, session = keys.parse.__wrapped__(text)  # uncached: a cache of so many proves nothing
     keys.checked_run(run)
     if session:
@@ -183,7 +173,6 @@ def _read_key(text: str) -> bool:
     else:
         again = keys.world_key(run, stream) if robot is None else keys.robot_key(run, robot, stream)
     assert again == text
-    return True
 
 
 KEYS = {"key": Target(draw_key, _read_key, KeyGrammarError, 16)}
@@ -230,7 +219,7 @@ def _deaf(_: bytes) -> None:
     """Hear a reply, and make nothing of it."""
 
 
-def _take_part(drawn: list[_Drawn]) -> bool:
+def _take_part(drawn: list[_Drawn]) -> None:
     """World, robot, watcher and launcher handle them; the world counts those of unknown robots."""
     network = LocalNetwork()
     bus = network.connect()
@@ -260,7 +249,6 @@ def _take_part(drawn: list[_Drawn]) -> bool:
     rejected = world._run.rejected
     if rejected.total():
         raise MessageError(next(iter(rejected)), f"counted: {dict(rejected)}")
-    return True
 
 
 PARTICIPANTS = {"event": Target(_draw_events, _take_part, MessageError, 2)}

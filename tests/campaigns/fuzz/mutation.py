@@ -18,13 +18,13 @@ class Target:
     """A reader.
 
     draw: an input; plain values whose `repr` gives them back.
-    read: what it does with that; whether it was accepted.
+    read: what it does with that.
     declared: the one kind of exception that may come of it.
     share: of all inputs, in parts of the sum of all shares; what takes long has a small one.
     """
 
     draw: Callable[[Random], Any]
-    read: Callable[[Any], bool]
+    read: Callable[[Any], object]
     declared: type[DisknavError]
     share: int
 

@@ -11,7 +11,7 @@ from typing import Any
 from protocol.scenario.model import Scenario
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import skirmish
-from tests.agents.lines.models.skirmishes.laws import Staying
+from tests.agents.lines.models.skirmishes.arena import Staying
 
 CALM = 80  # ticks
 

@@ -18,7 +18,7 @@ from protocol.messages import Command, State, Tick, Vector
 from protocol.scenario.model import Operation, Scenario
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import arena
-from tests.agents.lines.models.skirmishes.laws import Attack
+from tests.agents.lines.models.skirmishes.arena import Attack
 
 TICKS = 40
 
