@@ -82,7 +82,7 @@ def test_a_planner_drives_real_processes_by_key_with_no_more_than_zenoh(tmp_path
     page = (Path(__file__).parents[2] / "docs/streams.md").read_text()
     kind_of_wish = re.findall(r'"(wish/\d+)"', page)[0]
     run, endpoint = fresh_run_name(), f"tcp/127.0.0.1:{free_ports(1)[0]}"
-    call = [sys.executable, "-m", "disknav", "run", "crossing.toml", "--speed", "1", "--quiet"]
+    call = [sys.executable, "-m", "disknav", "run", "crossing.toml", "--speed", "2", "--quiet"]
     call += ["--run", run, "--listen", endpoint, "--json", "result.json"]
     fleet = subprocess.Popen(call, cwd=tmp_path)
     config = zenoh.Config()
