@@ -29,8 +29,7 @@ class Subscriptions:
         self._fleet: Set[int] = frozenset()  # all robots
         self._epoch = 0  # of the coordinator
         self._near: frozenset[int] = frozenset()  # peers near now or soon; empty before the first `attend`
-        self._before = self._near  # those named before them
-        self._named = False  # whether `attend` set near peers since the last `apply`
+        self._kept: frozenset[int] | None = None  # they and those near before, from `attend` to `apply`
         self._dropped: set[str] = set()  # keys to withdraw from
         self._heard: set[str] = set()  # keys that are subscribed to: a later life may know of more peers
 
@@ -39,9 +38,8 @@ class Subscriptions:
         scenario = admission.scenario
         self._limits = plausible(scenario)
         self._fleet = radii_of(scenario.robots).keys()  # of a table that all robots of a process share
-        self._epoch, self._near = admission.epoch, frozenset()
-        self._before, self._named, self._dropped = self._near, False, set()
-        self.readers = {}
+        self._epoch = admission.epoch
+        self._near, self._kept, self._dropped, self.readers = frozenset(), None, set(), {}
         for peer in () if scenario.hears_near else sorted(self._fleet - {self._robot}):
             self._know(peer)
         self._subscribe(self.readers)
@@ -58,23 +56,21 @@ class Subscriptions:
 
     def attend(self, near: Iterable[int]) -> None:
         """Set the peers that are near now or soon; `apply` applies it."""
-        self._before, self._near, self._named = self._near, frozenset(near), True
+        before, self._near = self._near, frozenset(near)
+        self._kept = before | self._near
 
     def apply(self, tick: int) -> None:
         """Once a tick, when no peer waits for this robot: subscribe to near peers; in later ticks, which
         differ by robot, withdraw from others."""
-        if self._named:
-            self._named = False
-            self._hear()
+        if self._kept is not None:
+            self._hear({self._key(peer) for peer in self._kept})
+            self._kept = None
         elif self._dropped and (tick + self._robot) % _TURNS == 0:
             self._withdraw()
 
-    def _hear(self) -> None:
-        kept = {self._key(peer) for peer in self._before}
-        for peer in sorted(self._near):
-            key = self._key(peer)
-            kept.add(key)
-            if peer in self._fleet and peer != self._robot and key not in self.readers:
+    def _hear(self, kept: set[str]) -> None:
+        for peer in sorted(self._near & self._fleet - {self._robot}):
+            if self._key(peer) not in self.readers:
                 self._know(peer)
         self._subscribe([key for key in self.readers if key in kept])
         self._dropped = self._heard - kept
