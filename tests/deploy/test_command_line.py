@@ -1,8 +1,6 @@
 """One command line: an option means the same in every command, or is refused where it cannot apply."""
 
 import json
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +12,7 @@ from typer.testing import CliRunner
 from deploy.cli.application import app
 from deploy.software import Finding
 from protocol.errors import UsageError
+from tests.scripts import ended
 
 COMMAND = typer.main.get_command(app)
 
@@ -127,16 +126,9 @@ def test_json_without_a_file_is_standard_output(file: str, tmp_path: Path) -> No
 
 @pytest.mark.slow
 def test_the_shell_completes_names_of_the_library() -> None:
-    code = "import sys; sys.argv = ['disknav']; from disknav.__main__ import main; main()"
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        env={"_DISKNAV_COMPLETE": "complete_bash", "COMP_WORDS": "disknav run fig", "COMP_CWORD": "2"},
-        cwd=Path(__file__).parents[2],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
+    asked = {"_DISKNAV_COMPLETE": "complete_bash", "COMP_WORDS": "disknav run fig", "COMP_CWORD": "2"}
+    code = f"import os, sys; os.environ |= {asked}; sys.argv = ['disknav']"
+    done = ended(f"{code}; from disknav.__main__ import main; main()", timeout=60.0)
     assert "figure-1" in done.stdout.split()
 
 

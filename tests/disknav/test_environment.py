@@ -1,7 +1,5 @@
 """`disknav.parallel_env`: PettingZoo's own tests, Gymnasium's of spaces, and what numbers mean."""
 
-import subprocess
-import sys
 import warnings
 
 import numpy as np
@@ -13,6 +11,7 @@ from pettingzoo.test import parallel_api_test, parallel_seed_test
 
 import disknav
 from disknav.environment import FleetEnv, Observer
+from tests.scripts import ended
 
 DISTURBED = {
     "sensing.noise": 0.002,
@@ -176,8 +175,6 @@ def test_what_no_environment_can_be_made_of_is_refused() -> None:
 
 def test_without_its_libraries_the_extra_is_named() -> None:
     code = "import sys; sys.modules['pettingzoo'] = None; import disknav; disknav.parallel_env('swap-3')"
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
-    )
-    assert "UsageError" in done.stderr
-    assert "[env]" in done.stderr
+    said = ended(code, timeout=60.0).stderr
+    assert "UsageError" in said
+    assert "[env]" in said

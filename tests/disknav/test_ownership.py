@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from disknav import ownership
+from tests.scripts import ended
 
 ROOT = Path(__file__).parents[2]
 
@@ -86,10 +87,7 @@ def test_the_command_says_so_too(site: Path) -> None:
 
 def test_importing_disknav_imports_nothing_else() -> None:
     code = "import sys, disknav; print(sorted({'numpy', 'zenoh', 'deploy', 'typer'} & set(sys.modules)))"
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True
-    )
-    assert done.stdout.strip() == "[]"
+    assert ended(code).stdout.strip() == "[]"
 
 
 def test_an_unknown_name_says_what_there_is() -> None:

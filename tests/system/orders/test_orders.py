@@ -6,7 +6,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import msgspec
 import pytest
 
 from deploy.run.operator import operating
@@ -16,6 +15,7 @@ from protocol.errors import BusError
 from protocol.scenario.model import Journey, Operation, Point
 from tests.deploy.processes.ports import free_ports
 from tests.deploy.telemetry.monitor.watched import until
+from tests.forks import Forks
 
 PLACE = (0.05, 0.02)
 
@@ -32,7 +32,7 @@ def served(endpoint: str, result: Path) -> subprocess.Popen[bytes]:
 
 @pytest.mark.process
 @pytest.mark.timeout(120)
-def test_keep_and_send(tmp_path: Path) -> None:
+def test_keep_and_send(disknav: Forks, tmp_path: Path) -> None:
     endpoint = f"tcp/127.0.0.1:{free_ports(1)[0]}"
     with served(endpoint, tmp_path / "result.json") as fleet:
         until(lambda: reachable(endpoint), 30.0)
@@ -51,11 +51,8 @@ def test_keep_and_send(tmp_path: Path) -> None:
         told = json.loads(bus.ask("disknav/yard/world/operation", request, 5.0)[0])
         bus.close()
         assert (told["accepted"], told["number"]) == (True, 1)
-        command = ["fleet", "goal", "yard", "3", "-0.1", "-0.1", "--router", endpoint, "--json"]
-        said = subprocess.run(
-            [sys.executable, "-m", "disknav", *command], capture_output=True, check=True, timeout=60
-        )
-        assert msgspec.json.decode(said.stdout)["status"]["goal"] == [-0.1, -0.1]
+        said = disknav("fleet", "goal", "yard", "3", "-0.1", "-0.1", "--router", endpoint, "--json")
+        assert json.loads(said.stdout)["status"]["goal"] == [-0.1, -0.1]
         fleet.send_signal(signal.SIGINT)
         assert fleet.wait(30) == 130
     result = json.loads((tmp_path / "result.json").read_text())
