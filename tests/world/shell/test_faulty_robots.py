@@ -31,6 +31,12 @@ MOST = 2**53
 LIMITS = plausible(SWAP)
 
 
+@pytest.fixture(autouse=True)
+def _skipped_waits() -> Iterator[None]:
+    with skipped_waits():
+        yield
+
+
 class Ward:
     """A fleet of which robot 2 hears and says something else from tick FROM on.
 
@@ -73,8 +79,7 @@ class Ward:
 
     def execute(self) -> dict[str, Any]:
         """The report; the others have arrived, and no other was given up."""
-        with skipped_waits():
-            report = self.fleet.execute()
+        report = self.fleet.execute()
         assert {each["robot"] for each in report["faults"]["given_up"]} <= {FAULTY}
         assert set(report["arrived"]) >= set(OTHERS), (report["verdict"], report["reason"])
         return report
@@ -90,10 +95,9 @@ def given_up(ward: Ward) -> list[dict[str, Any]]:
 
 def test_one_that_hangs_is_given_up_alone() -> None:
     ward = Ward()
-    with skipped_waits():
-        while not ward.is_faulty:
-            ward.fleet.step()
-        ward.fleet.robots[FAULTY].node = None
+    while not ward.is_faulty:
+        ward.fleet.step()
+    ward.fleet.robots[FAULTY].node = None
     (only,) = given_up(ward)
     assert "hangs" in only["reason"] or "lack it" in only["reason"]
 
