@@ -26,6 +26,7 @@ from world.shell.node import WorldNode
 SCENARIO = load("swap-2")
 
 
+@skipped_waits()
 def test_without_a_world_a_robot_waits_as_long_as_asked_and_no_longer() -> None:
     network = LocalNetwork()
     bus = network.connect()
@@ -37,7 +38,7 @@ def test_without_a_world_a_robot_waits_as_long_as_asked_and_no_longer() -> None:
 
 
 @pytest.mark.parametrize("kept", [False, True])
-@pytest.mark.slow
+@skipped_waits()
 def test_a_run_that_is_over_is_left_unless_its_world_may_be_back(kept: bool, tmp_path: Path) -> None:
     fleet = MortalFleet(SCENARIO, tmp_path / "checkpoint" if kept else None)
     robots = [bus.node for bus in fleet.robots.values()]
@@ -74,6 +75,7 @@ def test_a_robot_that_asks_a_world_that_leaves_hears_that_it_has_left(
     assert node.finished
 
 
+@skipped_waits()
 def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_takes_part() -> None:
     network = LocalNetwork()
     bus = network.connect()

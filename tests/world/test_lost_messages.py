@@ -8,6 +8,7 @@ from protocol.bus.bus import Event, Sample
 from protocol.codec import decode
 from protocol.messages import Command, State, Tick
 from tests.proxy import Proxy
+from tests.skipped_waits import skipped_waits
 
 SCENARIO = load("swap-4")
 LOST_AT = (0, 7)  # ticks
@@ -15,6 +16,7 @@ LOST_AT = (0, 7)  # ticks
 
 @pytest.mark.parametrize(("listener", "kind"), [(2, State), (2, Tick), (None, Command)])
 @pytest.mark.slow
+@skipped_waits()
 def test_what_is_lost_is_said_again(listener: int | None, kind: type[Tick | State | Command]) -> None:
     """A node does not hear the first message of a kind, from any sender, at some ticks."""
     whole = LocalFleet(SCENARIO).execute()

@@ -23,6 +23,7 @@ from protocol.scenario.model import ProcessFault, RobotSpec, Scenario
 from protocol.scenario.network import Link
 from tests.mortal import MortalFleet
 from tests.proxy import Proxy
+from tests.skipped_waits import skipped_waits
 from tests.system.orders.turnover import SWAP, asked
 from tests.world.driving import token
 from world.coordinator.lives import Life
@@ -136,7 +137,7 @@ def test_the_next_one_does_not_wait_for_the_token_of_the_one_before(tmp_path: Pa
     assert fleet.world.world.lives.given_up == []
 
 
-@pytest.mark.slow
+@skipped_waits()
 def test_a_process_to_be_restarted_is_not_its_own_successor_when_a_router_goes(tmp_path: Path) -> None:
     """Its launcher gets to it late, and it asks what became of it."""
     fleet, faults = kept(tmp_path, deaf=False), list[ProcessFault]()

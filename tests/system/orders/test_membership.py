@@ -110,7 +110,7 @@ def test_processes_come_and_go() -> None:
     assert rows["robot-7"]["exit_code"] == 0
 
 
-@pytest.mark.slow
+@skipped_waits()
 def test_a_process_that_is_there_before_its_order_waits_and_no_trajectory_shows_it() -> None:
     fleet = LocalFleet(GUESTED)
     process = fleet.start(7)

@@ -22,6 +22,7 @@ from protocol.messages import Grants, Tick, Truth, Vector
 from protocol.scenario.model import ProcessFault, Scenario
 from tests.mortal import MortalFleet
 from tests.proxy import Proxy
+from tests.skipped_waits import skipped_waits
 from tests.system.orders.test_scheduled_orders import EVERYTHING
 from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
@@ -161,7 +162,7 @@ class Witness:
 def run(name: str, folder: Path, deaths: list[int], *, lockstep: bool = True) -> tuple[Doom, dict[str, Any]]:
     """The report of a course whose world dies at these operations."""
     doom = Doom(deaths)
-    with pytest.MonkeyPatch.context() as patch:
+    with skipped_waits(), pytest.MonkeyPatch.context() as patch:
         patch.setattr(os, "pwrite", doom.write)
         fleet = DoomedFleet(COURSES[name], folder / "checkpoint", doom, lockstep=lockstep)
         Witness(fleet, COURSES[name])
