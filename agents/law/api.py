@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import Protocol, final
 
+from mypy_extensions import mypyc_attr
+
 from agents.peers.neighbours import Neighbours
 from protocol.geometry import Shape
 from protocol.messages import Vector
@@ -38,6 +40,12 @@ class View:  # no dataclass: compiled, one takes ten times as long to make
         self.displacement, self.neighbours, self.obstacles = displacement, neighbours, obstacles
 
 
+def attraction(position: Vector, goal: Vector) -> float:
+    """|D_i| of the attraction alone, m."""
+    return 2.0 * math.hypot(position[0] - goal[0], position[1] - goal[1])
+
+
+@mypyc_attr(native_class=False)  # else no law that is not compiled could inherit from it
 class Law(Protocol):
     """The law of one life of one robot; the safety filter follows it.
 
@@ -53,4 +61,4 @@ class Law(Protocol):
 
     def slice_norm(self, position: Vector, goal: Vector) -> float:
         """|D_i| at a position (m) among the peers of the last `velocity`, m; by default of the attraction."""
-        return 2.0 * math.hypot(position[0] - goal[0], position[1] - goal[1])
+        return attraction(position, goal)

@@ -15,14 +15,14 @@ from pathlib import Path
 from typing import Any, Final
 
 from agents.law.additions import AugmentedLaw
-from agents.law.api import Law, View
+from agents.law.api import Law, View, attraction
 from agents.law.gradient import GradientLaw
 from protocol.errors import UsageError
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 
 
-class ExternalLaw(Law):
+class ExternalLaw:
     """The newest wish, limited to the speed limit; zero once it is older than `control.lifetime`."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
@@ -39,6 +39,10 @@ class ExternalLaw(Law):
 
     def velocity(self, view: View) -> Vector:
         return self._wish if view.tick <= self._until else (0.0, 0.0)
+
+    def slice_norm(self, position: Vector, goal: Vector) -> float:
+        """|D_i| of the attraction alone, m."""
+        return attraction(position, goal)
 
 
 MOST: Final = 1e3  # largest slice sent to peers, radii of the workspace
@@ -67,7 +71,7 @@ def choose(scenario: Scenario, robot: int) -> Law:
     return AugmentedLaw(scenario, robot) if scenario.control.additions else GradientLaw(scenario, robot)
 
 
-class GuardedLaw(Law):
+class GuardedLaw:
     """The scenario's law. An external law must return finite numbers; after a failure the robot stands.
 
     The slice sent to peers is bounded: a squeezed disk, or a peer with an absurd gamma, may exceed any number
@@ -112,7 +116,7 @@ class GuardedLaw(Law):
         if self._law is not None and hasattr(self._law, "slice_norm"):
             with self._guarded(f"no slice_norm at {position}"):
                 return min(max(0.0, _finite(float(self._law.slice_norm(position, goal)))), self._most)
-        return min(super().slice_norm(position, goal), self._most)
+        return min(attraction(position, goal), self._most)
 
     @contextmanager
     def _guarded(self, what: str) -> Iterator[None]:

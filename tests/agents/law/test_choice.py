@@ -11,12 +11,13 @@ from types import ModuleType
 
 import pytest
 
-from agents.law import GuardedLaw, View
+from agents.law import GuardedLaw, Law, View
 from agents.peers.neighbours import Neighbours
 from deploy.library.load import load, try_out
 from deploy.run.local import LocalFleet
 from disknav import Simulation
 from protocol.errors import LawError, UsageError
+from protocol.messages import Vector
 from protocol.scenario.model import Control, ProcessFault, Scenario
 from protocol.scenario.network import Link
 
@@ -52,6 +53,18 @@ def a_view() -> View:
     return View(
         tick=3, position=(0.0, 0.0), goal=(0.1, 0.0), displacement=(0.0, 0.0), neighbours=Neighbours({})
     )
+
+
+def test_a_law_that_inherits_from_the_interface_has_its_slice() -> None:
+    """Also where the interface is compiled, and the law is not."""
+
+    class Standing(Law):
+        def __init__(self, scenario: Scenario, robot: int) -> None: ...
+
+        def velocity(self, view: View) -> Vector:
+            return 0.0, 0.0
+
+    assert Standing(load("head-on"), 1).slice_norm((1.0, 1.0), (4.0, 5.0)) == 10.0
 
 
 @pytest.mark.slow
