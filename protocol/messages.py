@@ -65,6 +65,10 @@ class Answer(msgspec.Struct, frozen=True, array_like=True, gc=False):
     seen: Count  # highest number that it has answered
 
 
+def _is_unit(nx: float, ny: float) -> bool:
+    return abs(math.hypot(nx, ny) - 1.0) < UNIT - 1.0
+
+
 class FirstLine(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """The first line of a binding, for which this end was asked, and which it obeys from now on."""
 
@@ -72,6 +76,10 @@ class FirstLine(msgspec.Struct, frozen=True, array_like=True, gc=False):
     nx: Cosine  # x of the unit normal n, which points from the lower id to the higher
     ny: Cosine  # y of n
     offset: Real  # m, as of a Proposal
+
+    def __post_init__(self) -> None:
+        if not _is_unit(self.nx, self.ny):
+            raise ValueError(f"the normal of the first line of binding {self.binding} is not of length 1")
 
 
 # The same obstacles come for every robot, and again until they are acknowledged.
@@ -94,7 +102,7 @@ class ListedBinding(msgspec.Struct, frozen=True, array_like=True, gc=False):
             raise ValueError(f"the place of disk {self.peer} {problem}")
         if (self.static or self.first is None) and not self.points:
             raise ValueError(f"disk {self.peer} stands, and has no place")
-        if self.first is not None and abs(math.hypot(*self.first[:2]) - 1.0) >= UNIT - 1.0:
+        if self.first is not None and not _is_unit(*self.first[:2]):
             raise ValueError(f"the normal of the first line towards disk {self.peer} is not of length 1")
 
     @property

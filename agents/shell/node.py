@@ -265,7 +265,7 @@ class RobotNode:
     # -- ticks
 
     def _on_tick(self, core: Robot, tick: Tick) -> None:
-        self._world.heard = time.monotonic()
+        self._world.hear()
         if tick.over and tick.incarnation >= core.incarnation:
             self._over = True
             self._world.over()
@@ -354,7 +354,8 @@ class RobotNode:
         self._due = now + REPORT_PERIOD
         if now >= self._reported + REPORT_PERIOD:
             self._report()
-        self._world.check(now)
+        if self._world.check(now):
+            self._join()
 
     def _report(self) -> None:
         self._reported = time.monotonic()

@@ -39,8 +39,7 @@ class WorldSession:
         session: of this process.
         epoch: of the coordinator that admitted this process last, 0 for none.
         heard: when the last message of the world arrived, s, monotonic.
-        back: whether to ask to join, since it, or another one, has come back, or is silent: this life may
-            have ended meanwhile. The world confirms a life that has not.
+        back: whether it, or another one, has come back, so that this life may have ended meanwhile.
     """
 
     def __init__(
@@ -57,6 +56,9 @@ class WorldSession:
         self._gone = inf  # s, monotonic: loss of its token
         self._told_gone = False  # whether the operator was warned
         self._refused = 0
+        self._probed = (
+            self._strange
+        ) = -inf  # s, monotonic: newest request to a silent world; a reply of another
 
     def ask(self, health: Health | None, *, begun: bool = False) -> joining.Reply | None:
         """Request to join, with `health` if an incarnation of this process has ended; without it the reply
@@ -79,7 +81,9 @@ class WorldSession:
             text = f"run {self._run!r}: no world answers ({error}); is it running, under this name?"
             raise BusError(text) from error
         if isinstance(reply, joining.OtherRun):
-            if begun and time.monotonic() <= self.heard + min(self._bearable, PATIENCE):
+            if self._strange < self.heard:
+                self._strange = time.monotonic()
+            if begun and time.monotonic() <= self._strange + min(self._bearable, PATIENCE):
                 return None
             raise BusError(f"another run has the name {self._run!r} now; start this process again for it")
         self.heard = time.monotonic()
@@ -88,14 +92,24 @@ class WorldSession:
             if self._refused >= _REFUSALS:
                 raise JoinError(reply.text, self._robot)
             return None
+        self._refused = 0
         return reply
 
     def _answer(self, request: bytes) -> joining.Reply:
-        """The reply of the only coordinator; raises BusError if two reply."""
-        replies = self._bus.ask(robot_key(self._run, self._robot, "join"), request, self._timeout)
+        """The reply of the only coordinator, or of its own; raises BusError if two others reply."""
+        key = robot_key(self._run, self._robot, "join")
+        replies = [self._read(each) for each in self._bus.ask(key, request, self._timeout)]
         if len(replies) > 1:
-            raise BusError(f"{len(replies)} worlds of this run answer, end all but one")
-        return self._read(replies[0])
+            replies = [
+                each for each in replies if isinstance(each, joining.Admission) and each.epoch == self.epoch
+            ]
+        if len(replies) != 1:
+            raise BusError("several worlds of this run answer, end all but one")
+        return replies[0]
+
+    def hear(self) -> None:
+        """Note a Tick of its own world, which is there whatever its token says."""
+        self.heard, self._gone = time.monotonic(), inf
 
     def admitted(self, admission: joining.Admission) -> None:
         """Note the admission of an incarnation."""
@@ -135,12 +149,16 @@ class WorldSession:
         if own and alive:
             self._gone = inf
 
-    def check(self, now: float) -> None:
-        """Check the presence of the world at `now`, s; raises BusError after a long absence or silence."""
+    def check(self, now: float) -> bool:
+        """Check the presence of the world at `now`, s. Returns whether to ask a silent one once: it confirms
+        the present life, and its successor begins another. Raises BusError after a long absence.
+        """
         if now > self._gone + _NEWS and not self._told_gone:
             self._told_gone = True
             self._say(f"the world of run {self._run!r} is gone; stands still")
         if now > self._gone + self._bearable:
             raise BusError(f"run {self._run!r}: the world has been gone for {self._bearable:g} s; gives up")
-        if now > self.heard + PATIENCE and self._gone == inf:
-            self.back = True
+        is_due = now > max(self.heard, self._probed) + PATIENCE
+        if is_due:
+            self._probed = now
+        return is_due

@@ -11,6 +11,7 @@ from protocol.messages import (
     Answer,
     Clock,
     Command,
+    FirstLine,
     GoalStatus,
     Grants,
     Health,
@@ -34,6 +35,7 @@ _POINT = ((0.5, -0.25),)  # of what is checked beyond its types: a disk's centre
 _BINDINGS = (ListedBinding(7, -1, (0.6, 0.8, 0.4)), ListedBinding(6, -2, None, _POINT, 0.05, True))
 _CHECKED: dict[type, dict[str, st.SearchStrategy[Any]]] = {
     Member: {"position": st.just(_POINT[0])},
+    FirstLine: {"nx": st.just(0.6), "ny": st.just(-0.8)},
     Grants: {
         "life": st.integers(0, 5),
         "version": st.integers(7, 2**53),

@@ -115,6 +115,17 @@ def test_grants_that_no_ledger_makes_are_refused(grants: list[Any]) -> None:
         assert refused(a_key("tick"), msgspec.msgpack.encode([*said, told])) == reason
 
 
+@pytest.mark.parametrize(
+    ("normal", "reason"), [((0.6, 0.8), None), ((0.5, 0.0), "shape"), ((1.0, 1.0), "shape")]
+)
+def test_a_first_line_that_the_ledger_could_not_pass_on_is_refused(
+    normal: tuple[float, float], reason: str | None
+) -> None:
+    said = msgspec.to_builtins(Command(1, 1, 3, (0.0, 0.0)))
+    said[Command.__struct_fields__.index("firsts") + 1] = [[7, *normal, 0.5]]
+    assert refused(a_key("command"), msgspec.msgpack.encode(said)) == reason
+
+
 @pytest.mark.parametrize("name", sorted(STREAMS))
 def test_oversize_is_refused_unread(name: str) -> None:
     assert refused(a_key(name), b"\x90" * (STREAMS[name].limit + 1)) == "oversize"

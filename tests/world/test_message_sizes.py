@@ -89,7 +89,7 @@ def test_a_state_fits_after_any_partition(place: int) -> None:
 
 
 def test_a_command_with_all_first_lines_fits() -> None:
-    firsts = tuple(FirstLine(LIFE + peer, *POINT, 0.123456789) for peer in IDS[:FIRSTS])
+    firsts = tuple(FirstLine(LIFE + peer, -0.6, -0.8, 0.123456789) for peer in IDS[:FIRSTS])
     said = Command(IDS[0], LIFE, LIFE, POINT, 7, LIFE, (), None, LIFE, LIFE, firsts)
     assert_fits(said, robot_key("r", IDS[0], "command"))
 

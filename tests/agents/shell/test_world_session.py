@@ -1,14 +1,15 @@
 """Which worlds make a robot's process ask to join again, and when."""
 
 import time
+from types import SimpleNamespace
 
 import pytest
 
 from agents.shell.world_session import PATIENCE, WorldSession
 from deploy.library.load import load
 from protocol.bus.local import LocalNetwork
-from protocol.joining import Admission
-from protocol.keys import session_of
+from protocol.joining import Admission, OtherRun, encode_reply
+from protocol.keys import robot_key, session_of
 
 OWN, NEXT = 7, 8  # epochs
 
@@ -39,10 +40,32 @@ def test_its_own_disappears_and_returns(session: WorldSession) -> None:
     assert session.back
 
 
-def test_a_silent_world_is_asked(session: WorldSession) -> None:
+@pytest.mark.parametrize("gone", [False, True])
+def test_a_silent_world_is_asked_once_a_while(session: WorldSession, gone: bool) -> None:
     session.on_token(session_of(OWN), alive=True)
+    if gone:  # its successor's token was missed
+        session.on_token(session_of(OWN), alive=False)
     now = time.monotonic()
-    session.check(now + 0.5 * PATIENCE)
-    assert not session.back
-    session.check(now + 1.5 * PATIENCE)
-    assert session.back
+    assert not session.check(now + 0.5 * PATIENCE)
+    assert session.check(now + 1.5 * PATIENCE)
+    assert not session.check(now + 2.0 * PATIENCE)
+    assert session.check(now + 3.0 * PATIENCE)
+
+
+def test_a_world_that_says_ticks_is_there(session: WorldSession) -> None:
+    session.on_token(session_of(OWN), alive=True)
+    session.on_token(session_of(OWN), alive=False)
+    session.hear()
+    session.check(time.monotonic() + 100.0)
+
+
+def test_of_two_worlds_its_own_is_believed() -> None:
+    network, admission = LocalNetwork(), Admission(1, True, load("swap-2"), away=60.0, epoch=OWN)
+    for reply in (admission, OtherRun()):
+        bus = network.connect()
+        bus.serve(robot_key("run", 1, "join"))
+        bus.node = SimpleNamespace(handle=lambda query, reply=reply: query.reply(encode_reply(reply)))
+    session = WorldSession(network.connect(), "run", 1, 20.0, lambda _: None)
+    assert session.ask(None) is None, "two worlds of which it knows neither"
+    session.admitted(admission)
+    assert session.ask(None) == admission

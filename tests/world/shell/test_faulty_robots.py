@@ -183,7 +183,7 @@ def commanding(field: dict[str, Any]) -> Ward:
     [
         {"slice": LARGEST},
         {"roster": MOST},
-        {"firsts": tuple(FirstLine(number, UNIT, UNIT, LARGEST) for number in (0, 1, 9, MOST))},
+        {"firsts": tuple(FirstLine(number, 0.6, -0.8, LARGEST) for number in (0, 1, 9, MOST))},
     ],
 )
 def test_whatever_a_command_may_say_stops_no_other_robot(field: dict[str, Any]) -> None:
