@@ -9,7 +9,6 @@ field begins with its unit, if it has one; `docs/streams.md` is generated from t
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 from typing import Annotated, Final, Literal
 
@@ -30,6 +29,7 @@ Real = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]  # NaN is within no bound
 Size = Annotated[float, Meta(ge=0, le=LARGEST)]
 Square = Annotated[float, Meta(ge=0, le=LARGEST**2)]
 UNIT: Final = 1.0 + 1e-6  # either part of a unit vector, up to rounding
+_SQUARE: Final = 2e-6  # of its squared length
 Cosine = Annotated[float, Meta(ge=-UNIT, le=UNIT)]
 Vector = tuple[Real, Real]
 Heard = Annotated[tuple[Id, Count], Meta(extra={"names": ("peer", "tick")})]
@@ -65,10 +65,6 @@ class Answer(msgspec.Struct, frozen=True, array_like=True, gc=False):
     seen: Count  # highest number that it has answered
 
 
-def _is_unit(nx: float, ny: float) -> bool:
-    return abs(math.hypot(nx, ny) - 1.0) < UNIT - 1.0
-
-
 class FirstLine(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """The first line of a binding, for which this end was asked, and which it obeys from now on."""
 
@@ -78,7 +74,7 @@ class FirstLine(msgspec.Struct, frozen=True, array_like=True, gc=False):
     offset: Real  # m, as of a Proposal
 
     def __post_init__(self) -> None:
-        if not _is_unit(self.nx, self.ny):
+        if abs(self.nx * self.nx + self.ny * self.ny - 1.0) >= _SQUARE:
             raise ValueError(f"the normal of the first line of binding {self.binding} is not of length 1")
 
 
@@ -102,7 +98,7 @@ class ListedBinding(msgspec.Struct, frozen=True, array_like=True, gc=False):
             raise ValueError(f"the place of disk {self.peer} {problem}")
         if (self.static or self.first is None) and not self.points:
             raise ValueError(f"disk {self.peer} stands, and has no place")
-        if self.first is not None and not _is_unit(*self.first[:2]):
+        if self.first is not None and abs(self.first[0] ** 2 + self.first[1] ** 2 - 1.0) >= _SQUARE:
             raise ValueError(f"the normal of the first line towards disk {self.peer} is not of length 1")
 
     @property
@@ -228,10 +224,6 @@ class Tick(Message, frozen=True, array_like=True, gc=False):
     over: bool = False  # the run has ended: join again, as a new life or to receive the verdict
     heard: Count | None = None  # external fleet: tick of the newest Command of this incarnation that it has
     grants: Grants | None = None  # region and bindings to obey; None once this incarnation has them
-
-    def __post_init__(self) -> None:
-        if self.grants is not None and any(each.peer == self.robot for each in self.grants.bindings):
-            raise ValueError(f"robot {self.robot} is bound to itself")
 
 
 class Report(msgspec.Struct, frozen=True, array_like=True, gc=False):

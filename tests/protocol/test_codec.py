@@ -103,11 +103,10 @@ LISTED = [7, 2, [1.0, 0.0, 0.5]]
         [5, 9, 10, None, []],
         [5, 6, 6, None, [LISTED]],
         [5, 9, 8, None, [LISTED, LISTED]],
-        [5, 9, 8, None, [[7, 1, [1.0, 0.0, 0.5]]]],
         [5, 9, 8, None, [[7, 2, None]]],
         [5, 9, 8, None, [[7, 2, [0.5, 0.0, 0.5]]]],
     ],
-    ids=["life", "region", "binding", "twice", "to itself", "without a place", "no unit normal"],
+    ids=["life", "region", "binding", "twice", "without a place", "no unit normal"],
 )
 def test_grants_that_no_ledger_makes_are_refused(grants: list[Any]) -> None:
     *said, _ = msgspec.to_builtins(Tick(1, 1, 3, (1, 2)))
