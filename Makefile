@@ -83,7 +83,7 @@ fast: $(READY)  ## the part of the suite that takes a minute
 sources:  ## remove what was compiled, so that the sources run
 	@find protocol agents world deploy -name '*.so' -delete; rm -f *__mypyc*.so $(COMPILED)
 
-test: $(READY) sources  ## lint, types, import contracts, and the whole suite from the sources; eight minutes
+test: $(READY) sources  ## lint, types, import contracts, and the whole suite from the sources; five to eight minutes
 	@$(MAKE) --no-print-directory --jobs=2 $(KERNEL) check collect
 	$(BIN)/python -m pytest -n 3 --dist worksteal --durations=20 -m 'not alone and not campaign'  # many wait for real time
 	$(BIN)/python -m pytest --durations=5 -m 'alone and not campaign' $$(grep -rl --include='test_*.py' 'mark\.alone' tests)
