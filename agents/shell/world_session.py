@@ -50,15 +50,14 @@ class WorldSession:
         self.heard = time.monotonic()
         self.back = False
         self._bus, self._run, self._robot, self._say, self._read = bus, run, robot, say, read
-        self._present: set[str] = set()  # sessions of worlds
+        self._present: set[str] = set()  # sessions of the worlds whose tokens are there
         self._bearable, self._timeout = wait, _TIMEOUT  # s without an answer; s, timeout of a request
         self._away = 0.0  # s after which the world may still return, as it announced
         self._gone = inf  # s, monotonic: loss of its token
         self._told_gone = False  # whether the operator was warned
         self._refused = 0
-        self._probed = (
-            self._strange
-        ) = -inf  # s, monotonic: newest request to a silent world; a reply of another
+        self._probed = -inf  # s, monotonic: newest request to a silent world
+        self._strange = -inf  # s, monotonic: first reply of another run since the world was heard
 
     def ask(self, health: Health | None, *, begun: bool = False) -> joining.Reply | None:
         """Request to join, with `health` if an incarnation of this process has ended; without it the reply
