@@ -1,11 +1,10 @@
-"""Campaigns: random runs by the thousand in search of a violation, or of mutants, which have to be found.
+"""Campaigns: random runs by the thousand in search of a violation.
 
 python -m tests.campaigns                                          (lists them)
 python -m tests.campaigns falsify --runs 20000 --jobs 2 --minutes 10
-python -m tests.campaigns skirmish --mutants
 
 Most change parts of the product, and need its sources alone: `make sources` removes what was compiled.
---seed N --runs 1 repeats one run. Exit status: 0 no violation, and one for every mutant; 1 otherwise.
+--seed N --runs 1 repeats one run. Exit status: 0 no violation; 1 otherwise.
 """
 
 import argparse
@@ -16,7 +15,7 @@ from math import inf
 from pathlib import Path
 
 from tests.campaigns.catalogue import CAMPAIGNS, find
-from tests.campaigns.driver import execute, hunted
+from tests.campaigns.driver import execute
 
 _say = partial(print, flush=True)
 
@@ -28,28 +27,17 @@ def main(words: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=0, help="of the first run; the others follow")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="runs at the same time")
     parser.add_argument("--minutes", type=float, default=inf, help="after which no run begins")
-    parser.add_argument("--mutants", action="store_true", help="the product without each rule, instead")
     parser.add_argument("--save", type=Path, default=Path("out/campaigns"), help="folder for what is found")
     given = parser.parse_args(words)
     if given.name is None:
         _say("\n".join(f"{name:<18}{says}" for name, (says, _) in CAMPAIGNS.items()))
         return 0
-    if given.mutants:
-        return _mutants(given.name, given.jobs)
     runs = given.runs or find(given.name).runs
     tally = execute(
         given.name, runs, given.seed, jobs=given.jobs, minutes=given.minutes, folder=given.save, tell=_say
     )
     _say(f"{given.name}: {tally}")
     return int(bool(tally.violations))
-
-
-def _mutants(name: str, jobs: int) -> int:
-    missed = 0
-    for rule, tried, violation in hunted(name, jobs):
-        missed += not violation
-        _say(f"{rule:<40}{tried:>8}  {violation or 'NOT FOUND'}")
-    return int(missed > 0)
 
 
 if __name__ == "__main__":

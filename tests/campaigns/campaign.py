@@ -61,16 +61,6 @@ class Outcome(NamedTuple):
     figures: Mapping[str, float] = {}
 
 
-class Mutant(NamedTuple):
-    """The product without one of its rules, and the search for what goes wrong then.
-
-    hunt: returns how many runs (or states) it took, and the violation, "" if none was found.
-    """
-
-    rule: str
-    hunt: Callable[[], tuple[int, str]]
-
-
 @dataclass(frozen=True)
 class Campaign:
     """What the driver has to know of a campaign.
@@ -78,13 +68,11 @@ class Campaign:
     Attributes:
         run: one run, drawn from the seed of the dice, or by them; an exception is a violation.
         runs: how many there are unless asked for.
-        mutants: the product without one rule each; each has to be found.
         patience: s of processor time that one run may take.
         alone: whether a run starts processes of its own; such runs are not made in workers.
     """
 
     run: Callable[[Dice], Outcome]
     runs: int
-    mutants: Callable[[], Sequence[Mutant]] = tuple
     patience: float = 150.0
     alone: bool = False

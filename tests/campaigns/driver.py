@@ -119,16 +119,6 @@ def attempt(campaign: Campaign, dice: Dice) -> Outcome:
         return Outcome(f"{type(error).__name__} in {place}", str(error) or repr(error), text)
 
 
-def hunted(name: str, jobs: int) -> Iterator[tuple[str, int, str]]:
-    """Rule, how many runs it took to find the product without it, and the violation, "" if none was found."""
-    places = range(len(find(name).mutants()))
-    if jobs == 1:
-        yield from map(partial(_hunt, name), places)
-        return
-    with _pool(jobs) as pool:
-        yield from pool.imap(partial(_hunt, name), places)
-
-
 def save(path: Path, outcome: Outcome) -> Path:
     """Write what shows a violation, below what it shows."""
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -145,11 +135,6 @@ def _pool(jobs: int) -> multiprocessing.pool.Pool:
 def _batch(name: str, seeds: Sequence[int]) -> list[tuple[int, Outcome]]:
     campaign = find(name)
     return [(seed, attempt(campaign, Dice(seed))) for seed in seeds]
-
-
-def _hunt(name: str, place: int) -> tuple[str, int, str]:
-    mutant = find(name).mutants()[place]
-    return mutant.rule, *mutant.hunt()
 
 
 @contextmanager

@@ -1,20 +1,18 @@
 """A search for a scenario in which the filter breaks its promise, among all that a scenario can express."""
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import partial
 
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions, Transport
 from protocol.scenario.file import write_toml
 from protocol.scenario.model import Scenario
-from tests.campaigns import planted
-from tests.campaigns.campaign import Campaign, Dice, Mutant, Outcome
+from tests.campaigns.campaign import Campaign, Dice, Outcome
 from tests.campaigns.observe import PATIENCE, Observation, Violation, observe, violations
 from tests.campaigns.scenarios.draw import drawn
 
 _REPEATED = 0.125  # of the runs, in another order of joining, on a busy machine
-_FEW = 200  # runs in which a planted fault has to be found
 
 
 def run(dice: Dice, transport: Transport = "local") -> Outcome:
@@ -62,22 +60,6 @@ def on_processes(scenario: Scenario, transport: Transport, trajectory: str) -> I
         yield Violation("bus", f"another trajectory on {transport}: {report['verdict']}, {report['reason']}")
 
 
-def hunt(fault: planted.Fault, first: int = 0, runs: int = _FEW) -> tuple[int, str]:
-    """How many runs of a fleet with a planted fault it takes to see a violation, and which."""
-    from tests.campaigns.driver import attempt
-
-    with planted.plant(fault):
-        for tried in range(1, runs + 1):
-            outcome = attempt(LOCAL, Dice(first + tried - 1))
-            if outcome.violation:
-                return tried, f"{outcome.said}: {outcome.violation}"
-    return runs, ""
-
-
-def _mutants() -> Sequence[Mutant]:
-    return [Mutant(fault.__name__, partial(hunt, fault, seed)) for fault, seed in planted.FAULTS.items()]
-
-
-LOCAL = Campaign(run, 20_000, _mutants)
+LOCAL = Campaign(run, 20_000)
 ROUTED = Campaign(partial(run, transport="routed"), 200, patience=2.0 * PATIENCE, alone=True)
 MESH = Campaign(partial(run, transport="mesh"), 200, patience=2.0 * PATIENCE, alone=True)

@@ -1,18 +1,15 @@
 """Campaigns over models and fleets that are beside the tests of what they search."""
 
-from collections.abc import Sequence
 from functools import cache, partial
 from random import Random
 from types import ModuleType
 
 from protocol.scenario.body import PRESETS
-from tests.agents.bodies import test_rides as bodies
 from tests.agents.bodies.ride import KINDS, ROUNDING, excess_of
 from tests.agents.bodies.ride import Product as RideProduct
-from tests.agents.lines.models import test_models as lines
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import aftermath, skirmish
-from tests.campaigns.campaign import Campaign, Dice, Mutant, Outcome
+from tests.campaigns.campaign import Campaign, Dice, Outcome
 from tests.system.orders.turnover import Turnover
 from tests.world.plants.fleet import BODIES as CARRIERS
 from tests.world.plants.fleet import PERIODS, drive, hostile, varied
@@ -27,12 +24,6 @@ def _of_lines(model: ModuleType, dice: Dice) -> Outcome:
     return Outcome("violated" if violation else "held", violation)
 
 
-def _mutants(of: ModuleType, model: str = "") -> Sequence[Mutant]:
-    """Those of a test; of one model only, if it is named."""
-    chosen = (each for each in of.MUTANTS if model in ("", each.model))
-    return [Mutant(each.rule, partial(of.hunt, each)) for each in chosen]
-
-
 def _ride(dice: Dice) -> Outcome:
     """One ride of one of the bodies, which take turns."""
     seed = dice.seed
@@ -42,10 +33,10 @@ def _ride(dice: Dice) -> Outcome:
     return Outcome(kind, violation, figures={"excess, m": excess})
 
 
-def _drive(dice: Dice, naive: bool = False) -> Outcome:
-    """A fleet on wheels that swaps places; `naive`: robots that take their bodies for points."""
+def _drive(dice: Dice) -> Outcome:
+    """A fleet on wheels that swaps places."""
     setting = varied(dice.seed)
-    report = drive(setting, naive)
+    report = drive(setting)
     violation = f"contact: {setting}" if report["verdict"] == "collision" else ""
     figures = {"arrived": float(len(report["arrived"])), "smallest gap, m": report["min_clearance"]}
     return Outcome(report["verdict"], violation, figures=figures)
@@ -94,17 +85,10 @@ def _deaths(dice: Dice) -> Outcome:
     return Outcome(name, figures={"deaths": float(doom.deaths)})
 
 
-def _naive() -> tuple[int, str]:
-    for seed in range(10):
-        if violation := _drive(Dice(seed), naive=True).violation:
-            return seed + 1, violation
-    return 10, ""
-
-
-SKIRMISH = Campaign(partial(_of_lines, skirmish), 5_000, partial(_mutants, lines, "skirmish"))
-AFTERMATH = Campaign(partial(_of_lines, aftermath), 5_000, partial(_mutants, lines, "aftermath"))
-BODIES = Campaign(_ride, 30_000, partial(_mutants, bodies))
-PLANTS = Campaign(_drive, 200, lambda: [Mutant("bodies are no points", _naive)])
+SKIRMISH = Campaign(partial(_of_lines, skirmish), 5_000)
+AFTERMATH = Campaign(partial(_of_lines, aftermath), 5_000)
+BODIES = Campaign(_ride, 30_000)
+PLANTS = Campaign(_drive, 200)
 DEVIATIONS = Campaign(_deviation, 40, patience=600.0)
 WORLDS = Campaign(_deaths, 1_000)
 TURNOVER = Campaign(_turnover, 100, patience=900.0)

@@ -9,9 +9,9 @@ import pytest
 from tests.agents.bodies import test_rides as of_bodies
 from tests.agents.lines.models import test_models as of_lines
 from tests.agents.parts import test_haul as of_parts
-from tests.campaigns import catalogue, endurance, faults
+from tests.campaigns import catalogue, endurance, faults, planted
 from tests.campaigns.__main__ import main
-from tests.campaigns.campaign import Campaign, Dice, Mutant, Outcome
+from tests.campaigns.campaign import Campaign, Dice, Outcome
 from tests.campaigns.catalogue import CAMPAIGNS, find
 from tests.campaigns.driver import attempt
 from tests.campaigns.fuzz.campaign import FUZZ, TARGETS
@@ -33,16 +33,7 @@ def _goes_on(dice: Dice) -> Outcome:
     return Outcome("ended")
 
 
-def _mutants() -> list[Mutant]:
-    return [Mutant("found", lambda: (3, "violated")), Mutant("missed", lambda: (9, ""))]
-
-
-SUM = Campaign(_sum, 40, _mutants)
-
-
-@pytest.fixture
-def own(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(catalogue.CAMPAIGNS, "sum", ("numbers that add up to much", "test_campaigns:SUM"))
+SUM = Campaign(_sum, 40)
 
 
 def test_every_campaign_of_the_catalogue_is_one() -> None:
@@ -50,13 +41,16 @@ def test_every_campaign_of_the_catalogue_is_one() -> None:
 
 
 def test_every_mutant_changes_words_that_the_sources_say() -> None:
-    for mutant in (*of_lines.MUTANTS, *of_bodies.MUTANTS, *of_parts.MUTANTS):
+    faults = (*planted.FAULTS, planted.SIZING, planted.HEARING)
+    for mutant in (*of_lines.MUTANTS, *of_bodies.MUTANTS, *of_parts.MUTANTS, *faults):
         for module in {edit.module for edit in mutant.edits}:
             _compiled(module, tuple(edit for edit in mutant.edits if edit.module == module))
 
 
-@pytest.mark.usefixtures("own")
-def test_all_that_is_found_is_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_all_that_is_found_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(catalogue.CAMPAIGNS, "sum", ("numbers that add up to much", "test_campaigns:SUM"))
     assert main(["sum", "--jobs", "1", "--save", str(tmp_path)]) == 1
     violated = {f"sum-{seed}.txt": found for seed in range(40) if (found := _sum(Dice(seed))).violation}
     assert len(violated) > 3
@@ -71,14 +65,6 @@ def test_an_exception_and_a_run_that_takes_too_long_are_violations() -> None:
     assert (failed.said, failed.violation) == ("ZeroDivisionError in _goes_on", "planted")
     assert "planted" in failed.shows
     assert attempt(Campaign(_goes_on, 1, patience=0.05), Dice(0)).said.startswith("TimeoutError")
-
-
-@pytest.mark.usefixtures("own")
-def test_mutants_that_are_missed_are_told(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["sum", "--mutants", "--jobs", "1"]) == 1
-    found, missed = capsys.readouterr().out.splitlines()
-    assert found.split() == ["found", "3", "violated"]
-    assert missed.endswith("NOT FOUND")
 
 
 @pytest.mark.slow

@@ -7,28 +7,33 @@ import pytest
 
 from deploy.library.instances import parts
 from deploy.library.load import load, resolved
-from protocol.scenario.file import parse_toml
 from protocol.scenario.model import ProcessFault, Scenario
 from tests.campaigns import planted
 from tests.campaigns.campaign import Dice
-from tests.campaigns.falsify import hunt, on_processes
+from tests.campaigns.driver import attempt
+from tests.campaigns.falsify import LOCAL, on_processes
 from tests.campaigns.observe import observe
 from tests.campaigns.scenarios.draw import drawn
+from tests.interpreted import Mutant
 
 RUNS = 60
 KINDS = {  # what a fault shows; contact, wall or contradiction unless mentioned
-    planted.drawing_as_it_comes: {"order"},
-    planted.failing: {"ZeroDivisionError in command"},
+    "drawing-as-it-comes": {"order"},
+    "failing": {"ZeroDivisionError in command"},
 }
 
 
 @pytest.mark.slow
 @pytest.mark.campaign
 @pytest.mark.timeout(600)
-@pytest.mark.parametrize("fault", planted.FAULTS, ids=lambda fault: fault.__name__)
-def test_every_planted_fault_is_found(fault: planted.Fault) -> None:
-    _, violation = hunt(fault, planted.FAULTS[fault], RUNS)
-    assert violation.partition(":")[0] in KINDS.get(fault, {"contact", "wall", "contradiction"})
+@pytest.mark.parametrize("fault", planted.FAULTS, ids=lambda fault: fault.rule)
+def test_every_planted_fault_is_found(fault: Mutant) -> None:
+    def kind_of(seed: int) -> str:
+        outcome = attempt(LOCAL, Dice(seed))
+        return outcome.said if outcome.violation else ""
+
+    with planted.plant(fault):
+        assert fault.hunt(kind_of, RUNS) in KINDS.get(fault.rule, {"contact", "wall", "contradiction"})
 
 
 @pytest.mark.process
@@ -45,28 +50,14 @@ def _lossy() -> Scenario:
 
 
 def _fenced() -> Scenario:
-    scenario = load("swap-4", ["time.limit=2", "time.fence=0.2", "link.loss=0.3"], 1)
+    scenario = load("swap-4", ["time.limit=2", "time.fence=0.2", "link.loss=0.3", "link.delay=[0.0, 0.2]"], 1)
     faults = (ProcessFault(2, 0.4, "pause"), ProcessFault(2, 0.9, "resume"))
     return replace(scenario, process=faults)
 
 
-def _paused() -> Scenario:
-    """For a tick, in which the other one of a pair says for the first time where it is."""
-    text = """
-        time = { step = 0.05, limit = 0.15 }
-        robots = [{ id = 1, radius = 0.09, start = [0.0, -0.1], goal = [0.0, -0.2] }]
-        process = [{ robot = 1, at = 0.05, event = "pause" }, { robot = 1, at = 0.1, event = "resume" }]
-        [[orders]]
-        at = 0.0
-        add = { id = 2, radius = 0.04, start = [0.0, 0.1], goal = [0.0, 0.0] }
-    """
-    return resolved(parse_toml(text))
-
-
 BUSY = {
-    "fenced": (_fenced, planted.hearing_what_nobody_waited_for),
-    "paused": (_paused, planted.hearing_what_nobody_waited_for),
-    "parts": (lambda: resolved(parts(2, 3, robots=5, density=0.33)), planted.sizing_as_it_comes),
+    "fenced": (_fenced, planted.HEARING),
+    "parts": (lambda: resolved(parts(2, 3, robots=5, density=0.33)), planted.SIZING),
 }
 
 

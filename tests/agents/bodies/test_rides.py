@@ -155,12 +155,8 @@ def test_and_does_not_keep_to_it_by_standing(kind: str) -> None:
     assert way > 0.03 * most
 
 
-def hunt(mutant: Mutant) -> tuple[int, str]:
-    product = Product(mutant.edits)
-    return mutant.hunt(lambda seed: violation_of(seed, mutant.model, product, period=_PERIOD), _RIDES)
-
-
 @pytest.mark.campaign
 @pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: mutant.rule)
 def test_without_a_rule_it_does(mutant: Mutant) -> None:
-    assert hunt(mutant)[1]
+    product = Product(mutant.edits)
+    assert mutant.hunt(lambda seed: violation_of(seed, mutant.model, product, period=_PERIOD), _RIDES)
