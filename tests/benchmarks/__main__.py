@@ -5,14 +5,16 @@ python -m tests.benchmarks --robots 6 16 --seconds 2
 
 import argparse
 
-from tests.benchmarks.fleets import Measured, measure
+from deploy.run.options import RunOptions
+from protocol.scenario.network import Network
+from tests.benchmarks.crowds import Measured, measure, restless
 from tests.benchmarks.transport import bare
 from tests.benchmarks.transport.bare import Rate
 
 ROBOTS = (6, 16, 32, 64)
 _HEAD = (
     f"{'robots':>6} {'':<16} {'ticks/s':>8} {'ratio':>6} {'cpu ms/tick':>12} {'ratio':>6} {'us/state':>9}"
-    f" {'start s':>8} {'private MB':>11}"
+    f" {'start s':>8} {'kB a robot':>11}"
 )
 
 
@@ -29,12 +31,13 @@ def compare(robots: int, seconds: float, rounds: int) -> dict[str, Measured | Ra
 
 def _measured(robots: int, seconds: float) -> dict[str, Measured | Rate]:
     """All of a round. On bare floors robots receive all States, in larger fleets those of near peers."""
-    return {
-        "bare zenoh": bare.rate(robots, seconds),
-        "fleet": measure(robots, seconds),
-        "fleet, all heard": measure(robots, seconds, interest="all"),
-        "fleet, no filter": measure(robots, seconds, "none"),
+    fleets = {
+        "fleet": restless(robots),
+        "fleet, all heard": restless(robots, network=Network("all")),
+        "fleet, no filter": restless(robots, safety="none"),
     }
+    measured = {name: measure(scenario, RunOptions(), seconds) for name, scenario in fleets.items()}
+    return {"bare zenoh": bare.rate(robots, seconds), **measured}
 
 
 def table(robots: int, results: dict[str, Measured | Rate]) -> str:
@@ -47,7 +50,7 @@ def table(robots: int, results: dict[str, Measured | Rate]) -> str:
             f" {floor.cpu_ms / result.cpu_ms:6.2f} {1000.0 * result.cpu_ms / (robots * (robots - 1)):9.1f}"
         )
         if isinstance(result, Measured):
-            line += f" {result.start:8.2f} {result.private_mb:11.1f}"
+            line += f" {result.start:8.2f} {result.memory:11.0f}"
         lines.append(line)
     return "\n".join(lines)
 

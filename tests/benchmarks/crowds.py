@@ -1,4 +1,4 @@
-"""Many robots that never rest: commands missed, processor time, and contacts, by number of robots.
+"""Robots that never rest: rate, commands missed, processor time, and contacts, by number of robots.
 
 All goals are random and renewed for ever, at the paper's density. In real time the world waits for no robot:
 what a robot does not command in time is missed. `us` is processor time of all processes, µs per robot and
@@ -15,7 +15,8 @@ import gc
 import os
 import time
 from dataclasses import replace
-from typing import Any, NamedTuple
+from math import inf
+from typing import Any, Literal, NamedTuple
 
 import psutil
 
@@ -31,8 +32,16 @@ from protocol.scenario.network import Network
 _LEGS = 6  # goals of each robot, which it goes to in turn for ever
 _WARM = 2.0  # s of simulated time before processor time is counted
 
+Filter = Literal["separating-lines", "none"]
 
-def restless(robots: int, rate: float, seconds: float, network: Network) -> Scenario:
+
+def restless(
+    robots: int,
+    rate: float = 20.0,
+    seconds: float = 1e4,
+    network: Network = Network(),
+    safety: Filter = "separating-lines",
+) -> Scenario:
     """Random robots under way between random goals; no two goals of one leg are too close."""
     instance = random_instance(robots, 0)
     radii, room = [spec.radius for spec in instance.robots], instance.workspace.disk_radius
@@ -42,42 +51,48 @@ def restless(robots: int, rate: float, seconds: float, network: Network) -> Scen
         for index, spec in enumerate(instance.robots)
     )
     clock = replace(instance.time, step=1.0 / rate, limit=seconds)
-    return resolved(replace(instance, time=clock, orders=orders, network=network))
+    control = replace(instance.control, filter=safety)
+    return resolved(replace(instance, time=clock, control=control, orders=orders, network=network))
 
 
-class Row(NamedTuple):
-    robots: int
+class Measured(NamedTuple):
+    """What a fleet did; rate and processor time of all processes are those after it was warm."""
+
     ticks: int
-    missed: float  # share of all commands
-    us: float
-    memory: float  # kB
+    ticks_per_second: float
+    cpu_ms: float  # per tick
+    memory: float  # kB per robot
     start: float  # s, until the first tick
     seconds: float  # that it took from there on
+    missed: float  # share of all commands
     clearance: float  # m, smallest gap; negative is contact
 
 
 class _Meter:
-    """Follows the clock for processor time."""
+    """Follows the clock for processor time, for so many seconds, or until the run is nearly over."""
 
-    def __init__(self, scenario: Scenario) -> None:
-        self._warm = scenario.ticks(_WARM)
+    def __init__(self, scenario: Scenario, seconds: float) -> None:
+        self._warm, self._end = scenario.ticks(_WARM), 0.95 * scenario.ticks(scenario.time.limit)
+        self._robots, self._seconds, self._empty = len(scenario.robots), seconds, _memory()
         self._began = time.perf_counter()
-        self._cpu = self._last = 0.0
-        self._tick = 0
-        self.start = self.opened = 0.0
-        self.us = self.memory = 0.0
-        self._empty = _memory()
-        self._robots, self._end = len(scenario.robots), scenario.ticks(scenario.time.limit)
+        self._tick, self._since, self._cpu = 0, 0.0, 0.0  # when it was warm
+        self.start = self.opened = self.ticks_per_second = self.cpu_ms = self.memory = 0.0
 
     def __call__(self, clock: Clock) -> None:
+        now = time.perf_counter()
         if clock.founded and not self.start:
-            self.opened = time.perf_counter()
-            self.start = self.opened - self._began
+            self.opened, self.start = now, now - self._began
         if clock.tick >= self._warm and not self._tick:
-            self._tick, self._cpu = clock.tick, _processor_time()
-        elif self._tick and clock.tick >= 0.95 * self._end and not self.us:
-            self.us = 1e6 * (_processor_time() - self._cpu) / self._robots / (clock.tick - self._tick)
+            self._tick, self._since, self._cpu = clock.tick, now, _processor_time()
+        elif self._tick and not self.over and (now >= self._since + self._seconds or clock.tick >= self._end):
+            ticks = clock.tick - self._tick
+            self.ticks_per_second = ticks / (now - self._since)
+            self.cpu_ms = 1e3 * (_processor_time() - self._cpu) / ticks
             self.memory = (_memory() - self._empty) / 1000.0 / self._robots
+
+    @property
+    def over(self) -> bool:
+        return self.ticks_per_second > 0.0
 
 
 def _processor_time() -> float:
@@ -96,23 +111,23 @@ def _processes() -> list[psutil.Process]:
     return [own, *own.children(recursive=True)]
 
 
-def measure(scenario: Scenario, options: RunOptions) -> Row:
-    meter = _Meter(scenario)
+def measure(scenario: Scenario, options: RunOptions, seconds: float = inf) -> Measured:
+    """One run, which ends once it was measured for so long (s)."""
+    meter = _Meter(scenario, seconds)
     if options.transport == "local":
         with LocalFleet(scenario, lockstep=options.mode == "lockstep", watch=meter) as local:
             report: dict[str, Any] = local.execute()
     else:
         with Fleet(scenario, options, watch=meter) as fleet:
-            report = fleet.execute()
-    robots, ticks = len(scenario.robots), report["ticks"]
-    return Row(
-        robots,
-        ticks,
-        report["missed_commands"] / robots / max(1, ticks),
-        meter.us,
+            report = fleet.execute(lambda: meter.over and seconds < inf)
+    return Measured(
+        report["ticks"],
+        meter.ticks_per_second,
+        meter.cpu_ms,
         meter.memory,
         meter.start,
         time.perf_counter() - meter.opened,
+        report["missed_commands"] / len(scenario.robots) / max(1, report["ticks"]),
         report["min_clearance"],
     )
 
@@ -132,8 +147,8 @@ def main() -> None:
         scenario = restless(robots, chosen.rate, chosen.seconds, Network(chosen.interest))
         row = measure(scenario, replace(options, run=fresh_run_name()))
         print(
-            f"{row.robots:6d}  {row.ticks:5d}  {100 * row.missed:8.3f}  {row.us:7.0f}  {row.memory:5.0f}"
-            f"  {row.start:7.2f}  {row.seconds:6.1f}  {1000 * row.clearance:12.3f}",
+            f"{robots:6d}  {row.ticks:5d}  {100 * row.missed:8.3f}  {1e3 * row.cpu_ms / robots:7.0f}"
+            f"  {row.memory:5.0f}  {row.start:7.2f}  {row.seconds:6.1f}  {1000 * row.clearance:12.3f}",
             flush=True,
         )
 

@@ -15,9 +15,10 @@ from tempfile import TemporaryDirectory
 
 import msgspec
 
+from deploy.run.options import RunOptions
 from protocol.messages import Command
 from protocol.scenario.model import Scenario
-from tests.benchmarks.fleets import measure, scenario
+from tests.benchmarks.crowds import measure, restless
 from world.shell.checkpoint import Checkpoint, Processes, SavedRun
 from world.world import WorldCore
 
@@ -65,8 +66,9 @@ def main() -> None:
     options = parser.parse_args()
     print(f"{'robots':>6}{'bytes':>8}{'added us':>10}{'ticks/s':>10}{'share':>8}")
     for robots in options.robots:
-        more, size = added(scenario(robots), options.repeat)
-        rate = measure(robots, options.seconds).ticks_per_second if options.seconds else 0.0
+        setting = restless(robots)
+        more, size = added(setting, options.repeat)
+        rate = measure(setting, RunOptions(), options.seconds).ticks_per_second if options.seconds else 0.0
         print(f"{robots:6d}{size:8d}{1e6 * more:10.1f}{rate:10.0f}{more * rate:8.4f}", flush=True)
 
 

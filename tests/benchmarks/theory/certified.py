@@ -75,7 +75,7 @@ def _fails(problem: FleetProblem, starts: Sequence[Array]) -> float | None:
         return None
     if not arrives_from_all(problem, starts):
         return problem.k
-    return arrival_threshold(problem, starts, LOWEST, problem.k)[0]
+    return arrival_threshold(problem, starts, LOWEST)[0]
 
 
 def table(found: Sequence[Row]) -> str:

@@ -7,7 +7,7 @@ from math import inf
 from deploy.run.local import LocalFleet
 from protocol.bus.bus import Event, Sample
 from protocol.keys import everything, parse
-from tests.benchmarks.fleets import scenario
+from tests.benchmarks.crowds import restless
 from tests.benchmarks.transport.bare import Payloads
 
 
@@ -36,8 +36,8 @@ class Scale:
 
 @cache
 def payloads(robots: int) -> Payloads:
-    """Of the run that `fleets.measure` measures, in this process."""
-    fleet, scale = LocalFleet(scenario(robots)), Scale()
+    """Of the first seconds of the fleet that is measured, in this process."""
+    fleet, scale = LocalFleet(restless(robots, seconds=5.0)), Scale()
     bus = fleet.network.connect()
     bus.subscribe(everything(fleet.run))
     bus.node = scale
