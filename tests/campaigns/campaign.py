@@ -22,10 +22,6 @@ class Dice:
     def whole(self, low: int, high: int) -> int:
         return low + self._random.randint(0, high - low)
 
-    def apart(self) -> Dice:
-        """Other dice, from a seed of these."""
-        return Dice(self.whole(0, 2**16))
-
     def chance(self, probability: float) -> bool:
         """Whether something of this probability happens."""
         return self.whole(0, _STEPS - 1) >= round((1.0 - probability) * _STEPS)

@@ -31,7 +31,6 @@ FAULTS = (  # those that random scenarios show
         "half-the-error",
         "robots take measurements for as good as they are",
         Edit("agents.estimate", "sense.position, sense.bound,", "sense.position, 0.5 * sense.bound,"),
-        first=4,
     ),
     without(
         "trusting-the-estimate",
@@ -41,7 +40,6 @@ FAULTS = (  # those that random scenarios show
             "        if shape is None:\n            return self._cut",
             "        if True:\n            return self._cut",
         ),
-        first=55,
     ),
     without(
         "not-waiting",

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import struct
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from rosbags.typesys import Stores, get_typestore
 
 from agents.bases.ros_messages import (
@@ -29,80 +31,45 @@ from agents.bases.ros_messages import (
 )
 from protocol.errors import MessageError
 
-COUNT = 200  # of each type
 STORE = get_typestore(Stores.ROS2_JAZZY)
+numbers = st.floats(allow_nan=False, allow_infinity=False)
+texts = st.text(st.characters(codec="utf-8", exclude_characters="\0"), max_size=20)
+int32 = st.integers(-(2**31), 2**31 - 1)
 
 
-class Draw:
-    """Random messages: doubles of all magnitudes, names of all lengths, in one or several bytes a letter."""
-
-    def __init__(self) -> None:
-        self._rng = np.random.default_rng(1)
-
-    def doubles(self, count: int) -> list[float]:
-        exponents = self._rng.integers(-40, 40, count)
-        return (self._rng.uniform(-1.0, 1.0, count) * 10.0**exponents).tolist()
-
-    def text(self) -> str:
-        return "".join(self._rng.choice(list("abc/_ü漢"), self._rng.integers(0, 20)).tolist())
-
-    def header(self) -> Header:
-        return header_at(
-            int(self._rng.integers(0, 2**31)) * NANO + int(self._rng.integers(0, NANO)), self.text()
-        )
-
-    def velocity(self) -> Velocity:
-        return Velocity(self.doubles(3), self.doubles(3))
-
-    def pose(self) -> Pose:
-        return Pose(self.doubles(3), self.doubles(4))
-
-    def transforms(self) -> Transforms:
-        return Transforms(
-            [
-                Transform(self.header(), self.text(), self.doubles(3), self.doubles(4))
-                for _ in range(self._rng.integers(3))
-            ]
-        )
-
-    def markers(self) -> Markers:
-        return Markers([self.marker() for _ in range(self._rng.integers(3))])
-
-    def marker(self) -> Marker:
-        numbers = self._rng.integers(-(2**31), 2**31, 4).tolist()
-        color = np.float32(self._rng.uniform(0.0, 1.0, 4)).tolist()
-        points = [self.doubles(3) for _ in range(self._rng.integers(4))]
-        locked = bool(self._rng.integers(2))
-        return Marker(
-            self.header(),
-            self.text(),
-            *numbers[:3],
-            self.pose(),
-            self.doubles(3),
-            color,
-            numbers[3],
-            7,
-            locked,
-            points,
-        )
+def array(count: int, of: st.SearchStrategy[float] = numbers) -> st.SearchStrategy[list[float]]:
+    return st.lists(of, min_size=count, max_size=count)
 
 
-CASES: dict[str, tuple[type, Callable[[Draw], Any]]] = {
-    "geometry_msgs/msg/Twist": (Velocity, Draw.velocity),
-    "geometry_msgs/msg/TwistStamped": (
-        StampedVelocity,
-        lambda draw: StampedVelocity(draw.header(), draw.velocity()),
+headers = st.builds(header_at, st.integers(0, 2**31 * NANO - 1), texts)
+velocities = st.builds(Velocity, array(3), array(3))
+poses = st.builds(Pose, array(3), array(4))
+transforms = st.lists(st.builds(Transform, headers, texts, array(3), array(4)), max_size=2)
+colors, points = array(4, st.floats(0.0, 1.0, width=32)), st.lists(array(3), max_size=3)
+marked = (
+    headers,
+    texts,
+    int32,
+    int32,
+    int32,
+    poses,
+    array(3),
+    colors,
+    int32,
+    st.just(7),
+    st.booleans(),
+    points,
+)
+CASES: dict[str, st.SearchStrategy[Any]] = {
+    "geometry_msgs/msg/Twist": velocities,
+    "geometry_msgs/msg/TwistStamped": st.builds(StampedVelocity, headers, velocities),
+    "geometry_msgs/msg/PoseStamped": st.builds(StampedPose, headers, poses),
+    "nav_msgs/msg/Odometry": st.builds(Odometry, headers, texts, poses, array(36), velocities, array(36)),
+    "std_msgs/msg/Bool": st.builds(Flag, st.booleans()),
+    "tf2_msgs/msg/TFMessage": st.builds(Transforms, transforms),
+    "visualization_msgs/msg/MarkerArray": st.builds(
+        Markers, st.lists(st.builds(Marker, *marked), max_size=2)
     ),
-    "geometry_msgs/msg/PoseStamped": (StampedPose, lambda draw: StampedPose(draw.header(), draw.pose())),
-    "nav_msgs/msg/Odometry": (
-        Odometry,
-        lambda draw: Odometry(
-            draw.header(), draw.text(), draw.pose(), draw.doubles(36), draw.velocity(), draw.doubles(36)
-        ),
-    ),
-    "std_msgs/msg/Bool": (Flag, lambda draw: Flag(bool(draw.doubles(1)[0] > 0.0))),
-    "tf2_msgs/msg/TFMessage": (Transforms, Draw.transforms),
-    "visualization_msgs/msg/MarkerArray": (Markers, Draw.markers),
 }
 
 
@@ -123,21 +90,23 @@ def flat(value: Any) -> Iterator[Any]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
-def test_what_is_written_and_read_is_what_rosbags_reads_and_writes(name: str) -> None:
-    kind, make = CASES[name]
-    draw = Draw()
-    for number in range(COUNT):
-        message = make(draw)
-        theirs = STORE.deserialize_cdr(message.serialize(), name)
-        assert list(flat(theirs)) == list(flat(message))
-        payload = bytes(STORE.serialize_cdr(theirs, name, little_endian=bool(number % 4)))
-        assert decode(kind, payload) == message
+@given(st.data(), st.booleans())
+@settings(max_examples=100)
+def test_what_is_written_and_read_is_what_rosbags_reads_and_writes(
+    name: str, data: st.DataObject, little: bool
+) -> None:
+    message = data.draw(CASES[name])
+    theirs = STORE.deserialize_cdr(message.serialize(), name)
+    assert list(flat(theirs)) == list(flat(message))
+    assert decode(type(message), bytes(STORE.serialize_cdr(theirs, name, little_endian=little))) == message
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_damaged_payloads_are_refused(name):
-    kind, make = CASES[name]
-    payload = make(Draw()).serialize()
+@given(st.data())
+@settings(max_examples=3)
+def test_damaged_payloads_are_refused(name: str, data: st.DataObject) -> None:
+    message = data.draw(CASES[name])
+    kind, payload = type(message), message.serialize()
     for length in range(len(payload)):
         with pytest.raises(MessageError):
             decode(kind, payload[:length])

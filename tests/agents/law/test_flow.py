@@ -9,16 +9,16 @@ from agents.law.gradient import Slice
 from agents.peers.state import Peer
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from deploy.theory.exact_flow import integrate
+from deploy.theory.exact_flow import integrate, random_configuration
 from deploy.theory.function import FleetProblem
-from tests.agents.law.disks import scattered
 
 PERIOD, SPEED = 0.05, 0.1
 
 
 def crowd(seed: int, k: float = 60.0) -> tuple[Slice, tuple[float, float]]:
     rng = np.random.default_rng(seed)
-    places = [(float(x), float(y)) for x, y in scattered(rng, 7, 0.04, 0.30)]
+    drawn = random_configuration(rng, np.full(7, 0.04), 0.30)
+    places = [(x, y) for x, y in drawn.tolist()]
     peers = [Peer(*place, 0.04, float(rng.uniform(0.0, 0.04))) for place in places[2:]]
     return Slice(places[1], 0.04, 0.30, k, peers), places[0]
 

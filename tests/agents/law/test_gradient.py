@@ -6,8 +6,8 @@ import pytest
 
 from agents.law.gradient import Slice
 from agents.peers.state import Peer
+from deploy.theory.exact_flow import random_configuration
 from deploy.theory.function import FleetProblem, reduced_gradient
-from tests.agents.law.disks import scattered
 
 numbers = attrgetter("dx", "dy", "xx", "xy", "yx", "yy")  # of a gradient
 
@@ -15,7 +15,7 @@ numbers = attrgetter("dx", "dy", "xx", "xy", "yx", "yy")  # of a gradient
 def configuration(n: int, k: float, seed: int) -> tuple[FleetProblem, np.ndarray]:
     rng = np.random.default_rng(seed)
     workspace = 0.30 * math.sqrt(n / 6)
-    starts, goals = (scattered(rng, n, 0.04, workspace) for _ in range(2))
+    starts, goals = (random_configuration(rng, np.full(n, 0.04), workspace) for _ in range(2))
     return FleetProblem(goals, rng.uniform(0.02, 0.04, n), workspace, k), starts
 
 

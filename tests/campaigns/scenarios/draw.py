@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, get_args
 
+from deploy.library.instances import LARGEST_DENSITY
 from deploy.library.load import resolved
 from protocol.errors import ScenarioError
 from protocol.scenario.body import PRESETS, Body, Preset
@@ -27,7 +28,7 @@ _ADVERSARY = "tests.laws.adversary:Adversary"
 _ROBOTS = (1, *(4 * (2,)), *(4 * (3,)), *(3 * (4,)), 5, 5, 6, 7, 8)
 _MANY = (10, 16)  # now and then
 _FAR = (10.0, 1000.0, 9e4)  # m, from the origin to a room
-_DENSITIES = (0.4, 0.35, 0.25, 0.12)
+_DENSITIES = (LARGEST_DENSITY, LARGEST_DENSITY, 0.25, 0.12)
 
 
 def drawn(dice: Dice) -> Scenario | None:
@@ -94,7 +95,7 @@ def _robots(dice: Dice, workspace: float) -> tuple[RobotSpec, ...] | None:
     """Disks, starts and goals; None if they found no room."""
     many = dice.whole(*_MANY) if dice.chance(0.02) else dice.pick(_ROBOTS)
     radii = _radii(dice, many, workspace)
-    starts = scattered(dice.apart(), radii, workspace)
+    starts = scattered(dice, radii, workspace)
     goals = None if starts is None else _goals(dice, starts, radii, workspace)
     if starts is None or goals is None:
         return None
@@ -108,11 +109,11 @@ def _robots(dice: Dice, workspace: float) -> tuple[RobotSpec, ...] | None:
 
 
 def _radii(dice: Dice, many: int, workspace: float) -> list[float]:
-    """Equal or unequal, up to five to one, or now and then a thousand, m; together they fill 1 to 40 % of the
+    """Equal or unequal, up to five to one, or now and then a thousand, m; together they fill 1 to 35 % of the
     workspace."""
     ratio = 1000.0 if dice.chance(0.03) else dice.pick((1.0, 1.0, 2.0, 5.0))
     parts = [dice.log_uniform(1.0, ratio) if ratio > 1.0 else 1.0 for _ in range(many)]
-    density = dice.pick((*_DENSITIES, dice.log_uniform(0.01, 0.4)))
+    density = dice.pick((*_DENSITIES, dice.log_uniform(0.01, LARGEST_DENSITY)))
     unit = workspace * (density / sum(part * part for part in parts)) ** 0.5
     return [unit * part for part in parts]
 
@@ -128,7 +129,7 @@ def _goals(
         return list(starts)
     if kind == "swapped" and len(set(radii)) == 1:
         return dice.shuffled(starts)
-    return scattered(dice.apart(), radii, workspace)
+    return scattered(dice, radii, workspace)
 
 
 def _scale(dice: Dice, robots: Sequence[RobotSpec]) -> Scale:

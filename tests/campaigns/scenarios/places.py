@@ -1,16 +1,15 @@
-"""Where disks stand: anywhere, up to densities of 0.4, and closer together than chance would put them."""
+"""Where disks stand: anywhere, or closer together than chance would put them."""
 
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
+from deploy.library.instances import random_starts
+from protocol.errors import UsageError
 from protocol.geometry import Disk, Shape
 from protocol.scenario.model import Carrying, Obstacle, Part, Point, RobotSpec, Scenario, Workspace
 from tests.campaigns.campaign import Dice
 
-_DARTS = 40  # attempts per disk
-_SWEEPS = 200  # of pushing disks apart that darts did not place
-_ATTEMPTS = 20
 _BETWEEN = (0.0, 0.0, 1e-9, 1e-6, 1e-3, 0.03)  # in radii; 0: the next number of the computer
 _WHISKER = 1e-15  # by which an exact touch is left, at first
 _OBSTACLES = 30  # attempts
@@ -24,16 +23,11 @@ _REACHED = (0.0, 1e-6, 0.1, 0.5, 1.0)  # of the reach, between a part and its ne
 
 def scattered(dice: Dice, radii: Sequence[float], workspace: float) -> list[Point] | None:
     """Centres of disks in a workspace of this radius, all lengths in m; None if they found no room."""
-    for _ in range(_ATTEMPTS):
-        points = [anywhere(dice, workspace - radius) for radius in radii]
-        for i in sorted(range(len(radii)), key=lambda i: -radii[i]):
-            for _ in range(_DARTS):
-                if fits(i, points, radii, workspace):
-                    break
-                points[i] = anywhere(dice, workspace - radii[i])
-        if _pushed_apart(points, radii, workspace):
-            return points
-    return None
+    try:
+        drawn = random_starts([radius / workspace for radius in radii], 1.0, dice.whole(0, 2**16))
+    except UsageError:
+        return None
+    return [(workspace * x, workspace * y) for x, y in drawn]
 
 
 def fits(i: int, points: Sequence[Point], radii: Sequence[float], workspace: float) -> bool:
@@ -91,34 +85,6 @@ def beside(other: Point, other_radius: float, point: Point, radius: float, gap: 
 def anywhere(dice: Dice, reach: float) -> Point:
     length, angle = reach * math.sqrt(dice.uniform(0.0, 1.0)), dice.uniform(-math.pi, math.pi)
     return length * math.cos(angle), length * math.sin(angle)
-
-
-def _pushed_apart(points: list[Point], radii: Sequence[float], workspace: float) -> bool:
-    """Move overlapping disks apart, in place, and whether none overlap at last."""
-    for _ in range(_SWEEPS):
-        stuck = [i for i in range(len(radii)) if not fits(i, points, radii, workspace)]
-        if not stuck:
-            return True
-        for i in stuck:
-            for j in range(len(radii)):
-                if j != i:
-                    points[i], points[j] = _parted(points[i], points[j], radii[i] + radii[j])
-            for j in range(len(radii)):
-                if math.hypot(*points[j]) + radii[j] >= workspace:
-                    points[j] = at_the_wall(points[j], radii[j], workspace, 1e-6 * radii[j])
-    return False
-
-
-def _parted(one: Point, other: Point, apart: float) -> tuple[Point, Point]:
-    """Two points moved away from each other, each as far, until they are this far apart."""
-    dx, dy = other[0] - one[0], other[1] - one[1]
-    distance = math.hypot(dx, dy)
-    if distance > apart:
-        return one, other
-    if distance == 0.0:
-        dx, distance = apart, apart
-    push = 0.5 * (apart * (1.0 + 1e-4) - distance) / distance
-    return (one[0] - push * dx, one[1] - push * dy), (other[0] + push * dx, other[1] + push * dy)
 
 
 def around(dice: Dice, workspace: Workspace, robots: Sequence[RobotSpec]) -> Workspace:
