@@ -5,8 +5,8 @@ from random import Random
 from types import ModuleType
 
 from protocol.scenario.body import PRESETS
-from tests.agents.bodies.ride import KINDS, ROUNDING, excess_of
-from tests.agents.bodies.ride import Product as RideProduct
+from tests.agents.bodies.test_rides import KINDS, ROUNDING, excess_of
+from tests.agents.bodies.test_rides import Product as RideProduct
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import aftermath, skirmish
 from tests.campaigns.campaign import Campaign, Dice, Outcome

@@ -1,27 +1,22 @@
-"""The wall: whatever is known of the own position, the truth stays inside; and a naive wall does not."""
+"""The wall: whatever is known of the own position, what violates nothing leaves the truth inside."""
 
 import math
 import random
-from collections.abc import Callable
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.estimate import Estimate
 from agents.lines.boundary import RoundBoundary
 from agents.lines.own_set import Polygon, around
 from protocol.line import ROUNDING
-from protocol.messages import Sense
 from tests.interpreted import interpreted
-from world.plants.plant import truncated_normal
 
 W, SPEED, PERIOD = 0.26, 0.1, 0.05
 REACH = SPEED * PERIOD
 TINY = 1e-12  # m
 angles = st.floats(0.0, 2.0 * math.pi)
 shares = st.floats(0.0, 1.0)
-Wall = Callable[[float], object]
 INNER_BOUNDARY, INNER = interpreted("agents.lines.boundary", "agents.lines.safe_velocity")
 
 
@@ -137,57 +132,3 @@ def test_a_robot_that_has_less_room_than_rounding_takes_stands_still(room: float
         assert boundary.cut((1.5 * error, 0.0), shape, (dx, dy)) is not None
         assert boundary.cut((1.5 * error, 0.0), shape, (dx, dy), 0.3) is not None
     assert boundary.cut((1.5 * error, 0.0), shape, (0.0, 0.0)) is None
-
-
-def excursion(seed: int, wall: Wall, ticks: int = 300) -> float:
-    """How far out of the wall a robot gets that always wants out and along it, m; negative if it never does.
-
-    Noise, a constant error as large as the bound, delay, dropout, missed ticks and execution noise are drawn
-    from the seed.
-    """
-    draw = random.Random(seed)
-    boundary, error = wall(W), draw.choice([0.001, 0.006, 0.02])
-    deviation = error * draw.choice([0.2, 0.5, 2.0])
-    bias = draw.choice([None, draw.uniform(0.0, 2.0 * math.pi)])
-    oldest, dropout = draw.choice([0, 6]), draw.choice([0.0, 0.5, 0.9])
-    missing, noise = draw.choice([0.0, 0.1]), draw.choice([0.0, 0.3])
-    side, out = draw.choice([-1.0, 1.0]), draw.choice([-0.2, 0.1, 0.5])
-    estimate = Estimate(REACH * (1.0 + noise))
-    angle = draw.uniform(0.0, 2.0 * math.pi)
-    truth = [(W * math.cos(angle), W * math.sin(angle))]
-    moved, worst = (0.0, 0.0), -W
-    for tick in range(ticks):
-        x, y = truth[-1]
-        if tick and draw.random() < missing:
-            moved, truth = (0.0, 0.0), [*truth, (x, y)]
-            continue
-        stamp = max(0, tick - draw.randint(0, oldest))
-        nx, ny = truncated_normal(draw.random(), draw.random(), deviation, error)
-        if bias is not None:
-            nx, ny = error * math.cos(bias) * (1.0 - 1e-9), error * math.sin(bias) * (1.0 - 1e-9)
-        seen = None if tick and draw.random() < dropout else (truth[stamp][0] + nx, truth[stamp][1] + ny)
-        estimate.update(tick, Sense(seen, stamp, error, moved))
-        moved = (0.0, 0.0)
-        if estimate.position is not None:
-            if estimate.shape is not None:
-                edge = boundary.beyond(*estimate.position, estimate.shape)
-                if edge is not None:
-                    estimate.confine(edge, "the wall")
-            assert not estimate.contradiction
-            far = math.hypot(x, y)
-            ux, uy = x / far, y / far
-            wish = (SPEED * (out * ux - side * uy), SPEED * (out * uy + side * ux))
-            limits = INNER.Limits(estimate.position, (), boundary, estimate.shape)
-            vx, vy = INNER.safe_velocity(wish, limits, speed=SPEED, period=PERIOD, noise=noise)
-            turn, size = draw.uniform(0.0, 2.0 * math.pi), draw.choice([0.0, noise])
-            size *= math.hypot(vx, vy)
-            moved = ((vx + size * math.cos(turn)) * PERIOD, (vy + size * math.sin(turn)) * PERIOD)
-        truth.append((x + moved[0], y + moved[1]))
-        worst = max(worst, math.hypot(*truth[-1]) - W)
-    return worst
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(60))
-def test_no_robot_leaves_whatever_is_wrong_with_its_knowledge(seed: int) -> None:
-    assert excursion(seed, RoundBoundary) <= TINY

@@ -22,7 +22,7 @@ from protocol.scenario.model import Scenario
 _PORT = 7447
 _START = 60.0  # s
 _EACH = 5.0  # s, for each robot, whose hosts start one after another while the world waits
-_HERE = "tests.system.hosts.testbed"
+_INSIDE = (sys.executable, "-m", "tests.system.hosts.testbed.inside")
 
 
 def unable() -> str | None:
@@ -108,10 +108,9 @@ class Hosts:
             rows += [table.robot(here, run, robot) for robot in scenario.ids if homes[robot] == host]
             path = self._log.with_suffix(f".{host}")
             path.write_bytes(pickle.dumps(rows))
-            starter = self.start(host, [sys.executable, "-m", f"{_HERE}.one_host", str(path)])
+            starter = self.start(host, [*_INSIDE, "start", str(path)])
             if host == 1:
-                observer = [sys.executable, "-m", f"{_HERE}.observer", self._router(1), run]
-                told = self.start(1, observer).stdout
+                told = self.start(1, [*_INSIDE, "observe", self._router(1), run]).stdout
             assert starter.stdout.readline() == "ready\n", self._log.read_text()
         return map(json.loads, told)
 
