@@ -31,6 +31,7 @@ FAULTS = (  # those that random scenarios show
         "half-the-error",
         "robots take measurements for as good as they are",
         Edit("agents.estimate", "sense.position, sense.bound,", "sense.position, 0.5 * sense.bound,"),
+        first=1,
     ),
     without(
         "trusting-the-estimate",

@@ -34,27 +34,6 @@ CROSSING: dict[str, Any] = {
 }
 
 
-def straight(simulation: disknav.Simulation) -> None:
-    """Tell every robot to drive straight at its goal."""
-    for spec, place in zip(simulation.scenario.robots, simulation.positions, strict=True):
-        way = np.array(spec.goal) - place
-        rate = min(0.1 / max(float(np.hypot(*way)), 1e-9), 20.0)
-        simulation.orders.wish(spec.id, (rate * way[0], rate * way[1]))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("delay", [0.0, 0.2])
-def test_robots_that_drive_at_each_other_never_touch_behind_the_filter(delay: float) -> None:
-    simulation = disknav.Simulation(disknav.build(CROSSING, {"link.delay": delay}))
-    for _ in range(300):
-        straight(simulation)
-        simulation.step()
-    report = simulation.finish()
-    assert report["collisions"] == 0
-    assert report["min_clearance"] > 0.0
-    assert min(report["path_lengths"].values()) > 0.05  # they did drive
-
-
 def test_a_wish_moves_its_robot_and_counts_for_its_lifetime() -> None:
     settings = {"control.lifetime": 0.25, "time.step": 0.05}
     simulation = disknav.Simulation(disknav.build(CROSSING, settings))

@@ -33,6 +33,10 @@ ASKED: list[tuple[dict[str, Any], Operation]] = [
         Operation(goal=Journey(1, ((0.1, -0.2),), queue=True)),
     ),
     ({"goal": {"robot": 1}}, Operation(goal=Journey(1))),
+    (
+        {"goal": {"robot": 1, "points": [[0.0, 0.1]], "patrol": True, "within": 5.0}},
+        Operation(goal=Journey(1, ((0.0, 0.1),), patrol=True, within=5.0)),
+    ),
     ({"add": GUEST}, Operation(add=RobotSpec(7, 0.04, (0.1, 0.2), (0.0, 0.1)))),
     ({"remove": 2}, Operation(remove=2)),
     ({"place": {"center": [0.1, 0.2], "radius": 0.03}}, Operation(place=Obstacle((0.1, 0.2), 0.03))),

@@ -8,9 +8,8 @@ from agents.law.flow import Flow, desired_velocity
 from agents.law.gradient import Slice
 from agents.peers.state import Peer
 from deploy.library.load import load
-from deploy.run.local import LocalFleet
-from deploy.theory.exact_flow import integrate, random_configuration
-from deploy.theory.function import FleetProblem
+from deploy.theory.exact_flow import random_configuration
+from tests.benchmarks.theory.sampled import pair
 
 PERIOD, SPEED = 0.05, 0.1
 
@@ -53,16 +52,6 @@ def test_never_faster_than_the_limit_nor_into_a_disk(k: float, gap: float) -> No
 
 @pytest.mark.slow
 def test_the_sampled_fleet_keeps_to_the_path_of_the_exact_flow() -> None:
-    sampled, exact = [], []
-    for seed in range(4):
-        scenario = load("figure-3d", ["control.filter=none", 'control.additions=["pace"]'], seed)
-        report = LocalFleet(scenario).execute()
-        assert (report["verdict"], report["collisions"]) == ("arrived", 0)
-        sampled.append(report["nrl"])
-        starts, goals = (
-            np.array([getattr(each, at) for each in scenario.robots]) for at in ("start", "goal")
-        )
-        radii = np.array([each.radius for each in scenario.robots])
-        problem = FleetProblem(goals, radii, scenario.workspace.disk_radius, scenario.k)
-        exact.append(integrate(problem, starts, tolerance=scenario.time.tolerance).nrl)
-    assert np.mean(sampled) == pytest.approx(np.mean(exact), rel=0.05)
+    settings = ["control.filter=none", 'control.additions=["pace"]']
+    sampled, exact = np.mean([pair(load("figure-3d", settings, seed)) for seed in range(4)], axis=0)
+    assert sampled == pytest.approx(exact, rel=0.05)

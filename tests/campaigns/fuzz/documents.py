@@ -30,6 +30,7 @@ from tests.campaigns.fuzz.mutation import (
     damaged_tree,
     deep,
 )
+from tests.protocol.test_operations import ASKED
 
 _SETTINGS = (
     "control.k=80", "robots[1].goal=[0.0, 0.0]", "link.delay=[0.0, 0.3]", "robots[6].id=9",
@@ -105,17 +106,6 @@ SCENARIOS = {
 }
 
 
-_ADD = {"add": {"id": 7, "radius": 0.04, "start": [0.1, 0.2], "goal": [0.0, 0.1]}}
-_REQUESTS: list[dict[str, Any]] = [
-    {"goal": {"robot": 3, "points": [[0.1, -0.05], [0.0, 0.0]], "queue": True}},
-    {"goal": {"robot": 3, "points": []}},
-    {"goal": {"robot": 3, "points": [[0.0, 0.1]], "patrol": True, "within": 5.0}},
-    _ADD,
-    {"remove": 7},
-    {"halt": True},
-    {"place": {"center": [0.1, 0.2], "radius": 0.03}},
-    {"take": 1},
-]
 _STATUS = GoalStatus(3, 10, 1, "under way", (0.1, 0.2))
 _REPLIES = [
     Reply(True, 1, "overlaps the goal of robot 2", tick=10, goals=(_STATUS,)),
@@ -126,13 +116,13 @@ _REPLIES = [
 
 
 def _draw_request(rng: Random) -> bytes:
-    valid = rng.choice(_REQUESTS)
+    valid = rng.choice(ASKED)[0]
     if rng.randrange(2):  # as people write it
         text = msgspec.json.encode(damaged_tree(valid, rng)).decode()
         if rng.randrange(2):
             return damaged_text(text, text, rng).encode(errors="surrogatepass")
         return damaged_bytes(text.encode(), b"{}", rng)
-    return damaged_message(msgspec.msgpack.encode(valid), msgspec.msgpack.encode(_ADD), rng)
+    return damaged_message(msgspec.msgpack.encode(valid), msgspec.msgpack.encode(ASKED[0][0]), rng)
 
 
 def _read_request(request: bytes) -> None:

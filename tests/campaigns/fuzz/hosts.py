@@ -19,6 +19,7 @@ from deploy.security.roster import Home, KeyRoster, encoded, read
 from protocol.errors import CertificateError, HostsError, KeyGrammarError, ProcessError
 from tests.campaigns.fuzz.kept import folder
 from tests.campaigns.fuzz.mutation import Target, damaged_bytes, damaged_message, damaged_text, damaged_tree
+from tests.deploy.processes.hosts.test_table import GOOD
 
 _HOST = Host("left", "127.0.0.1", ssh="left")
 _NEWS = [
@@ -31,21 +32,6 @@ _LINE = {
     "run": "yard", "host": "", "role": "robot", "robot": 3, "time": "2026-01-02T03:04:05.678Z",
     "level": "warning", "text": "the world is gone; stands still",
 }  # fmt: skip
-_TABLE = """world = "base"
-[[hosts]]
-name = "base"
-address = "10.0.0.1"
-robots = [1, 2]
-[[hosts]]
-name = "left"
-address = "10.0.0.2"
-port = 7448
-listen = "0.0.0.0"
-robots = [3]
-ssh = "robot@10.0.0.2"
-options = ["-p", "2222"]
-command = "/opt/disknav/bin/disknav"
-"""
 _ROSTER = encoded(KeyRoster("yard", (1, 2, 3), homes={"base": Home(("10.0.0.1",), (1, 2))}, world="base"))
 
 
@@ -151,6 +137,6 @@ def _draw_roster(rng: Random) -> bytes:
 HOSTS = {
     "news": Target(_draw_news, _read_news, ProcessError, 16),
     "log": Target(_draw_line, _read_line, ProcessError, 8),
-    "hosts": Target(lambda rng: damaged_text(_TABLE, _TABLE, rng), _read_table, HostsError, 2),
+    "hosts": Target(lambda rng: damaged_text(GOOD, GOOD, rng), _read_table, HostsError, 2),
     "roster": Target(_draw_roster, _read_roster, CertificateError, 2),
 }

@@ -4,9 +4,10 @@ import math
 from dataclasses import dataclass
 
 from protocol.scenario.body import Actuation, Span
-from protocol.scenario.model import Point, Sensing
+from protocol.scenario.model import Sensing
 from protocol.scenario.network import Link, Network, Partition
 from tests.campaigns.campaign import Dice
+from tests.campaigns.scenarios.places import polar
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ def one_sensing(dice: Dice, scale: Scale, robots: tuple[int, ...] | None = None)
         delay=span(dice, scale, dice.pick((0, 0, 1, 3, scale.ticks // 4))),
         noise=bound * dice.log_uniform(0.1, 5.0),
         noise_bound=bound if bound or dice.chance(0.5) else None,
-        bias=_towards(dice, bias),
+        bias=polar((0.0, 0.0), bias, dice.uniform(-math.pi, math.pi)),
         dropout=dice.pick((0.0, 0.0, 0.1, dice.uniform(0.0, 1.0))),
         robots=robots,
         heading=dice.pick((0.0, 0.0, dice.log_uniform(1e-4, 0.5))),
@@ -87,8 +88,3 @@ def span(dice: Dice, scale: Scale, most: int) -> Span:
     high = scale.step * most * dice.pick((1.0, dice.uniform(0.0, 1.0)))
     delays: tuple[Span, ...] = (high, (0.0, high), (high * dice.uniform(0.0, 1.0), high))
     return dice.pick(delays)
-
-
-def _towards(dice: Dice, length: float) -> Point:
-    angle = dice.uniform(-math.pi, math.pi)
-    return length * math.cos(angle), length * math.sin(angle)

@@ -188,5 +188,4 @@ def _guest(dice: Dice, fleet: Fleet, like: RobotSpec, number: int) -> RobotSpec:
 
 def _somewhere(dice: Dice, fleet: Fleet) -> Point:
     robot = dice.pick(fleet.robots)
-    x, y = anywhere(dice, 0.95 * fleet.reach)
-    return dice.pick((robot.start, robot.goal, (fleet.centre[0] + x, fleet.centre[1] + y)))
+    return dice.pick((robot.start, robot.goal, anywhere(dice, 0.95 * fleet.reach, fleet.centre)))

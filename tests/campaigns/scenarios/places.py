@@ -1,9 +1,10 @@
 """Where disks stand: anywhere, or closer together than chance would put them."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
+from agents.lines import own_set
 from deploy.library.instances import random_starts
 from protocol.errors import UsageError
 from protocol.geometry import Disk, Shape
@@ -62,29 +63,35 @@ def drawn_together(
 def at_the_wall(point: Point, radius: float, workspace: float, gap: float) -> Point:
     """The point in the same direction at which a disk has this gap to the boundary, and surely some."""
     length, angle = workspace - radius - gap, math.atan2(point[1], point[0])
-    whisker = _WHISKER
-    while True:
-        at = (length * (1.0 - whisker) * math.cos(angle), length * (1.0 - whisker) * math.sin(angle))
-        if math.hypot(*at) + radius < workspace:
-            return at
-        whisker *= 2.0
+    return _surely(
+        lambda whisker: polar((0.0, 0.0), length * (1.0 - whisker), angle),
+        lambda at: math.hypot(*at) + radius < workspace,
+    )
 
 
 def beside(other: Point, other_radius: float, point: Point, radius: float, gap: float) -> Point:
     """The point in the same direction from `other` at which two disks have this gap, and surely some."""
     apart, angle = other_radius + radius, math.atan2(point[1] - other[1], point[0] - other[0])
+    return _surely(
+        lambda whisker: polar(other, (apart + gap) * (1.0 + whisker), angle),
+        lambda at: math.hypot(at[0] - other[0], at[1] - other[1]) > apart,
+    )
+
+
+def _surely(place: Callable[[float], Point], is_clear: Callable[[Point], bool]) -> Point:
+    """The place nearest to an exact touch that the computer takes for clear."""
     whisker = _WHISKER
-    while True:
-        length = (apart + gap) * (1.0 + whisker)
-        at = (other[0] + length * math.cos(angle), other[1] + length * math.sin(angle))
-        if math.hypot(at[0] - other[0], at[1] - other[1]) > apart:
-            return at
+    while not is_clear(at := place(whisker)):
         whisker *= 2.0
+    return at
 
 
-def anywhere(dice: Dice, reach: float) -> Point:
-    length, angle = reach * math.sqrt(dice.uniform(0.0, 1.0)), dice.uniform(-math.pi, math.pi)
-    return length * math.cos(angle), length * math.sin(angle)
+def polar(centre: Point, length: float, angle: float) -> Point:
+    return centre[0] + length * math.cos(angle), centre[1] + length * math.sin(angle)
+
+
+def anywhere(dice: Dice, reach: float, centre: Point = (0.0, 0.0)) -> Point:
+    return polar(centre, reach * math.sqrt(dice.uniform(0.0, 1.0)), dice.uniform(-math.pi, math.pi))
 
 
 def around(dice: Dice, workspace: Workspace, robots: Sequence[RobotSpec]) -> Workspace:
@@ -93,26 +100,18 @@ def around(dice: Dice, workspace: Workspace, robots: Sequence[RobotSpec]) -> Wor
         return workspace
     if dice.chance(0.3):
         return Workspace(points=_regular(dice, workspace.disk_radius))
-    walls = _walls(dice)
-    gap = workspace.disk_radius * dice.pick(_WALL_GAPS)
-    sides = [
-        (
-            nx,
-            ny,
-            max(nx * x + ny * y + robot.radius for robot in robots for x, y in (robot.start, robot.goal)),
-        )
-        for nx, ny in walls
-    ]
-    corners = _enclosed([(nx, ny, offset + gap) for nx, ny, offset in sides], 4.0 * workspace.disk_radius)
-    return Workspace(points=corners) if len(corners) >= 3 else workspace
+    gap, left = workspace.disk_radius * dice.pick(_WALL_GAPS), own_set.around(4.0 * workspace.disk_radius)
+    for nx, ny in _walls(dice):
+        reached = [nx * x + ny * y + each.radius for each in robots for x, y in (each.start, each.goal)]
+        left = left and left.cut(nx, ny, max(reached) + gap)
+    return workspace if left is None else Workspace(points=tuple(zip(left.xs, left.ys, strict=True)))
 
 
 def _regular(dice: Dice, radius: float) -> tuple[Point, ...]:
     """Corners of a regular polygon around the workspace."""
     sides, turn = dice.whole(3, 8), dice.uniform(0.0, math.tau)
     reach = radius / math.cos(math.pi / sides)
-    angles = [turn + math.tau * side / sides for side in range(sides)]
-    return tuple((reach * math.cos(angle), reach * math.sin(angle)) for angle in angles)
+    return tuple(polar((0.0, 0.0), reach, turn + math.tau * side / sides) for side in range(sides))
 
 
 def _walls(dice: Dice) -> list[Point]:
@@ -120,24 +119,7 @@ def _walls(dice: Dice) -> list[Point]:
     turn = dice.uniform(0.0, math.tau)
     angles = [math.tau * dice.uniform(0.0, 1.0) for _ in range(dice.whole(0, 4))]
     angles += [turn, turn + dice.uniform(1.6, 3.1), turn + dice.uniform(3.2, 4.6)]
-    return [(math.cos(angle), math.sin(angle)) for angle in angles]
-
-
-def _enclosed(sides: Sequence[tuple[float, float, float]], far: float) -> tuple[Point, ...]:
-    """Corners of what all half-planes n.x <= offset leave of a large square, counterclockwise."""
-    corners: list[Point] = [(-far, -far), (far, -far), (far, far), (-far, far)]
-    for nx, ny, offset in sides:
-        left: list[Point] = []
-        for place, (x, y) in enumerate(corners):
-            px, py = corners[place - 1]
-            room, before = offset - nx * x - ny * y, offset - nx * px - ny * py
-            if (room < 0.0) != (before < 0.0):
-                part = before / (before - room)
-                left.append((px + part * (x - px), py + part * (y - py)))
-            if room >= 0.0:
-                left.append((x, y))
-        corners = left
-    return tuple(corners)
+    return [polar((0.0, 0.0), 1.0, angle) for angle in angles]
 
 
 def obstacles(dice: Dice, robots: Sequence[RobotSpec], workspace: float, room: Shape) -> tuple[Obstacle, ...]:
@@ -171,11 +153,9 @@ def one_obstacle(dice: Dice, robots: Sequence[RobotSpec], workspace: float, cent
     angle, turn = dice.uniform(0.0, math.tau), dice.uniform(0.0, math.tau)
     if dice.chance(0.5):
         robot = dice.pick(robots)
-        x, y = robot.start
-        far = size + robot.radius * (1.0 + dice.pick(_BESIDE))
+        middle = polar(robot.start, size + robot.radius * (1.0 + dice.pick(_BESIDE)), angle)
     else:
-        (x, y), far = centre, workspace * math.sqrt(dice.uniform(0.0, 1.0))
-    middle = (x + far * math.cos(angle), y + far * math.sin(angle))
+        middle = anywhere(dice, workspace, centre)
     if dice.chance(0.4):
         return Obstacle(center=middle, radius=size)
     return Obstacle(points=_polygon(dice, middle, size, turn))
@@ -240,12 +220,11 @@ def _goal(dice: Dice, start: Point, radius: float, unit: float, room: Shape) -> 
     if dice.chance(0.3):
         return _somewhere(dice, room)
     angle, away = dice.uniform(0.0, math.tau), radius + unit * dice.uniform(0.0, 4.0)
-    return start[0] + away * math.cos(angle), start[1] + away * math.sin(angle)
+    return polar(start, away, angle)
 
 
 def _somewhere(dice: Dice, room: Shape) -> Point:
-    x, y = anywhere(dice, room.around.radius)
-    return room.around.x + x, room.around.y + y
+    return anywhere(dice, room.around.radius, (room.around.x, room.around.y))
 
 
 def _is_free(point: Point, radius: float, others: Iterable[Shape], room: Shape) -> bool:

@@ -1,7 +1,6 @@
-"""Robots that bring parts to their goals, though a robot dies, though its world does."""
+"""Robots that bring parts to their goals, though a robot dies."""
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,57 +11,22 @@ from protocol.errors import ScenarioError
 from protocol.scenario.file import validated
 from protocol.scenario.model import World
 from protocol.scenario.network import Network
-from tests.mortal import MortalFleet
 
 SCENARIO = load("parts-4", ["time.limit=60"], 1)
 
 
-def carriers(fleet: LocalFleet) -> list[int]:
-    return [each.carrier for each in fleet.world.world.parts.places if each.carrier]
-
-
-def carrying() -> tuple[LocalFleet, int]:
-    fleet = LocalFleet(SCENARIO)
-    while not carriers(fleet):
-        assert fleet.step()
-    return fleet, carriers(fleet)[0]
-
-
-def in_place(fleet: LocalFleet) -> bool:
-    return not fleet.world.world.parts.pending
-
-
-def finished(fleet: LocalFleet) -> dict[str, Any]:
-    report = fleet.execute()
-    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
-    assert in_place(fleet)
-    return report
-
-
 @pytest.mark.slow
 def test_a_part_of_one_that_dies_is_taken_over() -> None:
-    fleet, dead = carrying()
-    fleet.kill(dead)
-    report = finished(fleet)
+    fleet = LocalFleet(SCENARIO)
+    parts = fleet.world.world.parts
+    while not (carriers := [each.carrier for each in parts.places if each.carrier]):
+        assert fleet.step()
+    fleet.kill(dead := carriers[0])
+    report = fleet.execute()
+    assert (report["verdict"], report["collisions"], parts.pending) == ("arrived", 0, False)
     assert report["min_clearance"] > 0.0
     members = {each.robot: each for each in fleet.world.world.lives.roster.message.members}
     assert (members[dead].status, members[dead].radius) == ("standing", SCENARIO.spec(dead).radius)
-
-
-@pytest.mark.slow
-def test_a_restarted_world_knows_the_carriers(tmp_path: Path) -> None:
-    fleet = MortalFleet(SCENARIO, tmp_path / "checkpoint")
-    while not carriers(fleet):
-        assert fleet.step()
-    before = fleet.world.world.lives
-    fleet.kill_world()
-    fleet.start_world()
-    after = fleet.world.world.lives
-    assert after.roster.message.parts == before.roster.message.parts
-    assert [after.roster.members[robot].radius for robot in SCENARIO.ids] == [
-        before.roster.members[robot].radius for robot in SCENARIO.ids
-    ]
-    finished(fleet)
 
 
 @pytest.mark.parametrize(

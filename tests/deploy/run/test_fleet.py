@@ -20,6 +20,7 @@ from deploy.run.options import RunOptions, fresh_run_name
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.scenario.model import ProcessFault
+from protocol.scenario.network import Network
 from tests.forks import Forks
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
@@ -31,11 +32,12 @@ def router(supervisor: Supervisor) -> Iterator[Connection]:
     yield Connection(connect=(supervisor.report("router", 20.0),))
 
 
-def test_scheduled_faults_are_the_same_on_real_processes() -> None:
+def test_faults_among_robots_that_hear_those_near_them_are_the_same_on_real_processes() -> None:
     scenario = load("figure-3b", ["link.delay=[0.0, 0.2]", "link.loss=0.3", "sensing.noise=0.001"], 5)
     events = ((2, 0.5, "pause"), (2, 2.5, "resume"), (4, 0.7, "restart"), (5, 0.4, "pause"))
     events += ((5, 0.6, "resume"),)
-    scenario = replace(scenario, process=tuple(ProcessFault(*event) for event in events))  # type: ignore[arg-type]
+    faults = tuple(ProcessFault(*event) for event in events)  # type: ignore[arg-type]
+    scenario = replace(scenario, process=faults, network=Network("near", 0.1))
     local = LocalFleet(scenario).execute()
     with Fleet(scenario, RunOptions("routed")) as fleet:
         routed = fleet.execute()
