@@ -11,8 +11,8 @@ from deploy.run.local import LocalFleet
 from protocol.bus.bus import Event, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.codec import decode
-from protocol.keys import every_robot, world_key
-from protocol.messages import Clock, Command, Health, State
+from protocol.keys import every_robot
+from protocol.messages import Command, Health, State
 from protocol.scenario.model import Scenario
 from tests.drawn_order import DrawnNetwork, ReorderedFleet
 from tests.skipped_waits import skipped_waits
@@ -21,7 +21,6 @@ PATIENCE = 120.0  # s, skipped waits included, that a run may take; the world it
 _CUT = "interrupted"  # verdict of a run that exceeds it
 _HOLDUP, _HOLDUPS = 0.7, 80  # s after which a tick is told again; most of them in a run
 _OFTEN = 0.05  # of the messages after which the machine is busy
-_GRACE = 0.01  # s after the verdict for the robots' reports
 _EXPECTED = "down for good"  # the one reason for which the judge aborts
 _REFUTED = "a stated bound is wrong"
 _CONTACTS = {1: "contact", 0: "wall", -1: "obstacle"}
@@ -64,7 +63,6 @@ def observe(scenario: Scenario, joining: Sequence[int] | None = None, *, busy: i
         busy: seeds the moments at which the machine is so busy that the world has the open tick said again,
             and the order in which messages arrive; 0: never, and as they were published.
     """
-    watch = Watch(busy)
     with skipped_waits():
         network = DrawnNetwork(Random(busy)) if busy else LocalNetwork()
         fleet = (
@@ -72,10 +70,10 @@ def observe(scenario: Scenario, joining: Sequence[int] | None = None, *, busy: i
             if joining
             else LocalFleet(scenario, network=network)
         )
-        watch.begin(fleet)
-        fleet.network.run(lambda: fleet.world.finished or watch.enough())
+        watch, deadline = Watch(fleet, busy), time.monotonic() + PATIENCE
+        network.run(lambda: fleet.world.finished or time.monotonic() > deadline)
         fleet.world.interrupt(_CUT, f"has not ended within {PATIENCE:g} s")
-        watch.drain()
+        watch.bus.drain()
     return Observation(fleet.report, watch.notes)
 
 
@@ -106,40 +104,27 @@ def _deepest(kind: str, contacts: Sequence[Mapping[str, Any]]) -> Violation:
 
 
 class Watch:
-    """Ends a run once it is judged, and at times has the machine be busy.
-
-    A world waits some seconds for the last reports of robots that the scenario has stopped; they are not
-    needed here.
+    """Notes what robots notice about themselves, and at times has the machine be busy.
 
     Args:
         busy: see `observe`.
     """
 
-    def __init__(self, busy: int = 0) -> None:
-        self.finished = False
-        self.deadline = math.inf
-        self.notes: dict[int, str] = {}
-        self._judged = False
-        self._moments = Random(busy) if busy else None
-        self._holdups, self._held_up = _HOLDUPS, -1
+    finished, deadline = False, math.inf
 
-    def begin(self, fleet: LocalFleet) -> None:
-        self._fleet = fleet
-        bus = self._bus = fleet.network.connect()
-        bus.subscribe(world_key(fleet.run, "clock"), every_robot(fleet.run, "health"))
-        if self._moments is not None:
-            bus.subscribe(every_robot(fleet.run, "state"), every_robot(fleet.run, "command"))
+    def __init__(self, fleet: LocalFleet, busy: int) -> None:
+        self.notes: dict[int, str] = {}
+        self._fleet, self._moments = fleet, Random(busy) if busy else None
+        self._holdups, self._held_up = _HOLDUPS, -1
+        bus = self.bus = fleet.network.connect()
+        for stream in ("health", "state", "command") if busy else ("health",):
+            bus.subscribe(every_robot(fleet.run, stream))
         bus.node = self
-        self.deadline = time.monotonic() + PATIENCE
 
     def handle(self, event: Event) -> None:
-        if not isinstance(event, Sample):
-            return
-        message = decode(event.key, event.payload)
+        message = decode(event.key, event.payload) if isinstance(event, Sample) else None
         if isinstance(message, Health) and message.note:
             self.notes[message.robot] = message.note
-        elif isinstance(message, Clock) and message.verdict and not self._judged:
-            self._judged, self.deadline = True, time.monotonic() + _GRACE
         if self._moments is not None and isinstance(message, State | Command):
             self._hold_up(self._moments)
 
@@ -152,12 +137,4 @@ class Watch:
             self._fleet.world.wake(time.monotonic())
 
     def wake(self, now: float) -> None:
-        self.deadline = math.inf
-        self.finished = True
-
-    def drain(self) -> None:
-        self._bus.drain()
-
-    def enough(self) -> bool:
-        """Whether the run can be ended."""
-        return self.finished or time.monotonic() > self.deadline
+        """Nothing is due by the wall clock."""
