@@ -95,6 +95,9 @@ class Beat(NamedTuple):
     """Request: heartbeat of the supervisor."""
 
 
+BEAT = 1.0  # s between heartbeats
+
+
 class Look(NamedTuple):
     """Request: tell facts about this host, whose router is to listen on this address and port."""
 
@@ -126,7 +129,6 @@ class Exited(_News, frozen=True):
     code: Annotated[int, Meta(ge=-64, le=255)]
     cpu_s: Annotated[float, Meta(ge=0, le=1e9)]
     max_rss_mb: Annotated[float, Meta(ge=0, le=1e9)]
-    why: str = ""  # reason, if the exit code does not tell it
 
 
 class Facts(_News, frozen=True):
@@ -180,24 +182,19 @@ class Spawner:
         modules: modules that it imports before the first fork.
         run: name of the run, for process titles.
         logs: folder of the log files.
-        lives: unused process numbers, if shared with other spawners.
 
     Raises:
         ProcessError: the fork server is gone; its output is on standard error.
     """
 
-    def __init__(
-        self,
-        modules: Sequence[str] = MODULES,
-        run: str = "",
-        logs: Path | None = None,
-        lives: Iterator[int] | None = None,
-    ) -> None:
+    name = "this host"
+
+    def __init__(self, modules: Sequence[str] = MODULES, run: str = "", logs: Path | None = None) -> None:
         ours, theirs = socket.socketpair()
         with theirs:
             self._server = self._serve(theirs, modules, run, logs)
         self._channel: Channel[Request, Any] = Channel(ours.detach())
-        self._lives = count(1) if lives is None else lives
+        self._lives = count(1)
         self.gone = False  # the fork server has ended by itself
 
     def _serve(

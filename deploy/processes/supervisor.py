@@ -8,19 +8,19 @@ from __future__ import annotations
 
 import signal
 import time
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple, Self
+from multiprocessing.connection import wait
+from types import MappingProxyType
+from typing import NamedTuple, Self
 
 import psutil
 
-from deploy.processes.spawn import MAX_NEWS, Exited, News, Process, ProcessReport, Spawner, Started
+from deploy.processes.fork_server import FAULT
+from deploy.processes.spawn import BEAT, MAX_NEWS, Exited, News, Process, ProcessReport, Spawner, Started
 from protocol.errors import ProcessError, StartError
+from protocol.process.log import LOG
 from protocol.process.signals import STOP
-
-if TYPE_CHECKING:
-    from deploy.processes.hosts.spawners import HostSpawners
-
 
 STEADY = 60.0  # s of run time after which a failure counts as the first
 _FIRST = 0.25  # s, after the second failure in a row
@@ -85,7 +85,8 @@ class ProcessLife:
     """One row with its latest process."""
 
     process: Process
-    number: int
+    spawner: Spawner  # of its host
+    number: int = 0  # given by its spawner; 0: it could not be started
     pid: int = 0
     exit_code: int | None = None
     up: bool = False  # this or an earlier process of the row has worked
@@ -137,17 +138,27 @@ _STOPPING = 30.0  # s from SIGKILL to the end of a process
 class Supervisor:
     """A context manager that stops all processes when it is left.
 
+    The processes of a lost host count as ended, with a reason; that is no error.
+
     Args:
-        spawner: starts the processes; a new `Spawner` by default.
+        here: starts processes on this machine; a new `Spawner` by default.
+        there: start processes on other hosts, by the names of these.
+        places: name of a process -> name of its host; all others are started here.
 
     Raises:
-        ProcessError: the fork server is gone, and with it all processes.
+        ProcessError: the fork server of this machine is gone, and with it all processes.
     """
 
-    def __init__(self, spawner: Spawner | HostSpawners | None = None) -> None:
-        self._spawner = Spawner() if spawner is None else spawner
+    def __init__(
+        self,
+        here: Spawner | None = None,
+        there: Mapping[str, Spawner] = MappingProxyType({}),
+        places: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
+        self._here = Spawner() if here is None else here
+        self._there, self._places = there, places
         self._lives: dict[str, ProcessLife] = {}
-        self._by_number: dict[int, ProcessLife] = {}
+        self._running: dict[tuple[Spawner, int], ProcessLife] = {}  # by number, which its spawner gave
         self._exits: list[Exit] = []
 
     def __enter__(self) -> Self:
@@ -157,14 +168,18 @@ class Supervisor:
         try:
             self.stop()
         finally:
-            self._spawner.close()
+            for spawner in (self._here, *self._there.values()):
+                spawner.hang_up()
+            for spawner in (self._here, *self._there.values()):
+                spawner.close()
 
     def start(self, table: Iterable[Process]) -> None:
         """Start the rows in order, without waiting."""
         for process in table:
             if process.name in self._lives:
                 raise ProcessError(f"{process.name} is in the table twice; names must be unique")
-            self._spawn(ProcessLife(process, 0))
+            spawner = self._there.get(self._places.get(process.name, ""), self._here)
+            self._spawn(ProcessLife(process, spawner))
 
     def report(self, name: str, timeout: float) -> str:
         """First text from a reporting process.
@@ -211,8 +226,13 @@ class Supervisor:
         return exits
 
     def signal(self, name: str, number: int) -> None:
-        """Send any signal to one process."""
-        self._spawner.signal(self._life(name).number, number)
+        """Send any signal to one process, if it runs."""
+        life = self._life(name)
+        if (life.spawner, life.number) in self._running:
+            try:
+                life.spawner.signal(life.number, number)
+            except ProcessError as error:
+                self._lose(life.spawner, error)
 
     def kill(self, name: str) -> None:
         """Send SIGKILL, and do not restart it automatically."""
@@ -264,7 +284,7 @@ class Supervisor:
             life.told_to_end, life.again = True, False
         for name, life in self._lives.items():
             life.due = life.due if name in spare else None
-        if self._spawner.gone:
+        if self._here.gone:
             return
         self._signal(left(), signal.SIGTERM, signal.SIGCONT)
         patience = {name: self._lives[name].process.patience for name in left()}
@@ -280,6 +300,10 @@ class Supervisor:
         """Resources used by each row so far."""
         return [life.usage() for life in self._lives.values()]
 
+    def _spawners(self) -> Iterator[Spawner]:
+        """Those that can start processes."""
+        return (each for each in (self._here, *self._there.values()) if not each.gone)
+
     def _life(self, name: str) -> ProcessLife:
         if name not in self._lives:
             raise ProcessError(f"no process {name!r}; there are {', '.join(self._lives)}")
@@ -289,9 +313,17 @@ class Supervisor:
         process = life.process
         self._lives[process.name] = life
         life.exit_code, life.report, life.told_to_end, life.again = None, None, False, False
-        life.began, life.due = time.monotonic(), None
-        life.number = self._spawner.start(process)
-        self._by_number[life.number] = life
+        life.began, life.due, life.number = time.monotonic(), None, 0
+        if life.spawner.gone:
+            self._ended(life, FAULT, why=f"{life.spawner.name} is lost")
+            return
+        try:
+            life.number = life.spawner.start(process)
+        except ProcessError as error:
+            self._lose(life.spawner, error)
+            self._ended(life, FAULT, why=str(error))
+        else:
+            self._running[life.spawner, life.number] = life
 
     def _again(self, life: ProcessLife) -> None:
         life.restarts += 1
@@ -308,9 +340,14 @@ class Supervisor:
             self._read(min(_POLL, remaining))
 
     def _read(self, timeout: float) -> None:
-        for news in self._spawner.news(min([timeout, *self._waits()])):
-            if (life := self._by_number.get(news.life)) is not None:  # its end is not known yet
-                self._take(life, news)
+        channels = [spawner.fileno() for spawner in self._spawners()]
+        wait(channels, min([timeout, BEAT, *self._waits()]))
+        for spawner in self._spawners():  # also those without news: they send heartbeats
+            try:
+                for news in spawner.news(0.0):
+                    self._take(spawner, news)
+            except ProcessError as error:
+                self._lose(spawner, error)
         for life in self._lives.values():
             if life.due is not None and time.monotonic() >= life.due:
                 self._again(life)
@@ -319,24 +356,36 @@ class Supervisor:
         now = time.monotonic()
         return [max(0.0, life.due - now) for life in self._lives.values() if life.due is not None]
 
-    def _take(self, life: ProcessLife, news: News) -> None:
+    def _take(self, spawner: Spawner, news: News) -> None:
+        life = self._running.get((spawner, news.life))
+        if life is None:
+            raise ProcessError(f"{spawner.name} reports a process that it was not asked for")
         if isinstance(news, Started):
             life.pid = news.pid
         elif isinstance(news, ProcessReport):
             life.hear(news.text)
         elif isinstance(news, Exited):
-            del self._by_number[news.life]
-            self._ended(life, news)
+            life.cpu_s += news.cpu_s
+            life.max_rss_mb = max(life.max_rss_mb, news.max_rss_mb)
+            self._ended(life, news.code)
 
-    def _ended(self, life: ProcessLife, exited: Exited) -> None:
-        life.exit_code = exited.code
-        life.cpu_s += exited.cpu_s
-        life.max_rss_mb = max(life.max_rss_mb, exited.max_rss_mb)
-        failed = exited.code != 0 and not life.told_to_end
+    def _lose(self, spawner: Spawner, error: ProcessError) -> None:
+        if spawner is self._here:
+            raise error
+        LOG.error(error)
+        spawner.gone = True
+        spawner.hang_up()
+        for life in [life for (host, _), life in self._running.items() if host is spawner]:
+            self._ended(life, FAULT, why=str(error))
+
+    def _ended(self, life: ProcessLife, code: int, why: str = "") -> None:
+        self._running.pop((life.spawner, life.number), None)
+        life.exit_code = code
+        failed = code != 0 and not life.told_to_end
         life.failures += failed
-        crashed = failed and (life.up or exited.code not in _SAID)
+        crashed = failed and (life.up or code not in _SAID)
         again = life.again or (crashed and life.failures <= life.process.restarts)
-        self._exits.append(Exit(life.process, exited.code, not failed, again, exited.why))
+        self._exits.append(Exit(life.process, code, not failed, again, why))
         if life.again:
             self._again(life)
         elif again:

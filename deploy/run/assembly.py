@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import time
+from collections.abc import Iterable, Mapping
 from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
@@ -10,10 +11,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from deploy.processes import table
-from deploy.processes.hosts.spawners import HostSpawners
+from deploy.processes.hosts.ssh import SshSpawner
 from deploy.processes.hosts.table import Host, HostsTable, check_fit
 from deploy.processes.router import reserved
-from deploy.processes.spawn import Process, core_of
+from deploy.processes.spawn import Process, Spawner, core_of
 from deploy.processes.supervisor import Supervisor
 from deploy.run.options import RunOptions
 from deploy.security.membership import KeyRing
@@ -64,8 +65,8 @@ class Routed:
 class MultiHost(Routed):
     """Connections to the router of each process's host; keys are copied to other hosts."""
 
-    def __init__(self, hosts: HostsTable, membership: KeyRing, spawners: HostSpawners) -> None:
-        self.hosts, self.spawners = hosts, spawners
+    def __init__(self, hosts: HostsTable, membership: KeyRing, spawners: Mapping[str, SshSpawner]) -> None:
+        self.hosts, self._spawners = hosts, spawners
         self.membership = membership
         super().__init__(self._router_of(hosts.world_host), membership)
 
@@ -91,15 +92,11 @@ class MultiHost(Routed):
 
     def _moved(self, connection: Connection, host: Host) -> Connection:
         """The same connection for a process on `host`, to which the files of this role alone are copied."""
-        credentials, folder = connection.credentials, self.spawners.folder(host.name)
-        if credentials is None or folder is None:
+        credentials, spawner = connection.credentials, self._spawners.get(host.name)
+        if credentials is None or spawner is None:
             return connection
         paths = (credentials.authority, credentials.certificate, credentials.key)
-        for path in paths:
-            self.spawners.store(host.name, Path(path))
-        return replace(
-            connection, credentials=Credentials(*(f"{folder}/{Path(path).name}" for path in paths))
-        )
+        return replace(connection, credentials=Credentials(*(spawner.store(Path(path)) for path in paths)))
 
 
 @dataclass(frozen=True)
@@ -141,6 +138,7 @@ Topology = Routed | Mesh
 
 
 _CLOSING = 30.0  # s for the recorder, which has low priority, to close its file
+_GREETING = 30.0  # s for all hosts to answer
 _START = 30.0  # s for a process to report that it is ready
 _SOON = timedelta(days=1)
 _WHEN = "%Y-%m-%d %H:%M UTC"
@@ -178,8 +176,9 @@ class Assembly:
             check_fit(roster, hosts)
         # Entered before the supervisor, to outlast every process.
         self._folder = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-")))
-        self._spawners = HostSpawners(hosts, places(hosts), options.run, options.log)
-        self.supervisor = stack.enter_context(Supervisor(self._spawners))
+        here, there = Spawner(run=options.run, logs=options.log), hosts.hosts if hosts is not None else ()
+        self._there = {host.name: SshSpawner(host, options.run, options.log) for host in there if host.ssh}
+        self.supervisor = stack.enter_context(Supervisor(here, self._there, places(hosts)))
         self._record = record
         self.result = None if record is None else self._folder / "result.json"
         self._ends: datetime | None = None
@@ -233,7 +232,7 @@ class Assembly:
                 look_for_others(bus, options.run)
             return topology
         if options.hosts is not None:
-            return self._link(MultiHost(options.hosts, membership, self._spawners))
+            return self._link(MultiHost(options.hosts, membership, self._there))
         router = table.router(
             membership.router(() if options.listen is None else (options.listen,)),
             options.restarts,
@@ -250,7 +249,9 @@ class Assembly:
 
     def _link(self, multi_host: MultiHost) -> MultiHost:
         """Start a router on every host, each linked with all before it, so that no message needs a detour."""
-        multi_host.spawners.greet()
+        deadline = time.monotonic() + _GREETING
+        for spawner in self._there.values():
+            spawner.greet(deadline - time.monotonic())
         for host in multi_host.hosts.hosts:
             connection, vital = multi_host.router(host), host is multi_host.hosts.world_host
             restarts = self._options.restarts
@@ -267,12 +268,8 @@ class Assembly:
             return None
         checkpoint = self._folder / "checkpoint"
         Checkpoint.create(checkpoint)
-        hosts = self._options.hosts
-        folder = None if hosts is None else self._spawners.folder(hosts.world_host.name)
-        if hosts is None or folder is None:
-            return checkpoint
-        self._spawners.store(hosts.world_host.name, checkpoint)
-        return Path(folder) / checkpoint.name
+        spawner = self._there.get(places(self._options.hosts).get(WORLD, ""))
+        return checkpoint if spawner is None else Path(spawner.store(checkpoint))
 
     def _start_world(self, checkpoint: Path | None) -> None:
         """Start the world, and the recorder before the first tick."""

@@ -26,9 +26,9 @@ import msgspec
 from deploy.processes.hosts.remote import GREETING
 from deploy.processes.hosts.table import Host
 from deploy.processes.spawn import (
+    BEAT,
     MAX_NEWS,
     Beat,
-    Exited,
     News,
     Request,
     Spawner,
@@ -163,7 +163,6 @@ def printable(said: str) -> str:
     return "".join(each if each.isprintable() or each == "\n" else " " for each in said).rstrip()
 
 
-BEAT = 1.0  # s between heartbeats of this launcher
 _STALL = 5.0  # s for one message, from or to a host
 _LONGEST_LINE = 1 << 12  # bytes of a line printed by a shell at login
 _MISSING = 127  # exit status of a shell that does not find a command
@@ -200,12 +199,11 @@ class SshSpawner(Spawner):
         host: Host,
         run: str,
         logs: Path | None = None,
-        lives: Iterator[int] | None = None,
     ) -> None:
-        self.host = host
+        self.host, self.name = host, f"host {host.name}"
         self.folder = ""  # for files on the host; known after `greet`
         self._beat = 0.0
-        super().__init__(run=run, logs=logs, lives=lives)
+        super().__init__(run=run, logs=logs)
         self._frames = FramedMessages(self._channel.fileno(), MAX_NEWS, _STALL)
         with socket.socket(fileno=os.dup(self._channel.fileno())) as ours:  # for both descriptors
             ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, struct.pack("ll", int(_STALL), 0))
@@ -220,7 +218,7 @@ class SshSpawner(Spawner):
                 self._relay.take(line.encode())  # printed by the shell at login
             elif len(words) != 3 or words[1] != code_digest(SOFTWARE):
                 raise OtherVersionError(
-                    f"host {self.host.name}: its {self.host.command} is not the same version as this one; "
+                    f"{self.name}: its {self.host.command} is not the same version as this one; "
                     f"a fleet needs the same on every host"
                 )
             else:
@@ -231,9 +229,11 @@ class SshSpawner(Spawner):
         super().close()
         self._relay.end()
 
-    def store(self, name: str, content: bytes) -> None:
-        """Write a new file into the host's folder, with mode 0600."""
-        self._send(Store(name, content))
+    def store(self, path: Path) -> str:
+        """Copy a file into the host's folder, with mode 0600, unless it is lost; returns the path there."""
+        if not self.gone:
+            self._send(Store(path.name, path.read_bytes()))
+        return f"{self.folder}/{path.name}"
 
     def news(self, timeout: float) -> Iterator[News]:
         """`Spawner.news`; anything else from the host is an error."""
@@ -243,17 +243,17 @@ class SshSpawner(Spawner):
             self._send(Beat())
         try:
             for message in self._frames.read(timeout):
-                yield _checked(decode_news(message))
+                yield decode_news(message)
         except (EOFError, ConnectionError):
             raise self._gone() from None
         except (OSError, ValueError, *DAMAGED) as error:
-            raise ProcessError(f"host {self.host.name} does not follow the protocol: {error}") from None
+            raise ProcessError(f"{self.name} does not follow the protocol: {error}") from None
 
     def _send(self, request: Request) -> None:
         try:
             super()._send(request)
         except BlockingIOError:
-            raise ProcessError(f"host {self.host.name} has accepted nothing for {_STALL:g} s") from None
+            raise ProcessError(f"{self.name} has accepted nothing for {_STALL:g} s") from None
 
     def _serve(
         self, theirs: socket.socket, modules: Sequence[str], run: str, logs: Path | None
@@ -279,13 +279,13 @@ class SshSpawner(Spawner):
         while not line.endswith(b"\n"):
             readable, _, _ = select.select([descriptor], [], [], max(0.0, deadline - time.monotonic()))
             if not readable:
-                raise ProcessError(f"host {self.host.name} did not answer in time")
+                raise ProcessError(f"{self.name} did not answer in time")
             byte = os.read(descriptor, 1)
             if not byte:
                 raise self._gone()
             line += byte
             if len(line) > _LONGEST_LINE:
-                raise ProcessError(f"host {self.host.name} does not follow the protocol: no end of a line")
+                raise ProcessError(f"{self.name} does not follow the protocol: no end of a line")
         return line.decode(errors="replace").rstrip("\n")
 
     def _gone(self) -> ProcessError:
@@ -293,16 +293,9 @@ class SshSpawner(Spawner):
         try:
             status = self._server.wait(5.0)
         except subprocess.TimeoutExpired:
-            return ProcessError(f"host {self.host.name} closed the connection")
+            return ProcessError(f"{self.name} closed the connection")
         self._relay.end()
         if status == _MISSING:
-            return ProcessError(f"host {self.host.name}: its shell finds no command {self.host.command!r}")
+            return ProcessError(f"{self.name}: its shell finds no command {self.host.command!r}")
         how = f"with status {status}; see its output above" if status >= 0 else f"by signal {-status}"
-        return ProcessError(f"host {self.host.name} is gone: ssh ended {how}")
-
-
-def _checked(news: News) -> News:
-    """Raises ValueError for news with a reason, which only this launcher may add."""
-    if isinstance(news, Exited) and news.why:
-        raise ValueError("it sends a reason for the end of a process")
-    return news
+        return ProcessError(f"{self.name} is gone: ssh ended {how}")
