@@ -16,7 +16,7 @@ from deploy.security.roster import KeyRoster
 from protocol.scenario.file import write_toml
 from tests.deploy.manifests.engine import IMAGE, command, environment, needs_engine, podman
 from tests.deploy.manifests.guested import ROBOTS, guested
-from tests.deploy.telemetry.monitor.watched import until
+from tests.until import until
 
 pytestmark = [pytest.mark.process, pytest.mark.slow, pytest.mark.timeout(240), needs_engine]
 

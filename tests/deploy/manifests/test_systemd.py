@@ -15,13 +15,13 @@ import pytest
 from deploy.manifests import ETC, Plan, write
 from deploy.security.membership import KeyRing
 from deploy.security.roster import KeyRoster
-from protocol.bus.bus import Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
 from protocol.keys import world_key
 from protocol.scenario.file import write_toml
 from tests.deploy.manifests.guested import ROBOTS, guested
 from tests.deploy.processes.ports import free_ports
+from tests.until import until
 
 SCENARIO = guested("control.speed=0.3")
 DISKNAV = str(Path(sys.executable).parent / "disknav")
@@ -135,9 +135,5 @@ def test_the_units_command_lines_are_a_fleet_that_arrives(folder: Path) -> None:
 
 
 def result(bus: ZenohBus) -> str:
-    deadline = time.monotonic() + 60.0
-    while time.monotonic() < deadline:
-        event = bus.receive(0.1)
-        if isinstance(event, Sample):
-            return decode(event.key, event.payload).report
-    raise AssertionError("no result")
+    sample = until(lambda: bus.receive(0.1), 60.0, "no result")
+    return decode(sample.key, sample.payload).report

@@ -10,7 +10,7 @@ import psutil
 import pytest
 
 from deploy.processes.spawn import core_of
-from tests.deploy.telemetry.monitor.watched import until
+from tests.until import until
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system places and orders all")
 

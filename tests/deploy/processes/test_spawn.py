@@ -16,6 +16,7 @@ from deploy.processes.fork_server import FAULT
 from deploy.processes.spawn import Exited, News, Process, ProcessReport, Spawner
 from protocol.errors import ProcessError
 from tests.deploy.processes import children
+from tests.until import until
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(60)]
 
@@ -42,16 +43,11 @@ def exit_code(spawner: Spawner) -> int:
 
 
 def gone(pid: int) -> bool:
-    """Wait until a process is no more, or dead and not yet waited for; False if it goes on."""
-    deadline = time.monotonic() + PATIENCE
-    while time.monotonic() < deadline:
-        try:
-            if psutil.Process(pid).status() == psutil.STATUS_ZOMBIE:
-                return True
-        except psutil.NoSuchProcess:
-            return True
-        time.sleep(0.005)
-    return False
+    """Whether a process is no more, or dead and not yet waited for."""
+    try:
+        return psutil.Process(pid).status() == psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return True
 
 
 def test_the_exit_status_is_what_the_function_returns(spawner: Spawner) -> None:
@@ -91,7 +87,7 @@ def test_a_dead_fork_server_takes_all_with_it_and_is_named() -> None:
         life = spawner.start(Process("one", "tests.deploy.processes.children:wait"))
         (started,) = spawner.news(PATIENCE)
         os.kill(psutil.Process(started.pid).ppid(), signal.SIGKILL)
-        assert gone(started.pid)
+        until(lambda: gone(started.pid))
         with pytest.raises(ProcessError, match="fork server"):
             list(spawner.news(PATIENCE))
         with pytest.raises(ProcessError, match="fork server"):
@@ -102,17 +98,13 @@ def test_no_orphans_when_the_supervisor_is_killed_though_one_is_frozen(tmp_path:
     path = tmp_path / "pids"
     code = f"from tests.deploy.processes.children import supervise; supervise({str(path)!r}, ['a', 'b', 'c'])"
     supervisor = subprocess.Popen([sys.executable, "-c", code])
-    deadline = time.monotonic() + PATIENCE
-    while not path.exists():
-        assert time.monotonic() < deadline
-        assert supervisor.poll() is None
-        time.sleep(0.005)
+    until(lambda: path.exists() or supervisor.poll() is not None)
     pids = [int(pid) for pid in path.read_text().split()]
     assert len(pids) == 3
     os.kill(pids[0], signal.SIGSTOP)
     supervisor.kill()
     supervisor.wait()
-    assert all(map(gone, pids))
+    until(lambda: all(map(gone, pids)))
 
 
 def test_without_help_of_the_kernel_a_pipe_ends_a_process() -> None:

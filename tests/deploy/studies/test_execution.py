@@ -15,7 +15,7 @@ from deploy.studies.execution import Result, RunLog, execute, run_one
 from deploy.studies.experiments import tightness
 from deploy.studies.study import Build, Shard, Study
 from protocol.errors import ProcessError, UsageError
-from tests.deploy.telemetry.monitor.watched import until
+from tests.until import until
 
 COARSE = ("time.step=0.05",)  # fewer ticks
 

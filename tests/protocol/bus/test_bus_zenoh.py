@@ -16,6 +16,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, EndpointTakenError
 from protocol.keys import STREAMS
 from tests.deploy.processes import children
+from tests.until import until
 
 pytestmark = pytest.mark.timeout(30)
 
@@ -116,10 +117,7 @@ def test_a_bus_does_not_hear_itself(connect: Connect) -> None:
     speaker.announce(ALIVE)
     listener.watch(ALIVE)
     assert listener.receive(PATIENCE) == Presence(ALIVE, True)
-    deadline, heard = time.monotonic() + PATIENCE, None
-    while heard is None and time.monotonic() < deadline:  # until the publisher knows a subscriber
-        publish(b"1")
-        heard = listener.receive(0.1)
+    heard = until(lambda: publish(b"1") or listener.receive(0.1))  # the publisher knows a subscriber
     assert heard == Sample(STATE, b"1")
     assert speaker.receive(0.05) is None
 
@@ -189,9 +187,7 @@ def test_a_flood_is_shed_and_counted(connect: Connect) -> None:
     for number in range(20):
         publish(bytes([number]))
     speaker.close()
-    deadline = time.monotonic() + PATIENCE
-    while listener._queue.qsize() < 21 and time.monotonic() < deadline:  # and that its token is gone
-        time.sleep(0.005)
+    until(lambda: listener._queue.qsize() >= 21)  # and that its token is gone
     heard: list[Event] = []
     while len(heard) + listener.dropped < 21:
         event = listener.receive(PATIENCE)

@@ -30,7 +30,7 @@ from protocol.messages import Clock
 from protocol.operations import Steer
 from protocol.scenario.model import Scenario
 from tests.deploy.processes.ports import free_ports
-from tests.deploy.telemetry.monitor.watched import until
+from tests.until import until
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
 

@@ -14,8 +14,8 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError
 from protocol.scenario.model import Journey, Operation, Point
 from tests.deploy.processes.ports import free_ports
-from tests.deploy.telemetry.monitor.watched import until
 from tests.forks import Forks
+from tests.until import until
 
 PLACE = (0.05, 0.02)
 

@@ -12,8 +12,8 @@ import pytest
 
 from deploy.output import EXIT_FAULT, EXIT_OTHERWISE
 from tests.deploy.processes.ports import free_ports
-from tests.deploy.telemetry.monitor.watched import until
 from tests.system.orders.test_orders import reachable
+from tests.until import until
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(110)]
 

@@ -12,8 +12,8 @@ from deploy.run.operator import Operator, operating
 from deploy.run.options import fresh_run_name
 from protocol.bus.connection import Connection
 from protocol.scenario.model import Journey, Operation
-from tests.deploy.telemetry.monitor.watched import until
 from tests.forks import Forks
+from tests.until import until
 from world.process import REFUSED
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(120)]

@@ -19,7 +19,8 @@ from protocol.bus.local import LocalNetwork
 from protocol.errors import UsageError
 from protocol.messages import Truth
 from protocol.operations import Steer
-from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, until, watch_local
+from tests.deploy.telemetry.monitor.watched import ring, running, watch_local
+from tests.until import PATIENCE, until
 
 LAYOUT = Path(__file__).parents[4] / "docs" / "guides" / "foxglove-layout.json"
 _DATA = struct.Struct("<BIQ")  # opcode, subscription, time in ns

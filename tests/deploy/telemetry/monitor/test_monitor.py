@@ -22,8 +22,9 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.messages import Clock, Truth
 from protocol.operations import Steer
 from protocol.scenario.model import Journey, Operation, Order, Point, RobotSpec, Time
-from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, until, watch_local
+from tests.deploy.telemetry.monitor.watched import ring, running, watch_local
 from tests.system.orders.turnover import asked
+from tests.until import PATIENCE, until
 
 
 def test_a_watcher_sees_what_the_world_judged_and_changes_nothing() -> None:

@@ -22,7 +22,8 @@ from deploy.run.local import LocalFleet
 from deploy.telemetry.monitor.web import Server
 from protocol.bus.local import LocalNetwork
 from protocol.errors import UsageError
-from tests.deploy.telemetry.monitor.watched import PATIENCE, ring, running, served, watch_local
+from tests.deploy.telemetry.monitor.watched import ring, running, served, watch_local
+from tests.until import PATIENCE
 
 pytestmark = pytest.mark.slow
 

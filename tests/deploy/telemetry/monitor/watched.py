@@ -1,11 +1,9 @@
 """Fleets in this process for tests of monitors."""
 
 import threading
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from math import cos, pi, sin
-from typing import Any
 
 from deploy.run.local import LocalFleet
 from deploy.telemetry.monitor.watcher import Player, Watcher
@@ -13,8 +11,7 @@ from deploy.telemetry.monitor.web import Server
 from protocol.bus.local import LocalNetwork
 from protocol.operations import Steer
 from protocol.scenario.model import Control, ProcessFault, RobotSpec, Scenario, Time
-
-PATIENCE = 30.0
+from tests.until import PATIENCE
 
 
 def ring(robots: int = 4, limit: float = 60.0, kill: int | None = None, at: float = 0.5) -> Scenario:
@@ -23,14 +20,6 @@ def ring(robots: int = 4, limit: float = 60.0, kill: int | None = None, at: floa
     specs = tuple(RobotSpec(i + 1, 0.03, places[i], places[(i + 2) % robots]) for i in range(robots))
     faults = () if kill is None else (ProcessFault(kill, at, "kill"),)
     return Scenario(specs, name="ring", time=Time(limit=limit), control=Control(k=40.0), process=faults)
-
-
-def until(condition: Callable[[], Any], patience: float = PATIENCE) -> Any:
-    deadline = time.monotonic() + patience
-    while not (found := condition()):
-        assert time.monotonic() < deadline, "waited in vain"
-        time.sleep(0.005)
-    return found
 
 
 @contextmanager

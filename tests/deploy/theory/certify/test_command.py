@@ -14,7 +14,7 @@ from deploy.cli.application import app
 from deploy.library.load import load
 from deploy.theory.certify.certificate import ProofError, fetch
 from protocol.errors import UsageError
-from tests.deploy.telemetry.monitor.watched import until
+from tests.until import until
 
 pytestmark = pytest.mark.slow
 
