@@ -76,14 +76,14 @@ def main(
             drive(node, bus, on_stop=last_words, beat=beat)
             if node.refused:
                 raise _taken(run)
+        if kept is not None:
+            kept.remove()
     except RunTakenError as error:
         LOG.error(error)
         return REFUSED
     except DisknavError as error:
         LOG.error(error)
         return FAULT
-    if kept is not None:
-        kept.remove()
     return SUCCESS
 
 

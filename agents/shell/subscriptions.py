@@ -69,8 +69,8 @@ class Subscriptions:
             self._withdraw()
 
     def _hear(self, kept: set[str]) -> None:
-        for peer in sorted(self._near & self._fleet - {self._robot}):
-            if self._key(peer) not in self.readers:
+        for peer in sorted(self._near):  # an intersection would copy the fleet: a robot among 1000 notices
+            if peer != self._robot and peer in self._fleet and self._key(peer) not in self.readers:
                 self._know(peer)
         self._subscribe([key for key in self.readers if key in kept])
         self._dropped = self._heard - kept

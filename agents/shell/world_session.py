@@ -75,6 +75,7 @@ class WorldSession:
         try:
             reply = self._answer(request)
         except (BusError, MessageError) as error:
+            self._probed = time.monotonic() - PATIENCE + _TIMEOUT  # it, or the reply, may be lost
             if time.monotonic() <= self.heard + self._bearable:
                 return None  # not yet present, briefly disconnected, or the reply was lost
             text = f"run {self._run!r}: no world answers ({error}); is it running, under this name?"
@@ -95,16 +96,21 @@ class WorldSession:
         return reply
 
     def _answer(self, request: bytes) -> joining.Reply:
-        """The reply of the only coordinator, or of its own; raises BusError if two others reply."""
+        """The reply of the only coordinator, or of its own; raises BusError if two others reply.
+
+        Worlds of another run do not count beside one of its own, which may be the successor of the last.
+        """
         key = robot_key(self._run, self._robot, "join")
         replies = [self._read(each) for each in self._bus.ask(key, request, self._timeout)]
-        if len(replies) > 1:
-            replies = [
-                each for each in replies if isinstance(each, joining.Admission) and each.epoch == self.epoch
+        of_its_run: list[joining.Reply] = [each for each in replies if not isinstance(each, joining.OtherRun)]
+        found = of_its_run or replies[:1]
+        if len(found) > 1:
+            found = [
+                each for each in found if isinstance(each, joining.Admission) and each.epoch == self.epoch
             ]
-        if len(replies) != 1:
+        if len(found) != 1:
             raise BusError("several worlds of this run answer, end all but one")
-        return replies[0]
+        return found[0]
 
     def hear(self) -> None:
         """Note a Tick of its own world, which is there whatever its token says."""

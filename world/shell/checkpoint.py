@@ -9,9 +9,10 @@ and founds the ledger on the positions of the disks, which are all static. A rob
 joins again. In a simulation no disk has moved meanwhile. An external base may move on while its lease lasts:
 the bound of its position covers this, and its next life begins only afterwards.
 
-The file has two places for a state, written in turn, so that one of them is complete at every moment. It
-survives the death of this process, but is not forced to the disk: one from before the last start of the
-machine is refused, if the system identifies its starts.
+The file has two places for a state, written in turn, so that one of them is complete at every moment; at
+first one has an empty state. Damage to the newest looks like a write that the death of the world cut short:
+the run goes on from the state before. The file survives the death of this process, but is not forced to the
+disk: one from before the last start of the machine is refused, if the system identifies its starts.
 """
 
 from __future__ import annotations
@@ -138,6 +139,8 @@ class Checkpoint:
             with path.open("xb") as file:
                 file.write(_MAGIC)
                 file.truncate(_place(2))
+                file.seek(_place(1))
+                file.write(_frame(1, bytearray(_FRAME.size)))
         except OSError as error:
             _refuse(path, f"cannot be kept: {error.strerror}")
 
@@ -161,10 +164,14 @@ class Checkpoint:
             self._abandon(error)
 
     def remove(self) -> None:
-        """Remove the file: the run is over, or cannot be continued."""
+        """Remove the file: the run is over, or cannot be continued. Raises CheckpointError if it remains."""
         if self.kept:
-            self.path.unlink(missing_ok=True)
-            self.close()
+            try:
+                self.path.unlink(missing_ok=True)
+            except OSError as error:
+                _refuse(self.path, f"cannot be removed: {error.strerror}")
+            finally:
+                self.close()
 
     def close(self) -> None:
         """Release the file for the next process."""
@@ -175,8 +182,8 @@ class Checkpoint:
     def _abandon(self, why: OSError) -> None:
         try:
             self.remove()
-        except OSError as error:
-            _refuse(self.path, f"can neither be written ({why.strerror}) nor removed ({error.strerror})")
+        except CheckpointError as error:
+            raise CheckpointError(f"{error}; nor can it be written: {why.strerror}") from None
         self._say(
             f"cannot keep the checkpoint {self.path}: {why.strerror}; "
             f"the run goes on, but the next death of this world ends it"
@@ -211,10 +218,12 @@ def _place(index: int) -> int:
     return len(_MAGIC) + index * _STATE
 
 
-def _frame(number: int, content: bytearray) -> None:
+def _frame(number: int, content: bytearray) -> bytearray:
+    """`content`, with a frame before the state in it."""
     size = len(content) - _FRAME.size
     _FRAME.pack_into(content, 0, number, size, 0)
     _FRAME.pack_into(content, 0, number, size, zlib.crc32(content))
+    return content
 
 
 def _whole(content: bytes) -> tuple[int, bytes] | None:
@@ -228,7 +237,7 @@ def _whole(content: bytes) -> tuple[int, bytes] | None:
 
 
 def _newest(path: Path) -> tuple[int, _State | None]:
-    """Number of the newest state, 0 for none, and the state."""
+    """Number of the newest state, and the state; None if no world has written one."""
     content = path.read_bytes()
     if not content.startswith(_MAGIC):
         _refuse(path, "is of another version of disknav, or none at all")
@@ -237,11 +246,9 @@ def _newest(path: Path) -> tuple[int, _State | None]:
     places = [content[_place(index) :][:_STATE] for index in (0, 1)]
     states = [each for place in places if (each := _whole(place))]
     if not states:
-        if all(map(any, places)):  # otherwise the first world died while it wrote its first state
-            _refuse(path, "is damaged: neither of its two states is whole")
-        return 0, None
+        _refuse(path, "is damaged: neither of its two states is whole")
     number, payload = max(states)
     try:
-        return number, _decoder.decode(payload)
+        return number, _decoder.decode(payload) if payload else None
     except DAMAGED as error:
         _refuse(path, f"is of another version of disknav, or damaged: {error}")

@@ -193,7 +193,11 @@ class WorldNode:
         self._operations.on_world(session, alive)
         founded = self._run.world.lives.founded
         if alive and not founded and session < self._session:
-            self.refused = self.finished = True
+            self._give_way()
+
+    def _give_way(self) -> None:
+        """Leave the run to another world, without a result."""
+        self.refused = self.finished = True
 
     def _reply(self, request: Query) -> bytes:
         reason = "key"  # a request may be for a pattern that matches one of the world's keys
@@ -241,7 +245,9 @@ class WorldNode:
         elif self._lockstep or not self._run.opened:
             self._inform(due=True)
             self._failures.wait(now)
-            if self._run.world.verdict:
+            if self.world.verdict and self.world.contested and not self.world.lives.founded:
+                self._give_way()  # the robots that it misses take part in the other's run
+            elif self.world.verdict:
                 self._end()
         elif not (self.world.exchange.waiting and self._pacing.prolongs(self.world.tick, now)):
             self._close()

@@ -8,16 +8,17 @@ import pytest
 from agents.shell.world_session import PATIENCE, WorldSession
 from deploy.library.load import load
 from protocol.bus.local import LocalNetwork
-from protocol.joining import Admission, OtherRun, encode_reply
+from protocol.joining import Admission, Finished, OtherRun, Reply, Wait, encode_reply
 from protocol.keys import robot_key, session_of
 
 OWN, NEXT = 7, 8  # epochs
+SWAP = load("swap-2")
 
 
 @pytest.fixture
 def session() -> WorldSession:
     made = WorldSession(LocalNetwork().connect(), "run", 1, 20.0, lambda _: None)
-    made.admitted(Admission(1, True, load("swap-2"), away=60.0, epoch=OWN))
+    made.admitted(admission(OWN))
     return made
 
 
@@ -59,13 +60,39 @@ def test_a_world_that_says_ticks_is_there(session: WorldSession) -> None:
     session.check(time.monotonic() + 100.0)
 
 
-def test_of_two_worlds_its_own_is_believed() -> None:
-    network, admission = LocalNetwork(), Admission(1, True, load("swap-2"), away=60.0, epoch=OWN)
-    for reply in (admission, OtherRun()):
+def answered(*replies: Reply, epoch: int = OWN) -> Reply | None:
+    """What a process that the coordinator `epoch` admitted makes of the replies of several worlds."""
+    network = LocalNetwork()
+    for reply in replies:
         bus = network.connect()
         bus.serve(robot_key("run", 1, "join"))
         bus.node = SimpleNamespace(handle=lambda query, reply=reply: query.reply(encode_reply(reply)))
     session = WorldSession(network.connect(), "run", 1, 20.0, lambda _: None)
-    assert session.ask(None) is None, "two worlds of which it knows neither"
-    session.admitted(admission)
-    assert session.ask(None) == admission
+    if epoch:
+        session.admitted(admission(epoch))
+    return session.ask(None, begun=True)
+
+
+def admission(epoch: int) -> Admission:
+    return Admission(1, True, SWAP, away=60.0, epoch=epoch)
+
+
+def test_of_two_worlds_its_own_is_believed() -> None:
+    worlds = admission(OWN), admission(NEXT)
+    assert answered(*worlds, epoch=0) is None, "it knows neither"
+    assert answered(*worlds) == worlds[0]
+    assert answered(*worlds, epoch=NEXT) == worlds[1]
+
+
+@pytest.mark.parametrize("reply", [admission(NEXT), Wait(0.2, "paused"), Finished("arrived")])
+def test_worlds_of_other_runs_do_not_keep_it_from_the_next_of_its_own(reply: Reply) -> None:
+    assert answered(OtherRun(), reply, OtherRun()) == reply
+    assert answered(OtherRun(), OtherRun()) is None, "its own may return"
+
+
+def test_a_lost_question_is_asked_again_before_the_world_gives_it_up(session: WorldSession) -> None:
+    session.heard -= 1.1 * PATIENCE
+    assert session.check(time.monotonic())
+    assert session.ask(None) is None, "no world is on this bus"
+    assert not session.check(time.monotonic())
+    assert session.check(time.monotonic() + 0.3 * PATIENCE)

@@ -118,9 +118,16 @@ def test_a_first_state_that_was_cut_short_has_told_nothing(path: Path) -> None:
     checkpoint.write(STATES[0])
     checkpoint.close()
     content = path.read_bytes()
-    half = content.rindex(b"worlds")
-    path.write_bytes(content[:half] + bytes(len(content) - half))
+    half, end = content.index(b"worlds"), module._place(1)
+    path.write_bytes(content[:half] + bytes(end - half) + content[end:])
     assert left(path) == SavedRun()
+
+
+def test_a_file_without_a_whole_state_is_refused(path: Path) -> None:
+    content = path.read_bytes()
+    path.write_bytes(module._MAGIC + bytes(len(content) - len(module._MAGIC)))
+    with pytest.raises(CheckpointError, match="neither of its two states is whole"):
+        opened(path)
 
 
 @given(st.data())
@@ -207,5 +214,5 @@ def test_where_it_can_be_neither_written_nor_removed_nothing_goes_on(
     checkpoint = opened(path)
     monkeypatch.setattr(os, "pwrite", fail)
     monkeypatch.setattr(Path, "unlink", fail)
-    with pytest.raises(CheckpointError, match="can neither be written"):
+    with pytest.raises(CheckpointError, match=r"cannot be removed: .*; nor can it be written"):
         checkpoint.write(STATES[0])

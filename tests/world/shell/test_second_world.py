@@ -67,6 +67,19 @@ def test_a_running_world_stands_while_another_is_there_and_goes_on_after_that() 
     assert "goes on" in said[-1]
 
 
+def test_a_world_without_robots_leaves_the_run_to_the_world_that_has_them() -> None:
+    """Its own epoch is the lower one, as if it had begun first."""
+    fleet = LocalFleet(SWAP)
+    fleet.world._session = "00000009"
+    go(fleet, 10)
+    bus = fleet.network.connect()
+    other = bus.node = WorldNode(bus, "local", SWAP, gathering=0.5)
+    fleet.network.run(lambda: other.finished)
+    assert other.refused
+    assert other.report is None
+    go(fleet, 3)
+
+
 def test_an_emergency_stop_outlasts_the_other_world() -> None:
     fleet = LocalFleet(SWAP)
     go(fleet, 10)
