@@ -60,12 +60,6 @@ class GoalSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         """The problem for `deploy.theory`, with an arbitrary k."""
         return FleetProblem(np.array(self.goals), np.array(self.radii), self.workspace, 1.0)
 
-    @property
-    def digest(self) -> str:
-        """SHA-256 of the goals, radii and workspace, as doubles."""
-        numbers = [*(x for goal in self.goals for x in goal), *self.radii, self.workspace]
-        return hashlib.sha256(np.array(numbers, dtype="<f8").tobytes()).hexdigest()
-
 
 class Slab(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Proof for every k from `k` to the previous slab. boxes: nodes of the branching; seconds: CPU time."""
@@ -174,7 +168,7 @@ def fetch(path: Path, goals: GoalSet | None = None) -> Certificate:
         raise _refused(path, "", f"cannot be read: {error.strerror}") from error
     except (msgspec.MsgspecError, ValueError, zlib.error) as error:
         raise _refused(path, "", f"is not a certificate: {error}") from error
-    if goals is not None and certificate.goals.digest != goals.digest:
+    if goals is not None and certificate.goals != goals:
         raise _refused(path, "goals", "differ from the scenario's goals, radii or workspace")
     return certificate
 
