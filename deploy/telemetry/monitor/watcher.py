@@ -7,6 +7,7 @@ import time
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future
+from contextlib import suppress
 from functools import partial
 from queue import Empty, SimpleQueue
 
@@ -14,13 +15,14 @@ import msgspec
 
 from deploy.telemetry.live import FleetView
 from deploy.telemetry.monitor.snapshot import Source
-from protocol.bus.bus import Bus, Event, Presence, Sample
+from protocol.bus.bus import Bus, Event, Presence, Sample, drive
 from protocol.codec import decode
 from protocol.errors import BusError, KeyGrammarError, MessageError
 from protocol.joining import overview
 from protocol.keys import every_robot, parse, robot_tokens, world_key, world_tokens
 from protocol.messages import Message
 from protocol.operations import Outcome, Reply, Steer, Steering, decode_reply
+from protocol.process.signals import Stopped
 from protocol.scenario.model import Operation, Scenario
 
 PERIOD = 0.05  # s between handling requests of viewers
@@ -172,31 +174,20 @@ class Watcher(Source):
         self.change(lambda view, _: setattr(view, "steering", steering))
 
 
-_LONGEST_WAIT = 0.05  # s until `close` takes effect
-
-
 class Attachment(Watcher):
-    """A watcher with a thread of its own, until `close`, also of a run that has not started.
+    """A watcher with a thread of its own, until `close` or a signal, also of a run that has not started.
 
     It cannot slow down the fleet: messages that this process cannot keep up with are dropped.
     """
 
     def __init__(self, bus: Bus, run: str) -> None:
         super().__init__(bus, run)
-        self._thread = threading.Thread(target=self._loop, name=f"monitor of {run}", daemon=True)
+        self._thread = threading.Thread(target=self._watch, name=f"monitor of {run}", daemon=True)
         self._thread.start()
 
-    def _loop(self) -> None:
-        try:
-            while not self.finished:
-                now = time.monotonic()
-                if now >= self.deadline:
-                    self.wake(now)
-                event = self._bus.receive(min(_LONGEST_WAIT, max(0.0, self.deadline - now)))
-                if event is not None:
-                    self.handle(event)
-        finally:
-            self._bus.close()
+    def _watch(self) -> None:
+        with suppress(Stopped):  # while it waited for an answer
+            drive(self, self._bus)
 
     def close(self) -> None:
         """Stop and disconnect; may be called twice."""
