@@ -1,44 +1,36 @@
 """Which places obstacles separate, against flood filling."""
 
-import math
-import random
+from random import Random
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy import ndimage
 
 from agents.law.passages import gaps
 from deploy.theory.separation import separating
 from protocol.geometry import ConvexPolygon, Disk, Shape
+from tests.protocol.shapes import SIZE, shapes
 
 CELLS = 60
-ROOMS = (Disk(0.0, 0.0, 1.0), ConvexPolygon([(-1.0, -1.0), (1.0, -1.0), (1.0, 0.9), (-0.9, 1.0)]))
-
-
-def polygon(draw: random.Random) -> ConvexPolygon:
-    """Of three to five corners on an ellipse, which may be long and thin."""
-    count = draw.choice((3, 4, 5))
-    turns = [math.tau * (n + draw.uniform(0.1, 0.9)) / count for n in range(count)]
-    centre, turn = complex(draw.uniform(-1, 1), draw.uniform(-1, 1)), draw.uniform(0.0, math.tau)
-    length, width = draw.uniform(0.1, 0.8), draw.uniform(0.02, 0.5)
-    corners = [centre + np.exp(1j * turn) * complex(length * math.cos(t), width * math.sin(t)) for t in turns]
-    return ConvexPolygon([(z.real, z.imag) for z in corners])
-
-
-def disk(draw: random.Random) -> Disk:
-    return Disk(draw.uniform(-1, 1), draw.uniform(-1, 1), draw.uniform(0.02, 0.25))
+ROOMS = (
+    Disk(0.0, 0.0, SIZE),
+    ConvexPolygon([(-SIZE, -SIZE), (SIZE, -SIZE), (SIZE, 0.9 * SIZE), (-0.9 * SIZE, SIZE)]),
+)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(4))
-def test_a_chain_of_gaps_separates_what_flood_filling_separates(seed: int) -> None:
-    draw = random.Random(seed)
-    room = ROOMS[seed % 2]
-    obstacles: list[Shape] = [
-        polygon(draw) if draw.random() < 0.7 else disk(draw) for _ in range(draw.randrange(1, 12))
-    ]
-    radius, cell = draw.uniform(0.02, 0.15), 2.0 / CELLS
-    places = np.linspace(-1.0, 1.0, CELLS)
+@given(
+    st.sampled_from(ROOMS),
+    st.lists(shapes, min_size=1, max_size=11),
+    st.floats(0.006, 0.045),
+    st.randoms(use_true_random=False),
+)
+def test_a_chain_of_gaps_separates_what_flood_filling_separates(
+    room: Shape, obstacles: list[Shape], radius: float, draw: Random
+) -> None:
+    cell, places = 2.0 * SIZE / CELLS, np.linspace(-SIZE, SIZE, CELLS)
     clearance = np.array(
         [
             [min(-room.distance(x, y), *(shape.distance(x, y) for shape in obstacles)) for x in places]
