@@ -54,6 +54,36 @@ def test_exits_are_noticed_and_judged(supervisor: Supervisor) -> None:
     assert supervisor.running() == []
 
 
+def test_a_lost_host_ends_its_own_rows_only() -> None:
+    there = spawner()
+    with Supervisor(spawner(), {"left": there}, {"far": "left"}) as supervisor:
+        supervisor.start([waiting("near"), waiting("far")])
+        supervisor.report("far", PATIENCE)
+        there._server.kill()
+        (lost,) = exits(supervisor, 1)
+        assert (lost.process.name, lost.expected, supervisor.running()) == ("far", False, ["near"])
+        assert str(lost).startswith("far: the fork server")
+        supervisor.restart("far")
+        (vain,) = exits(supervisor, 1)
+        assert str(vain) == "far: this host is lost"
+        supervisor.report("near", PATIENCE)
+        supervisor.signal("near", signal.SIGKILL)
+        assert str(exits(supervisor, 1)[0]) == "near: killed by SIGKILL"
+
+
+def test_a_host_that_reports_what_it_was_not_asked_for_is_lost() -> None:
+    there = spawner()
+    with Supervisor(spawner(), {"left": there}) as supervisor:
+        there.start(row("foreign", give, 0))
+        supervisor.start([waiting("near")])
+        supervisor.report("near", PATIENCE)
+        deadline = time.monotonic() + PATIENCE
+        while not there.gone:
+            assert time.monotonic() < deadline
+            supervisor.poll(0.1)
+        assert supervisor.running() == ["near"]
+
+
 def test_a_failing_process_is_restarted_as_often_as_its_row_says(supervisor: Supervisor) -> None:
     supervisor.start([row("again", give, 1, restarts=2)])
     supervisor.up(["again"])
