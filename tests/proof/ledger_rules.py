@@ -3,15 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import partial
 from typing import Any
 
 import z3
 
-from tests.proof.model import BESIDE, BODY, CODE, DISJOINT, GONE, INSIDE, LINE_OF, OTHER, PRESENT, State, real
-from tests.proof.objects import SOURCE, held_claims, ledger_claims, ledger_of, ledger_state
-from tests.proof.outcomes import ANY_LINE, EPOCH, NAMES, NEXT, Case, Geometry, Outcome, S, apart
-from tests.proof.symbolic import Number
+from tests.proof.model import (
+    BESIDE,
+    BODY,
+    CODE,
+    DISJOINT,
+    GONE,
+    INSIDE,
+    LINE_OF,
+    OTHER,
+    PRESENT,
+    State,
+    invariant,
+    real,
+)
+from tests.proof.objects import SOURCE, held_claims, ledger_claims, ledger_of, ledger_state, own_claims
+from tests.proof.outcomes import ANY_LINE, EPOCH, NAMES, NEXT, SAID, Case, Geometry, Outcome, S, apart
+from tests.proof.symbolic import Number, expression
 
 Rule = Callable[[Any, Any, Any], object]  # of the ledger, the disk and the other one
 Besides = Callable[[str, Outcome], None]  # what else happens to the disk
@@ -113,8 +125,15 @@ def _fenced(x: str, outcome: Outcome) -> None:
 
 
 def _joined(x: str, outcome: Outcome) -> None:
+    """The process of the new life begins as the robot's part of the kernel makes it."""
     outcome.begins(x)
-    outcome.after[f"{x}.own"] = outcome.after[f"{x}.body"]
+    body = outcome.after[f"{x}.own"] = outcome.after[f"{x}.body"]
+    made = SOURCE.robot.RobotLife(CODE[x], Number(outcome.after[f"{x}.life"]), body, Geometry())
+    heard = made.region is made.offered is None and not any(
+        (made.version, made.number, made.offered_number, made.part, *made.bound)
+    )
+    begun = z3.And(made.body == body, made.own == body, expression(made.life) == outcome.after[f"{x}.life"])
+    outcome.claims[f"{x}: has heard nothing"] = z3.And(z3.BoolVal(heard and made.name == CODE[x]), begun)
 
 
 def _announced(x: str, outcome: Outcome) -> None:
@@ -146,8 +165,12 @@ def _announce(made: Any, disk: Any) -> None:
     found.held.disk = NAMES[disk.name]
 
 
-def _acknowledged(number: Number, made: Any, disk: Any, _: Any) -> None:
-    made.acknowledge(disk, number)
+def _acknowledge(x: str) -> Case:
+    """Any acknowledgement arrives, of all that are under way."""
+    case = of_ledger("acknowledge", lambda m, d, _: m.acknowledge(d, Number(SAID[x])), x)
+    zero = z3.IntVal(0)
+    said = invariant({**S, f"{x}.said": SAID[x]}, zero, zero, zero)[f"{x}: acknowledgement"]
+    return Case(case.rule, case.run, [said])
 
 
 def _elsewhere(made: Any) -> None:
@@ -162,8 +185,7 @@ def ledger_cases() -> Iterator[Case]:
         yield of_ledger("fence", lambda m, d, _: m.fence(d, NEXT), x, _fenced)
         yield of_ledger("settle", lambda m, d, _: m.settle(d, NEXT), x, _settled)
         yield of_ledger("grant", lambda m, d, _: m.grant(d, NEXT), x, _granted)
-        said = Number(S[f"{x}.said"])
-        yield of_ledger("acknowledge", partial(_acknowledged, said), x)
+        yield _acknowledge(x)
         yield of_ledger("ask", lambda m, d, o: m.ask(d, o), x)
         yield of_ledger("announce", lambda m, d, _: _announce(m, d), x, _announced)
         yield of_ledger("appear", lambda m, d, _: m.appear(d), x)
@@ -207,7 +229,8 @@ def _restart() -> Outcome:
     outcome = Outcome()
     after = outcome.after = ledger_state(made)
     outcome.given(S["v"] < EPOCH)
-    outcome.claims = noted(geometry, after) | {"a version of its epoch": after["v"] == EPOCH}
+    outcome.claims = noted(geometry, after) | own_claims(made)
+    outcome.claims["a version of its epoch"] = after["v"] == EPOCH
     for x in "AB":
         outcome.claims |= held_claims(made.disks[CODE[x]].held, x)
         outcome.claims[f"{x}: is there"] = after[f"{x}.phase"] == PRESENT

@@ -35,8 +35,12 @@ class Change(NamedTuple):
 
 
 _MODULES = dict.fromkeys(("adopt", "propose", "read answer"), "pair")
-_MODULES |= dict.fromkeys(("hear", "freeze", "command", "turn"), "robot") | {"acknowledge": "records"}
+_MODULES |= dict.fromkeys(
+    ("hear", "freeze", "command", "turn", "adopt region", "locate", "rejoin"), "robot"
+) | {"acknowledge": "records"}
 _LIVING, _STATIC = "if living is not None and living.told", "if static is not None and static.end"
+_ENDED = "            pair.living = None\n\n    def ack"
+_TAKES_OVER = "        elif living and static:\n            living.first = static.first\n"
 _NOTED = "self._geometry.note(disk)\n"
 _CHANGED = (  # name, rule, words of its source, and what is said in their place
     ("a follower adopts what its body does not fit", "adopt", "        if fits:", "        if True:"),
@@ -106,6 +110,43 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
         "freeze",
         'self.behind(bound, line), "freeze',
         'line in self.kept(bound) or self.behind(bound, line), "freeze',
+    ),
+    (
+        "a half-plane turns its end round",
+        "turn",
+        "self.half = HALF, half",
+        "self.half, self.low = HALF, half, True",
+    ),
+    (
+        "an adoption ends all bindings",
+        "adopt region",
+        "offered_number, offered\n",
+        "offered_number, offered; self.bound = {}\n",
+    ),
+    (
+        "a smaller body takes the next region",
+        "locate",
+        "= body, own\n",
+        "= body, own; self.region = self.offered\n",
+    ),
+    ("a robot begins with a part", "rejoin", "= body, body, NO", "= body, body, life"),
+    (
+        "a fence gives an end to another disk",
+        "fence",
+        "(disk.name).dead = self.version",
+        "(disk.name).dead = living.high.disk = self.version",
+    ),
+    (
+        "an ask takes over an older line",
+        "grant",
+        _ENDED,
+        _ENDED.replace("\n\n", f"\n{_TAKES_OVER}\n"),
+    ),
+    (
+        "all disks have the same bindings",
+        "restart",
+        "{name: {} for name in places}",
+        "dict.fromkeys(places, {})",
     ),
     ("the small body keeps off everything", "command", "own if bound.peer == part else body", "own"),
 )

@@ -10,7 +10,7 @@ import z3
 from tests.interpreted import Edit, interpreted
 from tests.proof import symbolic
 from tests.proof.model import ASKED, CODE, HALF, LINE, LINE_OF, LINES, OTHER, PRESENT, obeys
-from tests.proof.outcomes import HELD, NAMES, OBEYED, Geometry, S
+from tests.proof.outcomes import HELD, NAMES, OBEYED, SAID, Geometry, S
 from tests.proof.symbolic import Atom, Number, Truth, expression
 
 
@@ -36,6 +36,41 @@ SOURCE = Source()
 SOURCE.read()
 
 
+_UNKNOWN_SIZE = TypeError("how many there are, or whether any, is not known")
+
+
+class Known(dict[Any, Any]):
+    """A dictionary of which the solver knows some entries."""
+
+    def __len__(self) -> int:
+        raise _UNKNOWN_SIZE
+
+
+class Frame:
+    """What objects were: all of their fields that no rule names keep the very same values, fields that the
+    state has no number for as well.
+
+    Args:
+        things: each with the names of the fields that may change.
+    """
+
+    def __init__(self, *things: tuple[Any, str]) -> None:
+        self._before = [(thing, _fields(thing, changing)) for thing, changing in things]
+
+    @property
+    def holds(self) -> z3.BoolRef:
+        """Whether nothing else has changed."""
+        same = True
+        for thing, before in self._before:
+            now = vars(thing)
+            same &= all(name in now and now[name] is value for name, value in before.items())
+        return z3.BoolVal(same)
+
+
+def _fields(thing: Any, changing: str) -> dict[str, Any]:
+    return {name: value for name, value in vars(thing).items() if name not in changing.split()}
+
+
 class Some:
     """A list of any length: the elements that the solver can tell from others, which are all treated alike
     (`test_form`), and what is appended.
@@ -48,6 +83,9 @@ class Some:
     @property
     def is_longer(self) -> bool:
         return bool(self._appended)
+
+    def __len__(self) -> int:
+        raise _UNKNOWN_SIZE
 
     def __iter__(self) -> Iterator[Any]:
         return iter([*self._elements(), *self._appended])
@@ -64,7 +102,7 @@ def held_of(x: str) -> Any:
     acked, granted, held = S[f"{x}.acked"], S[f"{x}.granted"], SOURCE.records.Held(0, None)
 
     def regions() -> list[Any]:
-        between = [r for r in (S[f"{x}.said"], HELD[x]) if Truth(z3.And(acked < r, r < granted))]
+        between = [r for r in (SAID[x], HELD[x]) if Truth(z3.And(acked < r, r < granted))]
         numbers = [acked, *between, *([granted] if Truth(acked < granted) else [])]
         return [(Number(r), r) for r in numbers]
 
@@ -102,7 +140,7 @@ def binding_of(b: str) -> Any:
     )
     binding = SOURCE.records.Binding(Number(S[f"{b}.number"]), low, high, Number(S[f"{b}.asked"]), None)
     binding.told = Number(S[f"{b}.told"])
-    binding.first = LINE_OF(S[f"{b}.number"], 0)
+    binding.first = binding.before = Atom(LINE_OF(S[f"{b}.number"], 0))
     binding.of = b
     return binding
 
@@ -112,9 +150,9 @@ def ledger_of(geometry: Geometry) -> Any:
     made = SOURCE.ledger.Ledger(0, {}, geometry)
     made.version = Number(S["v"])
     two = {CODE[x]: disk_of(x) for x in "AB"}
-    made.disks = geometry.disks = {THIRD: third_of(), **two, FOURTH: third_of()}
+    made.disks = geometry.disks = Known({THIRD: third_of(), **two, FOURTH: third_of()})
     made.disks[FOURTH].name = FOURTH
-    made.pairs = {name: {} for name in made.disks}
+    made.pairs = Known({name: Known() for name in made.disks})
     for name in CODE.values():
         made.pairs[name][THIRD] = made.pairs[THIRD][name] = pair_with_third(name, THIRD)
     living, static = (bool(Truth(S[f"{b}.on"])) for b in "LS")
@@ -125,6 +163,10 @@ def ledger_of(geometry: Geometry) -> Any:
     for name in CODE.values():
         made.pairs[name][FOURTH] = made.pairs[FOURTH][name] = pair_with_third(name, FOURTH)
     made.others = {name: others_of(made, name) for name in CODE.values()}
+    bindings = bindings_in(made)
+    ends = [(end, "life dead") for binding in bindings for end in (binding.low, binding.high)]
+    disks = [(disk, "phase life still" if name in NAMES else "") for name, disk in made.disks.items()]
+    made.frame = Frame((made, "version frame"), *disks, *[(each, "told first") for each in bindings], *ends)
     return made
 
 
@@ -187,6 +229,8 @@ def ledger_claims(made: Any, x: str = "") -> dict[str, Any]:
     found = {
         "both disks know the pair": z3.BoolVal(both is made.pairs[2].get(1)),
         "others stay as they are": z3.BoolVal(all(same)),
+        "nothing else changes": made.frame.holds,
+        **own_claims(made),
     }
     for x in "AB":
         held = made.disks[CODE[x]].held
@@ -195,8 +239,17 @@ def ledger_claims(made: Any, x: str = "") -> dict[str, Any]:
     for binding in bindings_in(made):
         told, first = expression(binding.told) != 0, LINE_OF(expression(binding.number), 0)
         has = z3.BoolVal(False) if binding.first is None else expression(binding.first) == first
-        found[f"{binding.number.of} has its first line"] = z3.Implies(told, has)
+        untold = z3.BoolVal(binding.first is getattr(binding, "before", None))
+        found[f"{binding.number.of} has its first line"] = z3.If(told, has, untold)
     return found
+
+
+def own_claims(made: Any) -> dict[str, Any]:
+    """Each disk has its name, and what it holds and its bindings for itself."""
+    a, b = (made.disks[name] for name in NAMES)
+    alone = a.held is not b.held and len({id(pairs) for pairs in made.pairs.values()}) == len([*made.pairs])
+    named = [expression(made.disks[name].name) == name for name in NAMES]
+    return {"each disk has its own": z3.And(z3.BoolVal(alone), *named)}
 
 
 def bindings_in(made: Any) -> list[Any]:
@@ -311,6 +364,18 @@ def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any]) -> Any:
     made.part = Number(z3.If(S[f"{x}.reach"], CODE[OTHER[x]], 0))
     made.version, made.number = Number(S[f"{x}.taken"]), Number(S[f"{x}.obeyed"])
     made.offered_number, made.offered = Number(S[f"{x}.offered"]), S[f"{x}.offered"]
-    made.bound = {bound.number: bound for bound in [*bounds, unknown_of(x)]}
+    made.region = S[f"{x}.obeyed"]
+    made.bound = Known({bound.number: bound for bound in [*bounds, unknown_of(x)]})
     geometry.x = x
     return made
+
+
+_OF_LINES = "held held_number seen number open"
+_OF_END = "state half lines"
+
+
+def frame_of(made: Any, changing: str, taken: Any = None) -> Frame:
+    """A robot of which these fields may change, and of one end those that the state has."""
+    lines = [(each.lines, _OF_LINES if each is taken else "") for each in made.bound.values()]
+    ends = [(each, _OF_END if each is taken else "") for each in made.bound.values()]
+    return Frame((made, changing), *ends, *[each for each in lines if hasattr(each[0], "held")])

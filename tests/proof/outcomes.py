@@ -32,6 +32,7 @@ PART, EPOCH = z3.Int("part"), z3.Int("epoch")
 ANY_LINE = z3.Const("any line", LINE)
 HALF_PLANE, PROPOSED = z3.Const("half", LINE), z3.Int("proposed")
 OBEYED = {b: z3.Int(f"{b}.any line") for b in "LS"}  # number of any line of a binding
+SAID = {x: z3.Int(f"{x}.also said") for x in "AB"}  # the region of any acknowledgement under way
 HELD = {x: z3.Int(f"{x}.any held") for x in "AB"}  # number of any region
 
 

@@ -14,10 +14,12 @@ from tests.proof.objects import (
     SOURCE,
     THIRD,
     UNKNOWN,
+    Frame,
     bindings_in,
     bound_claims,
     bound_of,
     bound_state,
+    frame_of,
     ledger_of,
     robot_of,
     unknown_is_static,
@@ -33,16 +35,21 @@ def of_bound(rule: str, b: str, x: str, does: Callable[[Any, Any], object], *giv
         geometry = Geometry()
         others = [each for each in ends_of(x, S[f"{b}.{x}.life"]) if each != b]
         bounds = [bound_of(each, x) for each in (b, *others)]
-        bound = bounds[0]
-        does(robot_of(x, geometry, bounds), bound)
+        bound, made = bounds[0], robot_of(x, geometry, bounds)
+        frame = frame_of(made, "", bound)
+        does(made, bound)
         outcome = Outcome(geometry)
         for each in (b, *others):
             outcome.terms.numbers += [OBEYED[each], S[f"{each}.{x}.held"], S[f"{each}.h2"]]
         bound_state(bound, outcome.after, b, x)
-        outcome.claims = bound_claims(bound, outcome.after, b, x)
+        outcome.claims = bound_claims(bound, outcome.after, b, x) | unchanged(frame, x)
         return outcome
 
     return Case(f"{rule} {x} {b}", run, [S[f"{b}.on"], S[f"{b}.{x}.has"], *given])
+
+
+def unchanged(frame: Frame, x: str) -> dict[str, Any]:
+    return {f"{x}: nothing else changes": frame.holds}
 
 
 def ends_of(x: str, life: Any, *, taken: bool = True) -> list[str]:
@@ -130,12 +137,13 @@ def _say(run: Callable[[], Outcome], b: str) -> Outcome:
 
 def _adopt(x: str) -> Outcome:
     geometry = Geometry()
-    made = robot_of(x, geometry, ())
-    made.region = S[f"{x}.obeyed"]
+    made = robot_of(x, geometry, [bound_of(b, x, lines=False) for b in ends_of(x, S[f"{x}.life"])])
+    frame = frame_of(made, "number region")
     made.adopt()
     outcome = Outcome(geometry)
     outcome.after[f"{x}.obeyed"] = expression(made.number)
-    outcome.claims = {f"{x}: the region of its number": expression(made.region) == expression(made.number)}
+    same = expression(made.region) == expression(made.number)
+    outcome.claims = {f"{x}: the region of its number": same} | unchanged(frame, x)
     return outcome
 
 
@@ -189,6 +197,10 @@ def _hear(x: str, late: str) -> Outcome:
     if late:
         made.version = Number(S[f"{late}.{x}.taken"])
     listed = [listing(b, x) for b in ends_of(x, TO, taken=False) if Truth(is_listed(b, x))]
+    frame = Frame(
+        (made, "version offered_number offered bound"),
+        *[(bound, f"place static{' lines' * (bound in known)}") for bound in made.bound.values()],
+    )
     made.hear(SOURCE.records.Told(Number(TO), Number(AT), Number(NUMBER), NUMBER, listed))
     outcome = Outcome(geometry)
     after = outcome.after
@@ -196,7 +208,8 @@ def _hear(x: str, late: str) -> Outcome:
         after[f"{late}.{x}.taken"] = expression(made.version)
     else:
         after[f"{x}.taken"], after[f"{x}.offered"] = expression(made.version), expression(made.offered_number)
-    outcome.claims = {f"{x}: offered": expression(made.offered) == expression(made.offered_number)}
+    offered = expression(made.offered) == expression(made.offered_number)
+    outcome.claims = {f"{x}: offered": offered} | unchanged(frame, x)
     for b in ends_of(x, LIFE, taken=False):
         after[f"{b}.{x}.has"] = z3.BoolVal(False)
         for bound in made.bound.values():
@@ -266,25 +279,29 @@ def _command(x: str) -> Outcome:
     body, own = z3.Const("next body", BODY), z3.Const("next own", BODY)
     geometry = Geometry()
     made = robot_of(x, geometry, [bound_of(b, x, lines=False) for b in ends_of(x, S[f"{x}.life"])])
-    if Truth(S[f"{x}.obeyed"] != 0):
-        made.region = S[f"{x}.obeyed"]
+    if Truth(S[f"{x}.obeyed"] == 0):
+        made.region = None
+    frame = frame_of(made, "body own part")
     made.command(body, own, Number(PART))
     outcome = Outcome(geometry)
     outcome.after[f"{x}.body"], outcome.after[f"{x}.own"] = made.body, made.own
     outcome.after[f"{x}.reach"] = expression(made.part) == CODE[OTHER[x]]
     outcome.covers_less(x, own, body)
     kept = z3.And(made.body == body, made.own == own, expression(made.part) == PART)
-    outcome.claims = {f"{x}: what is covered from now on": kept}
+    outcome.claims = {f"{x}: what is covered from now on": kept} | unchanged(frame, x)
     return outcome
 
 
 def _locate(x: str) -> Outcome:
     """The body covers less than before: a command has no more effect, or the estimate is better."""
-    outcome, made = Outcome(), robot_of(x, Geometry(), ())
+    outcome, bounds = Outcome(), [bound_of(b, x, lines=False) for b in ends_of(x, S[f"{x}.life"])]
+    made = robot_of(x, Geometry(), bounds)
+    frame = frame_of(made, "body own")
     body, own = z3.Const(f"{x}.less body", BODY), z3.Const(f"{x}.less own", BODY)
     made.locate(body, own)
     outcome.after[f"{x}.body"], outcome.after[f"{x}.own"] = made.body, made.own
     for less, more in ((body, S[f"{x}.body"]), (own, S[f"{x}.own"]), (own, body)):
         outcome.covers_less(x, less, more)
-    outcome.claims = {f"{x}: what is covered": z3.And(made.body == body, made.own == own)}
+    covered = z3.And(made.body == body, made.own == own)
+    outcome.claims = {f"{x}: what is covered": covered} | unchanged(frame, x)
     return outcome

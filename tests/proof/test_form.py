@@ -6,28 +6,35 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.interpreted import interpreted
+
 KERNEL = Path(__file__).resolve().parents[2] / "protocol" / "kernel"
 TREES = {path.name: ast.parse(path.read_text()) for path in sorted(KERNEL.glob("*.py"))}
 CLASSES = [node for tree in TREES.values() for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
-METHODS = {each.name for node in CLASSES for each in node.body if isinstance(each, ast.FunctionDef)}
+METHODS = {each.name: each for node in CLASSES for each in node.body if isinstance(each, ast.FunctionDef)}
 CALLED = {node.name for node in CLASSES} | {"require", "list", "mypyc_attr", "TypeVar"}
-CALLED |= METHODS | {"append", "extend", "get", "pop", "values", "items"}
+CALLED |= METHODS.keys() | {"append", "extend", "get", "pop", "values", "items"}
+LOOPING = {
+    name for name, method in METHODS.items() if any(isinstance(each, ast.For) for each in ast.walk(method))
+}
+KEPT = {"Held": "acknowledged granted regions", "DiskRecord": "name held phase life still"}
+KEPT |= {"End": "disk life dead", "Binding": "number low high asked first told"}
+KEPT |= {"Listed": "number peer first place static", "Told": "life version number region bindings"}
+KEPT |= {"Pair": "living static", "Ledger": "version disks pairs _geometry"}
+KEPT |= {"Bound": "number peer low state lines half place static"}
+KEPT |= {"RobotLife": "name life body own part version number region offered_number offered bound _geometry"}
+KEPT |= {"Owner": "held_number held number seen open", "Follower": "held_number held seen"}
+FIELDS = {name: fields.split() for name, fields in KEPT.items()}  # all that the model has
 NEVER = (
-    ast.Break,
-    ast.While,
-    ast.Try,
-    ast.Slice,
-    ast.Lambda,
-    ast.Yield,
-    ast.YieldFrom,
-    ast.Starred,
-    ast.BinOp,
-)
+    ast.Break, ast.While, ast.Try, ast.Slice, ast.Lambda, ast.Yield, ast.YieldFrom, ast.Starred, ast.BinOp,
+    ast.Delete, ast.Global, ast.Nonlocal,
+)  # fmt: skip
 ORDERS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)
 
 
@@ -64,19 +71,57 @@ def _is_one_of_many(node: ast.Subscript) -> bool:
 
 # What else is strange, by the kind of node.
 STRANGE: dict[type, Callable[[Any], bool]] = {
-    ast.Call: lambda node: (getattr(node.func, "id", "") or getattr(node.func, "attr", "")) not in CALLED,
+    ast.Call: lambda node: not _is_known(node),
     ast.Compare: _is_by_size,
     ast.Subscript: _is_one_of_many,
     ast.arguments: lambda node: not all(isinstance(each, ast.Constant | ast.Name) for each in node.defaults),
-    ast.ClassDef: lambda node: any(isinstance(each, ast.Assign | ast.AnnAssign) for each in node.body),
+    ast.ClassDef: lambda node: (
+        any(isinstance(each, ast.Assign | ast.AnnAssign) for each in node.body)
+        or not _fields_of(node) <= set(FIELDS.get(node.name, ()))
+    ),
+    ast.FunctionDef: lambda node: any(ast.unparse(each) != "property" for each in node.decorator_list),
+    ast.Module: lambda node: not all(_is_constant(each) for each in node.body),
 }
+
+
+def _is_known(node: ast.Call) -> bool:
+    """Whether a rule calls what the kernel has, or a method that leaves out no element."""
+    called, of = _called(node), ast.unparse(node.func).removesuffix(f".{_called(node)}")
+    if called in METHODS and hasattr(list, called):
+        return of == "self._geometry"
+    return called in CALLED and (called != "pop" or len(node.args) == 2)
+
+
+def _called(node: ast.Call) -> str:
+    return getattr(node.func, "id", "") or getattr(node.func, "attr", "")
+
+
+def _fields_of(node: ast.ClassDef) -> set[str]:
+    """Fields of itself that a class writes."""
+    stored = [each for each in ast.walk(node) if isinstance(each, ast.Attribute)]
+    return {
+        each.attr
+        for each in stored
+        if isinstance(each.ctx, ast.Store) and isinstance(each.value, ast.Name) and each.value.id == "self"
+    }
+
+
+def _is_constant(node: ast.stmt) -> bool:
+    """Whether a statement of a module makes nothing that a rule could change."""
+    if isinstance(node, ast.Assign | ast.AnnAssign):
+        return isinstance(node.value, ast.Constant) or ast.unparse(node.value or node).startswith("TypeVar(")
+    return isinstance(node, ast.Import | ast.ImportFrom | ast.Expr | ast.FunctionDef | ast.ClassDef)
 
 
 def _strange_loop(loop: ast.For, function: ast.FunctionDef) -> Iterator[str]:
     inside = [each for statement in loop.body for each in ast.walk(statement)]
     for node in inside:
-        if isinstance(node, ast.Return | ast.AugAssign):
-            yield f"line {node.lineno}: {type(node).__name__} in a loop"
+        again = isinstance(node, ast.Call) and _called(node) in LOOPING
+        again |= isinstance(node, ast.For) and not isinstance(node.iter, ast.Tuple)
+        if again or isinstance(node, ast.Return | ast.AugAssign | ast.ListComp):
+            yield f"line {node.lineno}: {ast.unparse(node)[:60]} in a loop"
+    yield from _of_another(inside, loop)
+    yield from _looked_at(inside, function)
     names = [each for each in inside if isinstance(each, ast.Name)]
     outside = {each.id for each in ast.walk(function) if isinstance(each, ast.Name) and each not in names}
     outside -= {each.id for each in ast.walk(loop.target) if isinstance(each, ast.Name)}
@@ -86,10 +131,35 @@ def _strange_loop(loop: ast.For, function: ast.FunctionDef) -> Iterator[str]:
     for word in sorted({each.id for each in names if isinstance(each.ctx, ast.Store)}):
         if not isinstance(first[word].ctx, ast.Store) or word in outside:
             yield f"line {first[word].lineno}: {word} is of another element"
+
+
+def _of_another(inside: list[ast.AST], loop: ast.For) -> Iterator[str]:
+    """Fields by which a rule could tell one element what it did with another."""
+    fields = [each for each in inside if isinstance(each, ast.Attribute)]
+    written = {each.attr for each in fields if isinstance(each.ctx, ast.Store)}
+    of_element = {each.id for each in ast.walk(loop.target) if isinstance(each, ast.Name)}
+    for node in fields:
+        mine = isinstance(node.value, ast.Name) and node.value.id in of_element
+        if node.attr in written and not isinstance(node.ctx, ast.Store) and not mine:
+            yield f"line {node.lineno}: {node.attr} may be of another element"
+
+
+def _looked_at(inside: list[ast.AST], function: ast.FunctionDef) -> Iterator[str]:
+    """Lists that a loop extends are given away whole."""
     grows = [each.func.value for each in inside if isinstance(each, ast.Call) and _grows(each.func)]
+    given = [each for node in ast.walk(function) for each in _given(node)]
     for word in {each.id for each in grows if isinstance(each, ast.Name)}:
-        if any(name.id == word and name not in grows for name in names):
-            yield f"line {loop.lineno}: {word} is looked at while it grows"
+        looked_at = [each for each in ast.walk(function) if isinstance(each, ast.Name) and each.id == word]
+        for name in looked_at:
+            if isinstance(name.ctx, ast.Load) and name not in grows and name not in given:
+                yield f"line {name.lineno}: {word} is looked at"
+
+
+def _given(node: ast.AST) -> list[ast.expr | None]:
+    """What a function returns, or makes a record of."""
+    if isinstance(node, ast.Return):
+        return [node.value]
+    return [*node.args] if isinstance(node, ast.Call) and _called(node) in FIELDS else []
 
 
 def _grows(called: ast.expr) -> bool:
@@ -119,10 +189,30 @@ def test_all_elements_are_treated_alike(name: str) -> None:
         "if count > NO:\n  return",
         "if count == 1:\n  return",
         "last = count + 1",
+        "for each in all:\n  for other in all:\n    take(each, other)",
+        "for each in all:\n  last.phase = each.phase == last.phase",
+        "for each in all:\n  rest.append(each)\nif rest:\n  return",
+        "all.pop()",
+        "all.remove(last)",
+        "del all[last]",
+        "global LAST",
+        "class Held:\n  def grant(self):\n    self.hidden = last",
+        "@cache\ndef tied():\n  return last",
     ],
 )
 def test_another_form_is_seen(loop: str) -> None:
     assert list(strange(ast.parse(f"def f(all, last, count, rest):\n{_indented(loop)}"))) != []
+
+
+def test_a_module_keeps_nothing() -> None:
+    assert list(strange(ast.parse("KEPT = []"))) != []
+
+
+@pytest.mark.parametrize("holds", [True, False])
+def test_a_precondition_that_does_not_hold_is_refused(holds: bool) -> None:
+    (records,) = interpreted("protocol.kernel.records")
+    with nullcontext() if holds else pytest.raises(records.RefusedError, match="rule: what"):
+        records.require(holds, "rule: what")
 
 
 def _indented(text: str) -> str:
