@@ -30,6 +30,7 @@ from tests.deploy.processes.test_spawn import gone
 from tests.deploy.processes.test_titles import title
 from tests.forks import Forks
 from tests.system.hosts.testbed.ssh_server import ROOT, Server, needs_sshd, ssh_server
+from tests.until import until
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90), needs_sshd]
 
@@ -85,7 +86,7 @@ def a_long_run(
         expected = {f"disknav {name} (run long)" for name in [*names, *(f"robot {n}" for n in SCENARIO.ids)]}
         assert expected <= {title(each.pid) for each in there}
         yield launcher
-        assert all(gone(each.pid) for each in there)
+        until(lambda: all(gone(each.pid) for each in there))
     finally:
         launcher.kill()
         launcher.wait()

@@ -18,6 +18,7 @@ from deploy.processes.spawn import News, Process, ProcessReport, Start, Store, d
 from deploy.software import SOFTWARE, code_digest
 from tests.deploy.processes.test_spawn import gone
 from tests.system.hosts.testbed.ssh_server import ROOT
+from tests.until import until
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(60)]
 
@@ -76,7 +77,7 @@ def test_silence_ends_everything() -> None:
     with far_end(patience=2.0) as far:
         pid = far.start("wait")
         assert far.process.wait(20.0) == 0
-        assert gone(pid)
+        until(lambda: gone(pid))
         assert not far.folder.exists()
 
 
@@ -88,7 +89,7 @@ def test_a_host_that_goes_down_keeps_no_keys(number: int) -> None:
         assert (far.folder / "robot-1.key").exists()
         far.process.send_signal(number)
         assert far.process.wait(20.0) == 0
-        assert gone(pid)
+        until(lambda: gone(pid))
         assert not far.folder.exists()
 
 
