@@ -27,6 +27,7 @@ class Source:
         names = [f"protocol.kernel.{name}" for name in ("records", "pair", "ledger", "robot")]
         self.records, self.pair, self.ledger, self.robot = interpreted(*names, edits=edits)
         for module in (self.pair, self.ledger, self.robot):
+            assert module.require is self.records.require
             module.require = symbolic.require
 
 
@@ -203,6 +204,16 @@ def others_of(made: Any, name: int) -> list[Any]:
     return found
 
 
+def treated(made: Any, name: int, third: int) -> list[Any]:
+    """What has become of a disk's bindings with a third one, in words that do not say which."""
+    pair = made.pairs[name].get(third)
+    found: list[Any] = [pair is made.pairs[third].get(name), pair is None]
+    for binding in () if pair is None else (pair.living, pair.static):
+        numbers = () if binding is None else (binding.told, binding.low.dead, binding.high.dead)
+        found += [binding is None, [str(expression(number)) for number in numbers]]
+    return found
+
+
 def ledger_state(made: Any) -> dict[str, Any]:
     """The state that the ledger has become."""
     after = dict(S)
@@ -229,6 +240,9 @@ def ledger_claims(made: Any, x: str = "") -> dict[str, Any]:
     found = {
         "both disks know the pair": z3.BoolVal(both is made.pairs[2].get(1)),
         "others stay as they are": z3.BoolVal(all(same)),
+        "others are treated alike": z3.BoolVal(
+            all(treated(made, name, THIRD) == treated(made, name, FOURTH) for name in NAMES)
+        ),
         "nothing else changes": made.frame.holds,
         **own_claims(made),
     }

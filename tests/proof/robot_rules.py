@@ -15,6 +15,7 @@ from tests.proof.objects import (
     THIRD,
     UNKNOWN,
     Frame,
+    Some,
     bindings_in,
     bound_claims,
     bound_of,
@@ -201,7 +202,7 @@ def _hear(x: str, late: str) -> Outcome:
         (made, "version offered_number offered bound"),
         *[(bound, f"place static{' lines' * (bound in known)}") for bound in made.bound.values()],
     )
-    made.hear(SOURCE.records.Told(Number(TO), Number(AT), Number(NUMBER), NUMBER, listed))
+    made.hear(SOURCE.records.Told(Number(TO), Number(AT), Number(NUMBER), NUMBER, Some(lambda: listed)))
     outcome = Outcome(geometry)
     after = outcome.after
     if late:

@@ -57,7 +57,9 @@ def _is_allowed(node: ast.AST) -> bool:
 
 
 def _is_by_size(node: ast.Compare) -> bool:
-    """Whether a number is compared with a literal, or its size with a constant."""
+    """Whether a number is compared with a literal, or its size with a constant, or a list with another."""
+    if any(isinstance(each, ast.List | ast.Dict | ast.Tuple) for each in (node.left, *node.comparators)):
+        return True
     constants = [each for each in (node.left, *node.comparators) if isinstance(each, ast.Constant)]
     named = any(isinstance(each, ast.Name) and each.id.isupper() for each in (node.left, *node.comparators))
     return any(each.value is not None for each in constants) or (named and isinstance(node.ops[0], ORDERS))
@@ -73,6 +75,7 @@ def _is_one_of_many(node: ast.Subscript) -> bool:
 STRANGE: dict[type, Callable[[Any], bool]] = {
     ast.Call: lambda node: not _is_known(node),
     ast.Compare: _is_by_size,
+    ast.Name: lambda node: node.id == "require" and isinstance(node.ctx, ast.Store),
     ast.Subscript: _is_one_of_many,
     ast.arguments: lambda node: not all(isinstance(each, ast.Constant | ast.Name) for each in node.defaults),
     ast.ClassDef: lambda node: (
@@ -195,6 +198,7 @@ def test_all_elements_are_treated_alike(name: str) -> None:
         "all.pop()",
         "all.remove(last)",
         "del all[last]",
+        "if all == []:\n  return",
         "global LAST",
         "class Held:\n  def grant(self):\n    self.hidden = last",
         "@cache\ndef tied():\n  return last",
