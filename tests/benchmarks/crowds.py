@@ -8,12 +8,18 @@ robot, a share of the world's included.
     python -m tests.benchmarks.crowds --robots 32 64 128 200 --rate 10 --seconds 60
     chrt --rr 1 python -m tests.benchmarks.crowds --robots 200
     python -m tests.benchmarks.crowds --robots 100 1000 --rate 10 --transport local --mode lockstep
+    python -m tests.benchmarks.crowds --robots 100 --fleets 10 --transport local --mode lockstep
+
+The last has ten fleets of 100 in one process, which take turns and know nothing of each other: beside one
+fleet of 1000, which fills the processor's caches as they do, it shows what a robot costs because its fleet is
+large.
 """
 
 import argparse
 import gc
 import os
 import time
+from contextlib import ExitStack
 from dataclasses import replace
 from math import inf
 from typing import Any, Literal, NamedTuple
@@ -25,6 +31,7 @@ from deploy.library.load import resolved
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, fresh_run_name
+from protocol.bus.local import LocalNetwork
 from protocol.messages import Clock
 from protocol.scenario.model import Journey, Order, Scenario
 from protocol.scenario.network import Network
@@ -111,15 +118,22 @@ def _processes() -> list[psutil.Process]:
     return [own, *own.children(recursive=True)]
 
 
-def measure(scenario: Scenario, options: RunOptions, seconds: float = inf) -> Measured:
-    """One run, which ends once it was measured for so long (s)."""
+def measure(scenario: Scenario, options: RunOptions, seconds: float = inf, fleets: int = 1) -> Measured:
+    """One run, which ends once it was measured for so long (s), with other `fleets` like it in this
+    process."""
     meter = _Meter(scenario, seconds)
     if options.transport == "local":
-        with LocalFleet(scenario, lockstep=options.mode == "lockstep", watch=meter) as local:
-            report: dict[str, Any] = local.execute()
+        network, lockstep = LocalNetwork(), options.mode == "lockstep"
+        with ExitStack() as others:
+            for other in range(1, fleets):
+                others.enter_context(
+                    LocalFleet(scenario, f"other-{other}", lockstep=lockstep, network=network)
+                )
+            fleet = LocalFleet(scenario, lockstep=lockstep, network=network, watch=meter)
+            report: dict[str, Any] = others.enter_context(fleet).execute()
     else:
-        with Fleet(scenario, options, watch=meter) as fleet:
-            report = fleet.execute(lambda: meter.over and seconds < inf)
+        with Fleet(scenario, options, watch=meter) as processes:
+            report = processes.execute(lambda: meter.over and seconds < inf)
     return Measured(
         report["ticks"],
         meter.ticks_per_second,
@@ -140,15 +154,17 @@ def main() -> None:
     parser.add_argument("--interest", choices=("near", "all"))
     parser.add_argument("--transport", choices=("routed", "mesh", "local"), default="routed")
     parser.add_argument("--mode", choices=("realtime", "lockstep"), default="realtime")
+    parser.add_argument("--fleets", type=int, default=1, help="at once, with --transport local")
     chosen = parser.parse_args()
     options = RunOptions(chosen.transport, chosen.mode)
     print("robots  ticks  missed %       us     kB  start s  took s  clearance mm")
     for robots in chosen.robots:
         scenario = restless(robots, chosen.rate, chosen.seconds, Network(chosen.interest))
-        row = measure(scenario, replace(options, run=fresh_run_name()))
+        row = measure(scenario, replace(options, run=fresh_run_name()), fleets=chosen.fleets)
+        us, memory = 1e3 * row.cpu_ms / robots / chosen.fleets, row.memory / chosen.fleets
         print(
-            f"{robots:6d}  {row.ticks:5d}  {100 * row.missed:8.3f}  {1e3 * row.cpu_ms / robots:7.0f}"
-            f"  {row.memory:5.0f}  {row.start:7.2f}  {row.seconds:6.1f}  {1000 * row.clearance:12.3f}",
+            f"{robots:6d}  {row.ticks:5d}  {100 * row.missed:8.3f}  {us:7.0f}"
+            f"  {memory:5.0f}  {row.start:7.2f}  {row.seconds:6.1f}  {1000 * row.clearance:12.3f}",
             flush=True,
         )
 
