@@ -53,6 +53,7 @@ class PartCarrier:
         self._look = -1  # tick from which on to look for a part again
         self._place: Vector | None = None  # from where the robot takes the part up or puts it down
         self._target: Vector | None = None  # of the carried part
+        self._origin = spec.goal  # from where it was taken up
         self._loaded = False
         self._attempt = 0  # number of the attempt to put it down
         self._known: dict[int, int] = {}  # claims of peers at the last check of the plan
@@ -160,7 +161,7 @@ class PartCarrier:
         self.claim = Claim(part, self._cost(), grown)
         size = layout.held.get(part, self._spec(part).radius)
         if self._is_beside(layout.parts[part], size + self._small):
-            self.radius = grown
+            self.radius, self._origin = grown, layout.parts[part]
             self.handles = Handling(part, grown)
 
     def _carry(self, part: int) -> None:
@@ -171,7 +172,7 @@ class PartCarrier:
         if self._task != part or self._target is None:
             self._task, self._seen, self._target = part, None, spec.goal
         if stuck and self._place is None:
-            self._target = planner.spare(part, self._position, layout) or spec.goal
+            self._target = planner.spare(part, self._position, layout) or self._origin
         elif self._seen != layout and self._target == spec.goal:
             self._target = planner.destination(part, self._position, layout)
         if self._seen != layout or stuck:

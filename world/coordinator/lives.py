@@ -328,6 +328,13 @@ class Lives:
         life.status, life.awaited, life.fenced, life.added = Status.LOST, False, True, False
         life.fate = "removed"
 
+    def unload(self, robot: int, radius: float) -> None:
+        """Reduce the static disk of a robot to this radius, m: another robot has taken over its part."""
+        member = self.roster.members[robot]
+        self.roster.alter(robot, radius=radius)
+        if member.position is not None:
+            self.keeper.settle(robot, Disk(*member.position, radius + member.bound))
+
     def dismiss(self, robot: int) -> None:
         """Send no more Ticks to the notified process of a removed robot."""
         if robot in self.of and self.roster.status(robot) in ("gone", "appearing"):

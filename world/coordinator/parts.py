@@ -122,7 +122,7 @@ class Parts:
         held = Disk(*at[place.carrier], self._scenario.loaded_radius(place.carrier, place.part))
         if self._reaches(at[robot], self._scenario.spec(robot).radius, held):
             self._withdraw(place)
-            self._lives.roster.alter(place.carrier, radius=self._scenario.spec(place.carrier).radius)
+            self._lives.unload(place.carrier, self._scenario.spec(place.carrier).radius)
             self._load(robot, place)
 
     def _load(self, robot: int, place: PartPlace) -> None:
