@@ -22,7 +22,7 @@ from protocol.messages import Vector
 
 _CUTS: Final = 12  # half-planes of the boundary that are tried
 _TINY: Final = 1e-100  # m; what can be divided by
-_SHRINK = (1.0, 1.0, 1.0 - 1e-15, 1.0 - 1e-12, 1.0 - 1e-9, 1.0 - 1e-6, 0.999, 0.9, 0.5, 0.0)
+_SHRINK = (1.0, 1.0, 1.0 - 1e-15, 1.0 - 1e-12, 1.0 - 1e-9, 1.0 - 1e-6, 0.999, 0.99, 0.9, 0.5, 0.0)
 
 
 @final

@@ -80,7 +80,7 @@ def test_no_feasible_velocity_is_nearer(problem) -> None:
     v = solved(desired, position, planes)
     found = math.dist(v, desired) * PERIOD
     best = min(math.dist(p, (desired[0] * PERIOD, desired[1] * PERIOD)) for p in candidates(problem))
-    assert found <= best + 1e-7  # m; where rim and lines leave only a sliver, standing still is as good
+    assert found <= best + 2e-6  # m; where rim and lines leave only a sliver, steps of micrometres shrink
 
 
 def candidates(problem) -> list[tuple[float, float]]:

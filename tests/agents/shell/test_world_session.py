@@ -57,7 +57,7 @@ def test_a_world_that_says_ticks_is_there(session: WorldSession) -> None:
     session.on_token(session_of(OWN), alive=True)
     session.on_token(session_of(OWN), alive=False)
     session.hear()
-    session.check(time.monotonic() + 100.0)
+    assert session.check(time.monotonic() + 100.0), "it is silent, not gone"
 
 
 def answered(*replies: Reply, epoch: int = OWN) -> Reply | None:

@@ -117,14 +117,16 @@ def test_a_signal_interrupts_opening() -> None:
 
 THREADS = """
 import os, signal, sys
+from contextlib import suppress
 from pathlib import Path
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 bus = ZenohBus(Connection(connect=(sys.argv[1],)))
 for path in Path("/proc/self/task").iterdir():
-    if path.name != str(os.getpid()) and (path / "comm").read_text().startswith(("net-", "rx-")):
-        blocked = int((path / "status").read_text().partition("SigBlk:\\t")[2][:16], 16)
-        print(blocked >> (signal.SIGTERM - 1) & 1)
+    with suppress(FileNotFoundError, ProcessLookupError):  # a thread that has ended meanwhile
+        if path.name != str(os.getpid()) and (path / "comm").read_text().startswith(("net-", "rx-")):
+            blocked = int((path / "status").read_text().partition("SigBlk:\\t")[2][:16], 16)
+            print(blocked >> (signal.SIGTERM - 1) & 1)
 bus.close()
 """
 

@@ -112,7 +112,9 @@ def test_a_robot_that_dies_stands_with_what_it_carries_until_another_takes_it() 
         tick(found, {2: TAKE}, silent=(1,))
     assert found.lives.roster.status(1) == "standing"
     assert (where(found).carrier, radius(found, 1), radius(found, 2)) == (2, SMALL, LARGE)
-    assert found.lives.keeper.excludes(1, Disk(0.0, 0.005, SMALL), SMALL), "it holds no more than its own disk"
+    assert found.lives.keeper.excludes(1, Disk(0.0, 0.005, SMALL), SMALL), (
+        "it holds no more than its own disk"
+    )
 
 
 def test_parts_and_carriers_are_not_taken_away_by_operators() -> None:
