@@ -133,6 +133,7 @@ def checked_run(run: str) -> str:
     return run
 
 
+@lru_cache(maxsize=1 << 14)  # a robot looks up the keys of its neighbours in most ticks
 def robot_key(run: str, robot: int, stream: str) -> str:
     """Key of one robot's stream, e.g. `disknav/demo/robot/3/state`."""
     if not 1 <= robot <= HIGHEST_ID:
