@@ -36,34 +36,33 @@ def limited(velocity: Vector, speed: float) -> Vector:
     return (x * scale, y * scale)
 
 
-class Actuators:
-    """Computes the executed displacement for a commanded velocity."""
+class SimulatedPoint:
+    """The base of a point, which executes velocities at once, with random errors."""
 
-    def __init__(self, scenario: Scenario) -> None:
-        self._step = scenario.time.step
-        self._speed = scenario.control.speed
-        self._noise = scenario.actuation.noise
-        self._bound = scenario.actuation.bound
-        self._draws = {robot: Uniforms(scenario.seed, Purpose.ACTUATION, robot, 2) for robot in scenario.ids}
+    stands = True
 
-    def set_fleet(self, scenario: Scenario) -> None:
-        for robot in scenario.ids:
-            self._draws.setdefault(robot, Uniforms(scenario.seed, Purpose.ACTUATION, robot, 2))
+    def __init__(self, scenario: Scenario, robot: int) -> None:
+        self._step, self._speed = scenario.time.step, scenario.control.speed
+        self._noise, self._bound = scenario.actuation.noise, scenario.actuation.bound
+        self._draws = Uniforms(scenario.seed, Purpose.ACTUATION, robot, 2)
 
-    def displacement(self, velocity: Vector, robot: int, tick: int) -> Vector:
-        """Displacement during `tick`, m.
+    def report(self, displacement: Vector) -> BaseReport:
+        return BaseReport(displacement, math.hypot(*displacement))
+
+    def move(self, velocity: Vector | None, tick: int) -> list[Vector]:
+        """Displacement during `tick`, m, even in time; without a command a point stands.
 
         The velocity is limited before and after the disturbance. The second time changes nothing
         about |executed - v| <= bound |v|, because v itself is within the limit and a projection
         onto a convex set brings no two points further apart.
         """
-        x, y = limited(velocity, self._speed)
+        x, y = limited(velocity or STANDING, self._speed)
         if self._noise > 0.0 and (x != 0.0 or y != 0.0):
-            radial, angular = self._draws[robot].at(tick)
+            radial, angular = self._draws.at(tick)
             wx, wy = truncated_normal(radial, angular, self._noise, self._bound)
             length = math.hypot(x, y)
             x, y = limited((x + length * wx, y + length * wy), self._speed)
-        return (x * self._step, y * self._step)
+        return [(x * self._step, y * self._step)]
 
 
 class Errors(Protocol):
@@ -80,11 +79,10 @@ class SimulatedBase:
 
     Attributes:
         motion: at the start of the next tick.
-        way: displacement in the last tick, m.
     """
 
     def __init__(self, kinematics: Kinematics, tolerance: Tolerance, motion: Motion, errors: Errors) -> None:
-        self.motion, self.way = motion, 0.0
+        self.motion, self._gone = motion, 0.0  # m, in the last tick
         self._kinematics, self._tolerance, self._errors = kinematics, tolerance, errors
         self._error = self._off = STANDING  # vector of the unit disk, and the resulting error, m
         self._way = self._slip = 0.0  # m, since the last command
@@ -95,6 +93,14 @@ class SimulatedBase:
         arc = self._kinematics.halt(self.motion)
         dx, dy = chord(arc, self._kinematics.turn(arc))
         return turned(dx, dy, self.motion.heading)
+
+    @property
+    def stands(self) -> bool:
+        return self.motion.stands
+
+    def report(self, displacement: Vector) -> BaseReport:
+        motion = self.motion
+        return BaseReport(displacement, self._gone, motion.velocity, motion.heading, self.stop)
 
     def move(self, velocity: Vector | None, tick: int) -> list[Vector]:
         """Advance a tick with a commanded velocity (m/s) or none; displacement of each part, m."""
@@ -110,7 +116,7 @@ class SimulatedBase:
             bx, by = self._off
             ex, ey = self._off = size * self._error[0], size * self._error[1]
             steps.append((dx + ex - bx, dy + ey - by))
-        self.way = math.fsum(math.hypot(*step) for step in steps)
+        self._gone = math.fsum(math.hypot(*step) for step in steps)
         return steps
 
     def _arcs(self, velocity: Vector | None, tick: int) -> list[Arc]:
@@ -132,9 +138,11 @@ class SimulatedBase:
         return arcs if len(arcs) > 1 else [Arc(*to, part)] * kinematics.steps
 
 
-def simulated_base(scenario: Scenario, robot: int) -> SimulatedBase:
+def simulated_base(scenario: Scenario, robot: int) -> SimulatedPoint | SimulatedBase:
     """The base of one robot of a scenario, with random errors."""
     body = scenario.body_of(robot)
+    if body.ideal:
+        return SimulatedPoint(scenario, robot)
     return SimulatedBase(
         Kinematics(body, scenario.time.step),
         Tolerance(body, scenario.actuation.bound),
@@ -154,35 +162,22 @@ class Integrator:
     fixed = ""
 
     def __init__(self, scenario: Scenario) -> None:
-        self.ids = scenario.ids
         self._default = scenario.body
-        self.positions: list[Vector] = [scenario.spec(robot).start for robot in self.ids]
-        self.displacements: list[Vector] = [STANDING] * len(self.ids)
-        self.lengths = [0.0] * len(self.ids)
+        self.ids: tuple[int, ...] = ()
+        self.positions: list[Vector] = []
+        self.displacements: list[Vector] = []
+        self.lengths: list[float] = []
         self.between: list[tuple[Vector, ...]] = []
-        self._actuation = Actuators(scenario)
-        self._bases: dict[int, SimulatedBase] = {}  # by robot; a point has none
-        self._set_bases(scenario)
-        self.parts = steps_of(scenario.time.step) if self._bases else 1
-
-    def _set_bases(self, scenario: Scenario) -> None:
-        self._bases = {
-            robot: self._bases.get(robot) or simulated_base(scenario, robot)
-            for robot in self.ids
-            if not scenario.body_of(robot).ideal
-        }
+        self._bases: dict[int, SimulatedPoint | SimulatedBase] = {}  # by robot
+        self.set_fleet(scenario)
+        is_of_points = all(scenario.body_of(robot).ideal for robot in scenario.ids)
+        self.parts = 1 if is_of_points else steps_of(scenario.time.step)
 
     def report(self, index: int) -> BaseReport:
-        base = self._bases.get(self.ids[index])
-        if base is None:
-            displacement = self.displacements[index]
-            return BaseReport(displacement, math.hypot(*displacement))
-        motion = base.motion
-        return BaseReport(self.displacements[index], base.way, motion.velocity, motion.heading, base.stop)
+        return self._bases[self.ids[index]].report(self.displacements[index])
 
     def stands(self, index: int) -> bool:
-        base = self._bases.get(self.ids[index])
-        return base is None or base.motion.stands
+        return self._bases[self.ids[index]].stands
 
     def touched(self) -> list[tuple[int, int]]:
         return []
@@ -202,56 +197,27 @@ class Integrator:
         self.positions = [position for position, _, _ in kept]
         self.displacements = [displacement for _, displacement, _ in kept]
         self.lengths = [length for _, _, length in kept]
-        self._actuation.set_fleet(scenario)
-        self._set_bases(scenario)
+        self._bases = {robot: self._bases.get(robot) or simulated_base(scenario, robot) for robot in self.ids}
 
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:
-        """Move all disks for one tick: x += executed velocity times step; without a command, points stand."""
-        before = tuple(self.positions)
-        parts: dict[int, list[Vector]] = {}
-        for index, robot in enumerate(self.ids):
+        """Move all disks for one tick: x += executed velocity times step."""
+        ends = []
+        for index, (robot, base) in enumerate(self._bases.items()):
             velocity = commands.get(robot)
-            base = self._bases.get(robot)
-            if base is not None:
-                parts[index] = self._move_base(index, base.move(velocity, tick))
-            elif velocity is None:
-                self.displacements[index] = STANDING
-            else:
-                self._move_point(index, *self._actuation.displacement(velocity, robot, tick))
-        if self.parts > 1:
-            self.between = self._between(before, parts)
+            ends.append(self._advance(index, base.move(velocity, tick)))
+        self.between = list(zip(*ends, strict=True))[:-1]
 
-    def _move_point(self, index: int, dx: float, dy: float) -> None:
-        x, y = self.positions[index]
-        self.positions[index] = (x + dx, y + dy)
-        self.displacements[index] = (dx, dy)
-        self.lengths[index] += math.hypot(dx, dy)
-
-    def _move_base(self, index: int, steps: list[Vector]) -> list[Vector]:
-        """Advance a base by a tick; returns the ends of the parts."""
-        x, y = before = self.positions[index]
+    def _advance(self, index: int, steps: list[Vector]) -> list[Vector]:
+        """Move a disk by the steps of a tick, one of them evenly; its places at the ends of all parts."""
+        x, y = bx, by = self.positions[index]
         places = []
         for dx, dy in steps:
             x, y = x + dx, y + dy
             places.append((x, y))
             self.lengths[index] += math.hypot(dx, dy)
         self.positions[index] = (x, y)
-        self.displacements[index] = (x - before[0], y - before[1])
+        self.displacements[index] = steps[0] if len(steps) == 1 else (x - bx, y - by)
+        if len(steps) < self.parts:
+            (dx, dy), shares = steps[0], [part / self.parts for part in range(1, self.parts)]
+            places = [*((bx + share * dx, by + share * dy) for share in shares), *places]
         return places
-
-    def _between(
-        self, before: tuple[Vector, ...], parts: Mapping[int, list[Vector]]
-    ) -> list[tuple[Vector, ...]]:
-        """All disks at the ends of all parts of a tick but the last; points move evenly."""
-        between = []
-        for part in range(self.parts - 1):
-            share = (part + 1) / self.parts
-            between.append(
-                tuple(
-                    parts[index][part]
-                    if index in parts
-                    else (x + share * self.displacements[index][0], y + share * self.displacements[index][1])
-                    for index, (x, y) in enumerate(before)
-                )
-            )
-        return between

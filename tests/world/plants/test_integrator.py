@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from protocol.scenario.body import Actuation as ActuationFaults
 from protocol.scenario.model import Control
 from tests.world.driving import STEP, two
-from world.plants.integrator import Actuators, Integrator, limited
+from world.plants.integrator import Integrator, SimulatedPoint, limited
 
 component = st.floats(-1e300, 1e300) | st.floats(-1.0, 1.0)
 
@@ -31,7 +31,7 @@ def test_a_velocity_without_a_length_is_none():
 def test_actuation_noise_keeps_its_bound_and_the_speed_limit(x, y, tick, seed):
     setting = two(actuation=ActuationFaults(noise=0.3), control=Control(k=60.0, speed=0.1), seed=seed)
     asked = limited((x, y), 0.1)
-    dx, dy = Actuators(setting).displacement((x, y), 1, tick)
+    ((dx, dy),) = SimulatedPoint(setting, 1).move((x, y), tick)
     assert math.hypot(dx, dy) <= 0.1 * STEP * (1 + 1e-15)
     off = math.hypot(dx - asked[0] * STEP, dy - asked[1] * STEP)
     assert off <= setting.actuation.bound * math.hypot(*asked) * STEP * (1 + 1e-12)

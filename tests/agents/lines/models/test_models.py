@@ -85,8 +85,8 @@ MUTANTS = (
         ),
         Edit(
             _PLANT,
-            "        self._actuation = Actuators(scenario)\n",
-            "        self._actuation = Actuators(scenario)\n        self.last: dict[int, Vector] = {}\n",
+            "        self.set_fleet(scenario)\n",
+            "        self.set_fleet(scenario)\n        self.last: dict[int, Vector] = {}\n",
         ),
     ),
     without(
