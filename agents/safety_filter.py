@@ -11,7 +11,7 @@ from typing import Final, final
 
 from agents.bodies import BodyModel
 from agents.estimate import Estimate
-from agents.lines.boundary import BothBoundaries, Boundary, RoundBoundary, boundary_of
+from agents.lines.boundary import Boundary, RoundBoundary, boundary_of
 from agents.lines.own_set import Polygon
 from agents.lines.safe_velocity import Limits
 from agents.lines.separating_lines import SeparatingLines
@@ -61,9 +61,10 @@ class SafetyFilter:
 
     def _confine(self, estimate: Estimate, shape: Polygon) -> None:
         """Remove the positions from the set that workspace, region and obeyed lines exclude."""
-        boundary = self._boundary
+        boundaries = self._boundaries
         for _ in range(CORNERS):
-            edge = boundary.beyond(estimate.x, estimate.y, shape)
+            edges = (each.beyond(estimate.x, estimate.y, shape) for each in boundaries)
+            edge = next((each for each in edges if each is not None), None)
             if edge is None or not estimate.confine(edge, "the workspace"):
                 break
             shape = estimate.shape or shape
@@ -71,11 +72,11 @@ class SafetyFilter:
             estimate.confine(side, f"the line with robot {peer}" if peer > 0 else f"obstacle {-peer}")
 
     @property
-    def _boundary(self) -> Boundary:
+    def _boundaries(self) -> list[Boundary]:
         region = self.lines.bound
         if region is None:
-            return self._workspace
-        return BothBoundaries(self._workspace, RoundBoundary(region.radius - self.radius, region.x, region.y))
+            return [self._workspace]
+        return [self._workspace, RoundBoundary(region.radius - self.radius, region.x, region.y)]
 
     def velocity(self, desired: Vector, estimate: Estimate) -> Vector:
         """The velocity to command, m/s: the nearest to the law's, turned away from what needs room, that
@@ -86,7 +87,7 @@ class SafetyFilter:
         if position is None or not (self._located and self.lines.ready):
             return STILL
         wish, half_planes = self.lines.make_room(desired), self.lines.half_planes()
-        return self._body.velocity(wish, Limits(position, half_planes, self._boundary, estimate.shape))
+        return self._body.velocity(wish, Limits(position, half_planes, self._boundaries, estimate.shape))
 
     def reach(self, radius: float, part: int, estimate: Estimate) -> bool:
         """Be a larger disk from now on, of `radius`, m, if that satisfies all that is obeyed and is inside

@@ -148,30 +148,10 @@ class StraightBoundary:
         return found
 
 
-@final
-@mypyc_attr(acyclic=True)
-class BothBoundaries:
-    """The workspace, and a region in it, at once."""
-
-    def __init__(self, room: RoundBoundary | StraightBoundary, region: RoundBoundary) -> None:
-        self.room, self.region = room, region
-
-    def beyond(self, x: float, y: float, shape: Polygon) -> HalfPlane | None:
-        """The cut of either."""
-        return self.room.beyond(x, y, shape) or self.region.beyond(x, y, shape)
-
-    def cut(
-        self, place: Vector, shape: Polygon | None, step: Vector, noise: float = 0.0, tolerance: float = 0.0
-    ) -> HalfPlane | None:
-        """As `RoundBoundary.cut`; ignores violations below `tolerance`, m, unless they must decrease."""
-        found = self.room.cut(place, shape, step, noise, tolerance)
-        return found or self.region.cut(place, shape, step, noise, tolerance)
+Boundary = RoundBoundary | StraightBoundary
 
 
-Boundary = RoundBoundary | StraightBoundary | BothBoundaries
-
-
-def boundary_of(room: Shape, radius: float) -> RoundBoundary | StraightBoundary:
+def boundary_of(room: Shape, radius: float) -> Boundary:
     """The boundary of a room for the centre of a disk of `radius`, m."""
     if isinstance(room, Disk):
         return RoundBoundary(room.radius - radius, room.x, room.y)

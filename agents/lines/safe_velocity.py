@@ -32,14 +32,27 @@ class Limits:
     Args:
         position: estimated own centre, m.
         half_planes: constraints on the estimated centre; no violation may increase.
-        boundary: bound of the true centre.
+        boundaries: of the true centre.
         shape: possible offsets of the true centre from the estimate; None if it is exact.
     """
 
     def __init__(
-        self, position: Vector, half_planes: Sequence[HalfPlane], boundary: Boundary, shape: Polygon | None
+        self,
+        position: Vector,
+        half_planes: Sequence[HalfPlane],
+        boundaries: Sequence[Boundary],
+        shape: Polygon | None,
     ) -> None:
-        self.position, self.half_planes, self.boundary, self.shape = position, half_planes, boundary, shape
+        self.position, self.half_planes = position, half_planes
+        self.boundaries, self.shape = boundaries, shape
+
+    def left(self, step: Vector, noise: float, tolerance: float = 0.0) -> HalfPlane | None:
+        """A half-plane that a displacement violates by leaving a boundary; as `RoundBoundary.cut`."""
+        for boundary in self.boundaries:
+            cut = boundary.cut(self.position, self.shape, step, noise, tolerance)
+            if cut is not None:
+                return cut
+        return None
 
     def cut(self, passed: Sweep) -> HalfPlane | None:
         """A half-plane of displacements that a sweep violates by leaving the boundary."""
@@ -50,7 +63,7 @@ class Limits:
                 dx = _TINY  # a path back to its start, except for the margin
             way = math.hypot(dx, dy)
             if way > 0.0:
-                cut = self.boundary.cut(self.position, self.shape, (dx, dy), margin / way)
+                cut = self.left((dx, dy), margin / way)
                 found = cut if cut is not None else found
         return found
 
@@ -69,15 +82,14 @@ def safe_velocity(
     """
     if desired == (0.0, 0.0):
         return desired
-    position, shape, boundary = limits.position, limits.shape, limits.boundary
     max_step = speed * period
     want = (desired[0] * period, desired[1] * period)
-    near = _near(limits.half_planes, *position, max_step * (1.0 + noise), exact=shape is None)
+    near = _near(limits, max_step * (1.0 + noise))
     if noise > 0.0:
         near = [half for limit in near for half in wedge(limit, noise)]
     step = nearest(want, near, max_step)
     for _ in range(_CUTS):
-        cut = boundary.cut(position, shape, step, noise, 1e-12)
+        cut = limits.left(step, noise, 1e-12)
         if cut is None:
             break
         near = [*near, *(wedge(cut, noise) if noise > 0.0 else (cut,))]
@@ -91,21 +103,19 @@ def safe_velocity(
             math.hypot(dx, dy) <= max_step
             and math.hypot(vx, vy) * period <= max_step
             and all(each.nx * dx + each.ny * dy <= each.limit for each in near)
-            and boundary.cut(position, shape, (dx, dy), noise) is None
+            and limits.left((dx, dy), noise) is None
         ):
             return vx, vy
     return 0.0, 0.0
 
 
-def _near(
-    half_planes: Sequence[HalfPlane], x: float, y: float, max_step: float, *, exact: bool
-) -> list[HalfPlane]:
+def _near(limits: Limits, max_step: float) -> list[HalfPlane]:
     """The half-planes within reach, for displacements: n.d <= room."""
-    near = []
-    for each in half_planes:
+    (x, y), near = limits.position, []
+    for each in limits.half_planes:
         slack = each.slack(x, y)
         if slack < max_step:
-            room = room_of(slack, x, y) if exact else max(0.0, slack)
+            room = room_of(slack, x, y) if limits.shape is None else max(0.0, slack)
             near.append(HalfPlane(each.nx, each.ny, room))
     return near
 

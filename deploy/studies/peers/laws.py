@@ -204,7 +204,7 @@ class Barrier:
         vx, vy = float(wanted[0]), float(wanted[1])
         excess = max(1.0, math.hypot(vx, vy) / self._speed)
         # The boundary curves towards a robot that moves along it: the nearest velocity that stays inside.
-        limits = Limits(view.position, (), self._boundary, None)
+        limits = Limits(view.position, (), [self._boundary], None)
         return safe_velocity((vx / excess, vy / excess), limits, speed=self._speed, period=self._period)
 
     def _barriers(self, own: Array, view: View) -> tuple[Array, Array]:

@@ -37,7 +37,7 @@ class Track:
         motion = self.base.motion
         self.body.on_motion(BaseMotion(motion.velocity, motion.heading, self.base.stop))
         edge = HalfPlane(1.0, 0.0, 0.0)
-        command = self.body.velocity(desired, Limits((self.x, self.y), [edge], ROOM, None))
+        command = self.body.velocity(desired, Limits((self.x, self.y), [edge], [ROOM], None))
         for dx, dy in self.base.move(command, 0):
             self.x, self.y = self.x + dx, self.y + dy
         return command
@@ -64,8 +64,8 @@ def test_a_robot_that_is_too_near_an_edge_to_drive_along_it_makes_itself_room(na
 
 def test_a_body_that_comes_back_to_where_it_began_may_still_miss_that_place():
     back = Sweep([0.0, 0.0], [0.0, 0.0], [0.0, 0.002])
-    assert Limits((ROOM.radius - 0.001, 0.0), [], ROOM, None).cut(back) is not None
-    assert Limits((ROOM.radius - 0.003, 0.0), [], ROOM, None).cut(back) is None
+    assert Limits((ROOM.radius - 0.001, 0.0), [], [ROOM], None).cut(back) is not None
+    assert Limits((ROOM.radius - 0.003, 0.0), [], [ROOM], None).cut(back) is None
 
 
 def test_no_body_reaches_farther_than_its_wheels_or_the_room_allow():

@@ -140,7 +140,7 @@ class Ride:
         self.lines.locate(self.now, at, bound, shape, self.filter.swept)
         for _ in range(rng.choice((0, 0, 1, 3))):
             self._propose()
-        limits = self.product.inertial.Limits(at, self.lines.half_planes(), self.boundary, shape)
+        limits = self.product.inertial.Limits(at, self.lines.half_planes(), [self.boundary], shape)
         velocity = self.filter.velocity(self._desired(), limits)
         if rng.random() < self.loss:
             return self._moved(None)

@@ -114,7 +114,7 @@ def test_a_robot_that_can_go_where_it_wants_to_does_not_stand(noise: float) -> N
             able += 1
             vx, vy = INNER.safe_velocity(
                 (SPEED * math.cos(wish), SPEED * math.sin(wish)),
-                INNER.Limits((x, y), (), boundary, shape),
+                INNER.Limits((x, y), (), [boundary], shape),
                 speed=SPEED,
                 period=PERIOD,
                 noise=noise,

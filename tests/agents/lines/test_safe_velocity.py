@@ -35,7 +35,7 @@ def problems(draw: st.DrawFn) -> tuple[tuple[float, float], tuple[float, float],
 def solved(
     desired: tuple[float, float], position: tuple[float, float], planes: list[HalfPlane], noise: float = 0.0
 ) -> tuple[float, float]:
-    limits = Limits(position, planes, RoundBoundary(ROOM), None)
+    limits = Limits(position, planes, [RoundBoundary(ROOM)], None)
     return safe_velocity(desired, limits, speed=SPEED, period=PERIOD, noise=noise)
 
 
@@ -67,7 +67,7 @@ def test_a_robot_that_slides_along_an_edge_does_not_creep_over_it(far: float, of
         boundary = StraightBoundary([edge] if of == "wall" else [])
         desired = SPEED * (0.3 * nx - ny), SPEED * (0.3 * ny + nx)
         for _ in range(500):
-            limits = Limits((x, y), planes, boundary, None)
+            limits = Limits((x, y), planes, [boundary], None)
             vx, vy = safe_velocity(desired, limits, speed=SPEED, period=PERIOD)
             x, y = x + vx * PERIOD, y + vy * PERIOD
             assert edge.slack(x, y) > 0.9 * ROUNDING
