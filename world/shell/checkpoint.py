@@ -53,6 +53,7 @@ class Processes(msgspec.Struct):
 
     newest: dict[Id, str] = {}  # newest process of each robot
     over: dict[Id, dict[str, Fate]] = {}  # earlier ones, in order
+    expected: dict[Id, Count] = {}  # number of next lives of each robot that the worlds have awaited
 
     def admit(self, robot: int, session: str, before: Fate) -> None:
         """Note the newest process of a robot; `before` is the fate of the one before it."""
@@ -78,7 +79,6 @@ class SavedRun(msgspec.Struct, frozen=True):
     epochs: tuple[Epoch, ...] = ()  # of the coordinators so far
     began: float = 0.0  # s, wall clock at the beginning of the first tick
     processes: Processes = msgspec.field(default_factory=Processes)
-    expected: dict[Id, Count] = {}  # number of next lives of each robot that the worlds have awaited
     past: Past = Past()
 
 

@@ -8,7 +8,6 @@ takes no part, and the others are informed.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Mapping
 
 from protocol.joining import Join
@@ -40,9 +39,6 @@ class FailureDetector:
         grace: time for which a token may be missing before its process is given up, s; 0 for none.
         restarts: number of next lives of each robot that a lock-step run waits for.
         say: takes warnings for the operator.
-
-    Attributes:
-        expected: number of next lives that the world has awaited, by robot.
     """
 
     def __init__(
@@ -58,7 +54,6 @@ class FailureDetector:
         restarts: int = 0,
         say: Callable[[str], None] = lambda _: None,
     ) -> None:
-        self.expected = Counter[int]()
         self._run = run
         self._admissions, self._pacing, self._tell, self._say = admissions, pacing, tell, say
         self._gathering, self._patience, self._grace = gathering, patience, grace
@@ -177,9 +172,10 @@ class FailureDetector:
 
     def _expect(self, robot: int) -> None:
         """Wait for the next life of a restarted robot."""
-        running = self._run.phase is Phase.RUNNING
-        if running and self.expected[robot] < self._restarts and self._run.world.lives.expect(robot):
-            self.expected[robot] += 1
+        expected, running = self._admissions.processes.expected, self._run.phase is Phase.RUNNING
+        so_far = expected.get(robot, 0)
+        if running and so_far < self._restarts and self._run.world.lives.expect(robot):
+            expected[robot] = so_far + 1
 
     def _tell_person(self, robot: int, reason: str) -> None:
         self._say(f"tick {self._run.world.tick}: gives up robot {robot}, which {reason}")

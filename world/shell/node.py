@@ -113,7 +113,6 @@ class WorldNode:
         self._shutdown = Shutdown(self._run, self._admissions, self._pacing)
         self._pacing.wait()
         if before.epochs:  # another process died there
-            self._failures.expected.update(before.expected)
             self._run.began = time.monotonic() - max(0.0, time.time() - before.began)
         bus.subscribe(*[robot_key(run, i, "command") for i in sorted(ids)])
         bus.watch(robot_tokens(run))
@@ -131,8 +130,7 @@ class WorldNode:
         checkpoint, run = self._checkpoint, self._run
         if checkpoint is not None and checkpoint.kept:
             began = time.time() - (time.monotonic() - run.began)
-            processes, expected = self._admissions.processes, self._failures.expected
-            checkpoint.write(SavedRun(self._epochs, began, processes, expected, run.world.past))
+            checkpoint.write(SavedRun(self._epochs, began, self._admissions.processes, run.world.past))
 
     @property
     def world(self) -> WorldCore:

@@ -51,7 +51,7 @@ def _drive(world: WorldCore, checkpoint: Checkpoint | None) -> float:
     for _ in range(_TICKS):
         told = world.open_tick()
         if checkpoint is not None:
-            checkpoint.write(SavedRun((1,), 0.0, processes, {}, world.past))
+            checkpoint.write(SavedRun((1,), 0.0, processes, world.past))
         for robot in robots:
             world.accept(Command(robot, told[robot].incarnation, world.tick, (0.001, -0.001)))
         world.close_tick()

@@ -175,7 +175,7 @@ def test_lockstep_waits_for_so_many_next_lives(lockstep: bool, restarts: int, li
         watch.close()
         awaited = life < lives
         assert watch.turn.world.lives.awaited == ({2} if awaited else set())
-        assert watch.failures.expected[2] == min(life + 1, lives)
+        assert watch.admissions.processes.expected.get(2, 0) == min(life + 1, lives)
         if awaited:
             assert watch.gathered() is None
         watch.come(2, f"life {life}")
@@ -206,4 +206,4 @@ def test_a_robot_that_leaves_at_the_end_is_neither_named_nor_awaited(phase: Phas
     watch.miss(2)
     assert watch.said == []
     assert watch.turn.world.lives.awaited == set()
-    assert watch.failures.expected == {}
+    assert watch.admissions.processes.expected == {}
