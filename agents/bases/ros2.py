@@ -32,6 +32,7 @@ class Ros2Base:
         hears: topics to subscribe to.
         tells: the topic that it publishes.
         due: time of the next `wake`, s.
+        senses: its odometry and poses.
     """
 
     def __init__(self, scenario: Scenario, robot: int, base: Base) -> None:
@@ -45,7 +46,7 @@ class Ros2Base:
         self.due = 0.0
         self._base, self._offset = base, body.offset
         self._every = base.timeout / OFTEN
-        self._senses = Senses(scenario, robot, base)
+        self.senses = Senses(scenario, robot, base)
         self._drive = Drive(body, base, scenario.time.step)
         self._duration = scenario.world.lease
         self._lease, self._life = Lease(self._duration), 0
@@ -53,24 +54,14 @@ class Ros2Base:
         self._blind, self._begun = True, -math.inf
         self._shared = False
 
-    @property
-    def note(self) -> str:
-        """The fault of odometry or poses for which the robot stands; "" if there is none."""
-        return self._senses.note
-
-    @property
-    def heading(self) -> float:
-        """Heading of the robot in the map, rad; 0 if unknown."""
-        return self._senses.heading()
-
     def hear(self, topic: Topic, payload: bytes, now: float) -> Vector | None:
         """Receive a message of one of `hears`; returns a wish for an external law, m/s, if any."""
         if self._shared and topic in (self._odometry, self._pose):
             return None
         if topic == self._odometry:
-            self._senses.on_odometry(payload, now)
+            self.senses.on_odometry(payload, now)
         elif topic == self._pose:
-            self._senses.on_pose(payload)
+            self.senses.on_pose(payload)
         else:
             return self._wish(payload)
         return None
@@ -83,35 +74,26 @@ class Ros2Base:
         aside = self._offset * twist.angular[2] if self._offset > 0.0 else twist.linear[1]
         if not math.hypot(ahead, aside) <= LARGEST:
             raise MessageError("range", "a velocity that is no number")
-        return turned(ahead, aside, self._senses.heading()) if self._senses.sound else None
-
-    def place(self) -> tuple[Vector, float] | None:
-        """Position of the robot and its error bound, m; None if unknown."""
-        return self._senses.place()
+        return turned(ahead, aside, self.senses.heading()) if self.senses.sound else None
 
     def begin(self, tick: Tick, now: float) -> Sense | None:
         """Begin a tick; returns the odometry and the measurement, None if they are not trusted."""
         if tick.incarnation != self._life:
             self._lease, self._life = Lease(self._duration), tick.incarnation
         self._lease.heard(tick.heard)
-        self._senses.look(now)
+        self.senses.look(now)
         self._begun = now
-        self._heading = self._senses.heading() + self._drive.turning(self._senses.age(now), now)
+        self._heading = self.senses.heading() + self._drive.turning(self.senses.age(now), now)
         motion = self._drive.motion(self._heading, now)
-        sense = None if motion is None else self._senses.read(tick.tick, motion, now)
+        sense = None if motion is None else self.senses.read(tick.tick, motion, now)
         self._blind = sense is None
         return sense
-
-    def take_reset(self) -> bool:
-        """Whether a fault has ended, so that earlier estimates are void; True once."""
-        anew, self._senses.anew = self._senses.anew, False
-        return anew
 
     def obey(self, command: Command, now: float) -> Iterable[bytes]:
         """Execute the Command of the newest tick, before it is sent; returns payloads to publish at once."""
         if command.may_move:  # otherwise the coordinator may declare its robot static at once
             self._lease.sent(command.tick, now)
-        late = self._senses.is_late(now) or now - self._begun > DECISION
+        late = self.senses.is_late(now) or now - self._begun > DECISION
         velocity = _STILL if self._blind or late else command.velocity
         self._drive.command(velocity, self._heading, now, self._lease.until)
         return self._advance(now)
@@ -120,11 +102,7 @@ class Ros2Base:
         """Set whether another process drives this base: then its data is not trusted."""
         self._shared = shared
         if shared:
-            self._senses.doubt(f"another process drives {self.tells.name}, of this or another run")
-
-    def doubt(self, why: str) -> None:
-        """Discard all odometry and poses so far, after a contradiction."""
-        self._senses.doubt(why)
+            self.senses.doubt(f"another process drives {self.tells.name}, of this or another run")
 
     def stand(self, now: float) -> Iterable[bytes]:
         """Brake, outside of a tick; returns payloads to publish at once."""
@@ -133,8 +111,8 @@ class Ros2Base:
 
     def wake(self, now: float) -> Iterable[bytes]:
         """Payloads to publish by now."""
-        self._senses.look(now)
-        if not self._senses.sound and self._drive.told != _STILL and not self._blind:
+        self.senses.look(now)
+        if not self.senses.sound and self._drive.told != _STILL and not self._blind:
             self._blind = True
             return self.stand(now)
         return self._advance(now)

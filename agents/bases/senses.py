@@ -218,14 +218,13 @@ class Senses:
     """Odometry and poses of one robot.
 
     Attributes:
-        note: the fault for which the position is unknown; "" if none.
-        anew: whether a fault has ended, so that earlier estimates are void.
+        note: the fault for which the position is unknown, and the robot stands; "" if none.
     """
 
     def __init__(self, scenario: Scenario, robot: int, base: Base) -> None:
         body, sensing = scenario.body_of(robot), scenario.sensing_of(robot)
         self.note = "waits for odometry and a pose"
-        self.anew = False
+        self._anew = False
         self._odometer, self._base, self._offset = Odometer(base, body), base, body.offset
         self._period = scenario.time.step
         self._skew = 2.0 * math.sin(0.5 * sensing.heading)  # error by heading, per length
@@ -281,7 +280,7 @@ class Senses:
 
     def doubt(self, why: str) -> None:
         """Discard all odometry and poses so far."""
-        self.note, self.anew = why, False
+        self.note, self._anew = why, False
         self._odometer.forget()
         self._poses.clear()
         self._stamp = -math.inf
@@ -289,6 +288,11 @@ class Senses:
         self._settled_from = math.inf
 
     # -- results
+
+    def take_reset(self) -> bool:
+        """Whether a fault has ended, so that earlier estimates are void; True once."""
+        anew, self._anew = self._anew, False
+        return anew
 
     def look(self, now: float) -> None:
         """Apply the newest pose within the kept odometry, and check both streams."""
@@ -301,7 +305,7 @@ class Senses:
             return
         self._take_poses()
         if not self.sound and self._fix is not None and now >= self._settled_from + SETTLING:
-            self.note, self.anew = "", True
+            self.note, self._anew = "", True
 
     def place(self) -> tuple[Vector, float] | None:
         """Position of the control point and its error bound, m; None if unknown."""

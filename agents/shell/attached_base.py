@@ -66,7 +66,7 @@ class AttachedBase:
     @property
     def heading(self) -> float:
         """Heading of the robot in the map, rad; 0 if unknown."""
-        return self._base.heading
+        return self._base.senses.heading()
 
     def hear(self, topic: Topic, payload: bytes) -> Vector | None:
         """Receive a message of one of its topics; as `Ros2Base.hear`."""
@@ -81,11 +81,11 @@ class AttachedBase:
 
     def begin(self, core: Robot, tick: Tick) -> Sense | None:
         """Odometry and measurement as a tick begins; resets the core's estimate after a fault."""
-        sense = self._base.begin(tick, self._clock())
-        if self._base.take_reset():
+        sense, senses = self._base.begin(tick, self._clock()), self._base.senses
+        if senses.take_reset():
             core.reset_estimate()
-        elif core.lost and not self._base.note:
-            self._base.doubt(core.note)
+        elif core.lost and not senses.note:
+            senses.doubt(core.note)
         return sense
 
     def obey(self, command: Command) -> None:
@@ -105,9 +105,9 @@ class AttachedBase:
             founded: whether the run had begun when the robot was admitted: then it starts at its disk.
         """
         self._publish(self._base.wake(self._clock()))
-        trouble = self._base.note
+        trouble = self._base.senses.note
         if not self.in_place and not trouble:
-            known = self._base.place()
+            known = self._base.senses.place()
             if known is not None and not founded:
                 trouble = misplaced(core.scenario, core.robot, *known)
             self.in_place = not trouble

@@ -147,7 +147,7 @@ class MortalFloor(Floor):
         self._come(crew)
 
     def _come(self, crew: Crew) -> None:
-        if not self._dead and crew.alive and crew.base.place() is not None and self._join(crew):
+        if not self._dead and crew.alive and crew.base.senses.place() is not None and self._join(crew):
             self._gone.discard(crew.core.robot)
         else:
             self._later(0.2, partial(self._come, crew))

@@ -187,8 +187,8 @@ class Floor:
         crew = self.crews[robot]
         if crew.alive and self.now >= crew.base.due:
             self._publish(crew, crew.base.wake(self.now))
-            if crew.base.note != (crew.notes[-1] if crew.notes else None):
-                crew.notes.append(crew.base.note)
+            if crew.base.senses.note != (crew.notes[-1] if crew.notes else None):
+                crew.notes.append(crew.base.senses.note)
         self._later(0.005, lambda: self._wake(robot))
 
     def _publish(self, crew: Crew, payloads: Iterable[bytes]) -> None:
@@ -228,25 +228,25 @@ class Floor:
         if tick.tick <= core.tick or tick.incarnation != core.incarnation:
             return
         sense = base.begin(tick, self.now)
-        if base.take_reset():
+        if base.senses.take_reset():
             core.reset_estimate()
-        elif core.lost and not base.note:
-            base.doubt(core.note)
+        elif core.lost and not base.senses.note:
+            base.senses.doubt(core.note)
         state = core.begin(tick, sense)
-        if sense is not None and state.position is not None and not base.note:
+        if sense is not None and state.position is not None and not base.senses.note:
             self._check(crew, state)
         for peer in self.crews.values():
             if peer is not crew:
                 self._send(lambda peer=peer: self._if_alive(peer, lambda: self._tell(peer, state)))
         command = core.command()
         self._publish(crew, base.obey(command, self.now))
-        crew.swept = None if sense is None or base.note else self._swept(crew, command)
+        crew.swept = None if sense is None or base.senses.note else self._swept(crew, command)
         if not self.cut:
             self._send(lambda: self._accept(command))
 
     def _swept(self, crew: Crew, command: Command) -> tuple[Vector, Sweep | None]:
         """From where the newest odometry is, what its filter takes the base to pass."""
-        newest, body = crew.base._senses._odometer.newest, crew.core._body
+        newest, body = crew.base.senses._odometer.newest, crew.core._body
         assert newest is not None
         assert isinstance(body, InertialBody)
         moves = command.velocity != (0.0, 0.0) or body.swept is not None
@@ -263,7 +263,7 @@ class Floor:
 
     def _check(self, crew: Crew, state: State) -> None:
         """The truth of when the newest odometry was said is in the set that the robot knows."""
-        newest = crew.base._senses._odometer.newest
+        newest = crew.base.senses._odometer.newest
         assert newest is not None
         assert state.position is not None
         truth = crew.truths[round((newest.stamp - EPOCH / NANO) * 1000)]

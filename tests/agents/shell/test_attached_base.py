@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -19,7 +20,8 @@ from protocol.scenario.body import Base
 class Told:
     """A base that notes what time it is told, and wants to be woken 0.1 s later."""
 
-    hears, tells, note, due = (), Topic("cmd_vel", TWIST), "waits", 0.0
+    hears, tells, due = (), Topic("cmd_vel", TWIST), 0.0
+    senses = SimpleNamespace(note="waits")
 
     def wake(self, now):
         self.now, self.due = now, now + 0.1
@@ -62,11 +64,11 @@ def test_two_processes_that_drive_one_base_stand_until_one_is_gone():
 
     hear()
     text = "another process drives same/cmd_vel, of this or another run"
-    assert [base.note for base in bases] == [text, text, "waits for odometry and a pose"]
+    assert [base.senses.note for base in bases] == [text, text, "waits for odometry and a pose"]
     odometry = Topic("same/odom", ODOMETRY)
     bases[0].hear(odometry, b"", 0.0)
-    assert bases[0].note == text  # whatever its base says meanwhile
+    assert bases[0].senses.note == text  # whatever its base says meanwhile
     buses[1].close()
     hear()
     bases[0].hear(odometry, b"", 0.0)
-    assert bases[0].note.startswith("odometry: ")
+    assert bases[0].senses.note.startswith("odometry: ")
