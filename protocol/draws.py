@@ -49,3 +49,27 @@ def generator(seed: int, purpose: Purpose, robot: int = 0, tick: int = 0, peer: 
     key = np.array([seed & _MASK, (int(purpose) << 56) ^ (seed >> 64)], dtype=np.uint64)
     counter = np.array([0, peer, robot, tick], dtype=np.uint64)
     return Generator(Philox(key=key, counter=counter))
+
+
+_BLOCK = 64  # ticks drawn at once: making a generator costs as much as some hundred numbers
+
+
+class Uniforms:
+    """Uniform numbers in [0, 1) of one robot, `columns` of them a tick; the newest `kept` blocks of ticks are
+    not drawn again."""
+
+    def __init__(self, seed: int, purpose: Purpose, robot: int, columns: int, kept: int = 1) -> None:
+        self._key = (seed, purpose, robot)
+        self._columns, self._kept = columns, kept
+        self._blocks: dict[int, list[list[float]]] = {}
+
+    def at(self, tick: int) -> list[float]:
+        """The numbers of one tick."""
+        number, row = divmod(tick, _BLOCK)
+        block = self._blocks.get(number)
+        if block is None:
+            source = generator(*self._key, number)
+            block = self._blocks[number] = source.random((_BLOCK, self._columns)).tolist()
+            if len(self._blocks) > self._kept:
+                del self._blocks[next(iter(self._blocks))]
+        return block[row]

@@ -9,12 +9,12 @@ from heapq import heappop, heappush
 from types import MappingProxyType
 
 from protocol.bodies.kinematics import turned
-from protocol.draws import Purpose
+from protocol.draws import Purpose, Uniforms
 from protocol.messages import BaseMotion, Command, Sense, Vector
 from protocol.scenario.body import span_of
 from protocol.scenario.model import Scenario
 from world.plants.integrator import STANDING
-from world.plants.plant import BaseReport, PastDisks, Uniforms, plant_of, truncated_normal
+from world.plants.plant import BaseReport, PastDisks, plant_of, truncated_normal
 
 
 class Sensor:

@@ -17,23 +17,22 @@ from typing import Final
 import numpy as np
 
 from agents.peers.state import PeerState
-from protocol.draws import Purpose, generator
+from protocol.draws import Purpose, Uniforms, generator
 from protocol.messages import Vector
 from protocol.scenario.body import span_of
 from protocol.scenario.model import Scenario
 from protocol.scenario.network import Burst, Partition, Roaming
 from protocol.scenario.network import Link as LinkFaults
 
-_BLOCK: Final = 64  # ticks per draw: a generator costs as much as some hundred numbers
-_BLOCKS: Final = 4  # blocks kept for late States
+_BLOCKS: Final = 4  # of draws, kept for late States
 
 
 class Radio:
     """Channel and access point of one robot's radio at each tick."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
-        self._scenario, self._robot = scenario, robot
-        self._blocks: dict[int, list[list[float]]] = {}
+        self._scenario = scenario
+        self._draws = Uniforms(scenario.seed, Purpose.RADIO, robot, 4, _BLOCKS)
         step, burst, roaming = scenario.time.step, scenario.link.burst or Burst(), scenario.link.roaming
         self._worse, self._better = min(0.5, step / burst.good), min(0.5, step / burst.bad)
         self._roaming = roaming or Roaming()
@@ -46,7 +45,7 @@ class Radio:
         for earlier in range(tick, -1, -1):
             if earlier == self._tick:
                 break
-            draw = self._draws(earlier)[0]
+            draw = self._draws.at(earlier)[0]
             if draw < self._worse or draw >= 1.0 - self._better:
                 self._is_bad = draw < self._worse
                 break
@@ -68,23 +67,13 @@ class Radio:
 
     def turn(self, tick: int) -> float:
         """Order of transmission within a tick: a robot with a smaller number sends earlier."""
-        return self._draws(tick)[1]
+        return self._draws.at(tick)[1]
 
     def _gap(self, window: int) -> tuple[int, int]:
         low, high = span_of(self._roaming.gap)
-        _, _, place, length = self._draws(window * self._window)
+        _, _, place, length = self._draws.at(window * self._window)
         begin = window * self._window + int(place * self._window)
         return begin, begin + self._scenario.ticks(low + length * (high - low))
-
-    def _draws(self, tick: int) -> list[float]:
-        number, row = divmod(tick, _BLOCK)
-        block = self._blocks.get(number)
-        if block is None:
-            source = generator(self._scenario.seed, Purpose.RADIO, self._robot, number)
-            block = self._blocks[number] = source.random((_BLOCK, 4)).tolist()
-            if len(self._blocks) > _BLOCKS:
-                del self._blocks[next(iter(self._blocks))]
-        return block[row]
 
 
 _KEPT = 8  # ticks of draws and positions kept; others are drawn again

@@ -10,11 +10,11 @@ from typing import Protocol
 
 from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, steps_of, turned
 from protocol.bodies.sweep import Tolerance
-from protocol.draws import Purpose
+from protocol.draws import Purpose, Uniforms
 from protocol.messages import Vector
 from protocol.scenario.body import PRESETS
 from protocol.scenario.model import RobotSpec, Scenario
-from world.plants.plant import BaseReport, Uniforms, UnitDisk, truncated_normal
+from world.plants.plant import BaseReport, UnitDisk, truncated_normal
 
 STANDING: Vector = (0.0, 0.0)
 

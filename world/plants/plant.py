@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 
 import msgspec
 
-from protocol.draws import Purpose, generator
+from protocol.draws import Purpose, Uniforms
 from protocol.errors import UsageError
 from protocol.messages import Id, Vector
 from protocol.scenario.model import RobotSpec, Scenario
@@ -118,8 +118,6 @@ def plant_of(scenario: Scenario) -> Plant:
     return Integrator(scenario)
 
 
-_BLOCK = 64  # ticks drawn at once; making a generator costs as much as some hundred numbers
-
 _INSIDE = 1.0 - 1e-9  # keeps rounding in later sums from carrying a disturbance past its bound
 
 
@@ -141,25 +139,6 @@ def truncated_normal(radial: float, angular: float, deviation: float, bound: flo
     length = min(length, bound * _INSIDE)
     angle = 2.0 * math.pi * angular
     return (length * math.cos(angle), length * math.sin(angle))
-
-
-class Uniforms:
-    """Uniform numbers in [0, 1) of one robot, a function of the tick."""
-
-    def __init__(self, seed: int, purpose: Purpose, robot: int, columns: int) -> None:
-        self._key = (seed, purpose, robot)
-        self._columns = columns
-        self._number = -1
-        self._block: list[list[float]] = []
-
-    def at(self, tick: int) -> list[float]:
-        """The numbers of one tick, `columns` of them."""
-        number, row = divmod(tick, _BLOCK)
-        if number != self._number:
-            seed, purpose, robot = self._key
-            source = generator(seed, purpose, robot, number)
-            self._number, self._block = number, source.random((_BLOCK, self._columns)).tolist()
-        return self._block[row]
 
 
 class UnitDisk:
