@@ -6,7 +6,6 @@ arrived (or at once, in real time), returns the Command.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import hypot
 from typing import Final
 
@@ -36,6 +35,7 @@ from protocol.messages import (
     Tick,
     Vector,
 )
+from protocol.scenario.body import span_of
 from protocol.scenario.model import Scenario
 
 STILL: Vector = (0.0, 0.0)
@@ -105,11 +105,10 @@ class Robot:
 
     def _nothing_known(self) -> Estimate:
         scenario, sensing = self._scenario, self._scenario.sensing_of(self.robot)
-        latest = sensing.delay[1] if isinstance(sensing.delay, tuple) else sensing.delay
         return Estimate(
             self._body.reach,
             sensing.contradiction == "newest",
-            scenario.ticks(latest),
+            scenario.ticks(span_of(sensing.delay)[1]),
             coasts=not scenario.body_of(self.robot).ideal,
         )
 
@@ -244,15 +243,8 @@ class Robot:
             filter_.resize(radius)
         filter_.lines.wanted = mover.radius
         if radius != before and not self._law.failure:
-            self._law = self._law_of_disk(radius)
+            self._law = GuardedLaw(self._scenario.resized({self.robot: radius}), self.robot)
         return mover.handles if filter_.radius >= mover.radius else None
-
-    def _law_of_disk(self, radius: float) -> GuardedLaw:
-        """The law of this robot for a disk of another radius, m."""
-        sized = [
-            replace(spec, radius=radius) if spec.id == self.robot else spec for spec in self._scenario.robots
-        ]
-        return GuardedLaw(replace(self._scenario, robots=tuple(sized)), self.robot)
 
     # -- about itself
 

@@ -8,6 +8,7 @@ messages.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Annotated, Literal, get_args
 
@@ -347,6 +348,11 @@ class Scenario:
     def loaded_radius(self, robot: int, part: int) -> float:
         """Radius of a robot's disk while it carries a part, m."""
         return max(self.spec(robot).radius, self.parts[part - 1].radius)
+
+    def resized(self, radii: Mapping[int, float]) -> Scenario:
+        """The scenario with disks of other radii, m, for some robots."""
+        robots = [replace(spec, radius=radii[spec.id]) if spec.id in radii else spec for spec in self.robots]
+        return replace(self, robots=tuple(robots))
 
     @property
     def ids(self) -> tuple[int, ...]:

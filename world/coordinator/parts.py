@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 
 from protocol.geometry import Disk, Shape
 from protocol.messages import Handling, PartPlace, Vector
@@ -68,16 +67,8 @@ class Parts:
     @property
     def loaded(self) -> Scenario:
         """The scenario with the disks of robots and what they carry."""
-        carriers = {each.carrier: each.part for each in self.places if each.carrier}
-        if not carriers:
-            return self._scenario
-        robots = tuple(
-            replace(spec, radius=self._scenario.loaded_radius(spec.id, carriers[spec.id]))
-            if spec.id in carriers
-            else spec
-            for spec in self._scenario.robots
-        )
-        return replace(self._scenario, robots=robots)
+        radius, carried = self._scenario.loaded_radius, [each for each in self.places if each.carrier]
+        return self._scenario.resized({each.carrier: radius(each.carrier, each.part) for each in carried})
 
     def handle(self, asked: Mapping[int, Handling | None], at: Mapping[int, Vector]) -> bool:
         """Execute active robots' requests in the tick that ends, with all disks `at` their places (m);
