@@ -53,7 +53,7 @@ class PartCarrier:
         self._look = -1  # tick from which on to look for a part again
         self._place: Vector | None = None  # from where the robot takes the part up or puts it down
         self._target: Vector | None = None  # of the carried part
-        self._origin = spec.goal  # from where it was taken up
+        self._origin: Vector | None = None  # where it was taken up from the floor
         self._loaded = False
         self._attempt = 0  # number of the attempt to put it down
         self._known: dict[int, int] = {}  # claims of peers at the last check of the plan
@@ -115,14 +115,19 @@ class PartCarrier:
 
     def _fits(self, part: int) -> bool:
         """Whether a part is compatible with the newest claims of robots that take precedence, which may have
-        been made at the same time."""
+        been made at the same time. A claim yields to that of a nearer robot, and bars no other."""
         claims = {robot: claim.part for robot, claim in self._perception.claims}
         if claims == self._known or not self._in_order:
             return True
         self._known = claims
-        claim = Claim(part, 0.0, 0.0)
-        ahead = first(self._perception, self._robot, claim)
-        perception = self._perception.heeding([peer.robot for peer in ahead])
+        farthest = sorted(self._perception.claims, key=lambda each: (each[1].cost, each[0]), reverse=True)
+        nearest = {claim.part: robot for robot, claim in farthest} | {part: self._robot}
+        ahead = [
+            peer.robot
+            for peer in first(self._perception, self._robot, Claim(part, 0.0, 0.0))
+            if peer.robot not in claims or nearest[claims[peer.robot]] == peer.robot
+        ]
+        perception = self._perception.heeding(ahead)
         return self._planner.fits(part, self._position, perception)
 
     def _cost(self) -> float:
@@ -161,7 +166,7 @@ class PartCarrier:
         self.claim = Claim(part, self._cost(), grown)
         size = layout.held.get(part, self._spec(part).radius)
         if self._is_beside(layout.parts[part], size + self._small):
-            self.radius, self._origin = grown, layout.parts[part]
+            self.radius, self._origin = grown, None if part in layout.held else layout.parts[part]
             self.handles = Handling(part, grown)
 
     def _carry(self, part: int) -> None:
@@ -172,7 +177,8 @@ class PartCarrier:
         if self._task != part or self._target is None:
             self._task, self._seen, self._target = part, None, spec.goal
         if stuck and self._place is None:
-            self._target = planner.spare(part, self._position, layout) or self._origin
+            back = self._origin if self._target == spec.goal else None
+            self._target = planner.spare(part, self._position, layout) or back or spec.goal
         elif self._seen != layout and self._target == spec.goal:
             self._target = planner.destination(part, self._position, layout)
         if self._seen != layout or stuck:
