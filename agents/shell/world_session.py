@@ -83,7 +83,7 @@ class WorldSession:
         if isinstance(reply, joining.OtherRun):
             if self._strange < self.heard:
                 self._strange = time.monotonic()
-            if begun and time.monotonic() <= self._strange + min(self._bearable, PATIENCE):
+            if begun and time.monotonic() <= self._strange + self._bearable:
                 return None
             raise BusError(f"another run has the name {self._run!r} now; start this process again for it")
         self.heard = time.monotonic()

@@ -175,7 +175,9 @@ class Assembly:
         if hosts is not None and (roster := KeyRing(options.secure).roster()) is not None:
             check_fit(roster, hosts)
         # Entered before the supervisor, to outlast every process.
-        self._folder = Path(stack.enter_context(TemporaryDirectory(prefix="disknav-")))
+        self._folder = Path(
+            stack.enter_context(TemporaryDirectory(prefix="disknav-", ignore_cleanup_errors=True))
+        )
         here, there = Spawner(run=options.run, logs=options.log), hosts.hosts if hosts is not None else ()
         self._there = {host.name: SshSpawner(host, options.run, options.log) for host in there if host.ssh}
         self.supervisor = stack.enter_context(Supervisor(here, self._there, places(hosts)))

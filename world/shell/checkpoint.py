@@ -20,9 +20,11 @@ from __future__ import annotations
 import fcntl
 import hashlib
 import os
+import stat
 import struct
 import zlib
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from functools import cache
 from pathlib import Path
 from typing import Final, NoReturn
@@ -124,23 +126,30 @@ class Checkpoint:
             _refuse(path, f"cannot be kept: {error.strerror}")
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            self._number, state = _newest(path)
+            if not os.path.samestat(os.fstat(self._file), path.stat()):
+                raise BlockingIOError  # removed, and perhaps created anew, since it was opened
+            self._number, state = _newest(path, self._file)
             self.progress = SavedRun() if state is None else self._checked(state)
         except BaseException as error:
             os.close(self._file)
-            if isinstance(error, BlockingIOError):
+            if isinstance(error, BlockingIOError | FileNotFoundError):
                 _refuse(path, "is in use by another world")
+            if isinstance(error, OSError):
+                _refuse(path, f"cannot be kept: {error.strerror}")
             raise
 
     @staticmethod
     def create(path: Path) -> None:
         """Create the file for a run that has not begun; raises CheckpointError if it cannot, or exists."""
         try:
-            with path.open("xb") as file:
+            with path.open("xb") as file, ExitStack() as unless_whole:
+                unless_whole.callback(path.unlink, missing_ok=True)
                 file.write(_MAGIC)
                 file.truncate(_place(2))
                 file.seek(_place(1))
                 file.write(_frame(1, bytearray(_FRAME.size)))
+                file.flush()
+                unless_whole.pop_all()
         except OSError as error:
             _refuse(path, f"cannot be kept: {error.strerror}")
 
@@ -236,13 +245,16 @@ def _whole(content: bytes) -> tuple[int, bytes] | None:
     return (number, content[_FRAME.size :][:size]) if content.startswith(framed) else None
 
 
-def _newest(path: Path) -> tuple[int, _State | None]:
+def _newest(path: Path, opened: int) -> tuple[int, _State | None]:
     """Number of the newest state, and the state; None if no world has written one."""
-    content = path.read_bytes()
+    if not stat.S_ISREG(os.fstat(opened).st_mode):
+        _refuse(path, "is not a regular file")
+    with open(opened, "rb", closefd=False) as file:
+        content = file.read(_place(2) + 1)
     if not content.startswith(_MAGIC):
         _refuse(path, "is of another version of disknav, or none at all")
     if len(content) != _place(2):
-        _refuse(path, "is damaged: it was cut short")
+        _refuse(path, "is damaged: it was cut short, or is too long")
     places = [content[_place(index) :][:_STATE] for index in (0, 1)]
     states = [each for place in places if (each := _whole(place))]
     if not states:

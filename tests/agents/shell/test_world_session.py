@@ -8,6 +8,7 @@ import pytest
 from agents.shell.world_session import PATIENCE, WorldSession
 from deploy.library.load import load
 from protocol.bus.local import LocalNetwork
+from protocol.errors import BusError
 from protocol.joining import Admission, Finished, OtherRun, Reply, Wait, encode_reply
 from protocol.keys import robot_key, session_of
 
@@ -88,6 +89,25 @@ def test_of_two_worlds_its_own_is_believed() -> None:
 def test_worlds_of_other_runs_do_not_keep_it_from_the_next_of_its_own(reply: Reply) -> None:
     assert answered(OtherRun(), reply, OtherRun()) == reply
     assert answered(OtherRun(), OtherRun()) is None, "its own may return"
+
+
+@pytest.mark.parametrize("away", [0.0, 60.0])
+def test_beside_another_run_it_waits_as_long_as_for_its_own_world(
+    away: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    network, now = LocalNetwork(), [100.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    bus = network.connect()
+    bus.serve(robot_key("run", 1, "join"))
+    bus.node = SimpleNamespace(handle=lambda query: query.reply(encode_reply(OtherRun())))
+    session = WorldSession(network.connect(), "run", 1, 20.0, lambda _: None)
+    session.admitted(Admission(1, True, SWAP, away=away, epoch=OWN))
+    bearable = max(PATIENCE, away)
+    for now[0] in (101.0, 100.9 + bearable):
+        assert session.ask(None, begun=True) is None
+    now[0] = 101.1 + bearable
+    with pytest.raises(BusError, match="another run has the name"):
+        session.ask(None, begun=True)
 
 
 def test_a_lost_question_is_asked_again_before_the_world_gives_it_up(session: WorldSession) -> None:

@@ -174,6 +174,46 @@ def test_two_worlds_cannot_have_one_checkpoint(written: Path) -> None:
     opened(written).close()
 
 
+@pytest.mark.parametrize("again", [True, False])
+def test_a_file_that_another_world_replaced_meanwhile_is_not_taken(
+    again: bool, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def locked(*_: object) -> None:
+        path.unlink()
+        if again:
+            Checkpoint.create(path)
+
+    monkeypatch.setattr(module.fcntl, "flock", locked)
+    with pytest.raises(CheckpointError, match="in use by another world"):
+        opened(path)
+
+
+def test_what_is_no_file_is_refused(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(37, "No locks available")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(module.fcntl, "flock", fail)
+        with pytest.raises(CheckpointError, match="No locks available"):
+            opened(path)
+    path.unlink()
+    os.mkfifo(path)
+    with pytest.raises(CheckpointError, match="not a regular file"):
+        opened(path)
+
+
+def test_a_file_that_cannot_be_made_whole_leaves_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> bytearray:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(module, "_frame", fail)
+    with pytest.raises(CheckpointError, match="No space left"):
+        Checkpoint.create(tmp_path / "made")
+    assert not (tmp_path / "made").exists()
+
+
 def test_what_is_there_is_not_overwritten(written: Path) -> None:
     with pytest.raises(CheckpointError, match="File exists"):
         Checkpoint.create(written)
