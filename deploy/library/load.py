@@ -40,9 +40,9 @@ class CatalogueEntry(NamedTuple):
 
 
 class Series(NamedTuple):
-    """The scenarios of one name, by a number of robots, or of parts, from `least` to `most`, and a seed."""
+    """The scenarios of one name, by a number of robots, or of parts, from `least` to `most`, and `seed`."""
 
-    build: Callable[[int, int], Scenario]
+    build: Callable[..., Scenario]
     least: int
     most: int
     text: str
@@ -70,17 +70,9 @@ _FIXED: dict[str, Callable[[int], Scenario]] = {
     "crash": instances.crash,
 }
 _COUNTED: dict[str, Series] = {
-    "swap": Series(
-        lambda count, seed: encounters.swap(count, seed=seed),
-        2,
-        1000,
-        "robots on a circle change places, exactly on the saddle",
-    ),
+    "swap": Series(encounters.swap, 2, 1000, "robots on a circle change places, exactly on the saddle"),
     "circle": Series(
-        lambda count, seed: encounters.circle(count, seed=seed),
-        2,
-        250,
-        "robots of 1.5 m change places on a circle of 200 m, as in RVO2",
+        encounters.circle, 2, 250, "robots of 1.5 m change places on a circle of 200 m, as in RVO2"
     ),
     "turtlebots": Series(
         encounters.turtlebots, 2, 100, "robots on two wheels each change places on a circle"
@@ -126,7 +118,7 @@ def build(name: str, seed: int | None = None) -> Scenario:
     if name in _FIXED:
         return validated(_FIXED[name](seed))
     if found := _NUMBERED.fullmatch(name):
-        return validated(_COUNTED[found[1]].build(_in_range(found[1], int(found[2])), seed))
+        return validated(_COUNTED[found[1]].build(_in_range(found[1], int(found[2])), seed=seed))
     raise UsageError(f"no scenario {name!r}; {suggestions(name)}")
 
 
@@ -138,10 +130,7 @@ def _in_range(name: str, count: int) -> int:
 
 
 _COUNT = 6  # default number of robots
-_KINDS: dict[str, tuple[Callable[..., Scenario], tuple[str, ...]]] = {
-    "random": (instances.random_instance, ("robots", "density", "unequal")),
-    "swap": (encounters.swap, ("robots", "jitter")),
-}
+_OPTIONS = {"random": ("robots", "density", "unequal"), "swap": ("robots", "jitter")}
 
 
 def generate(kind: str, seed: int, options: Mapping[str, float]) -> Scenario:
@@ -153,16 +142,16 @@ def generate(kind: str, seed: int, options: Mapping[str, float]) -> Scenario:
     Raises:
         UsageError: unknown kind, or an option that is out of range or not of this kind.
     """
-    make, known = _KINDS.get(kind, (None, ()))
+    known = _OPTIONS.get(kind, ())
     foreign = [f"--{key}" for key in options if key not in known]
     if foreign:
         allowed = f"it has {', '.join(f'--{key}' for key in known)}" if known else "it has none"
         raise UsageError(f"{kind} has no option {', '.join(foreign)}; {allowed}")
-    if make is None:
+    if not known:
         return build(kind, seed)
     others = {key: value for key, value in options.items() if key != "robots"}
     count = _in_range(kind, int(options.get("robots", _COUNT)))
-    return validated(make(count, seed=seed, **others))
+    return validated(_COUNTED[kind].build(count, seed=seed, **others))
 
 
 TRIES = 5  # steps, of which the quickest is judged
