@@ -209,6 +209,14 @@ def upper(array: NDArray[np.float64], row: int, bound: float) -> None:
 
 
 @compiled
+def narrow(array: NDArray[np.float64], row: int, new: Interval) -> bool:
+    """Intersect a row with an interval, as `lower` and `upper`. False: nothing is left."""
+    lower(array, row, new[0])
+    upper(array, row, new[1])
+    return bool(array[row, 0] <= array[row, 1])
+
+
+@compiled
 def inverted(box: Box, rows: int) -> bool:
     """Whether one of the first `rows` rows is empty."""
     found = False

@@ -27,6 +27,7 @@ from deploy.theory.certify.boxes import (
     inverted,
     lower,
     mul,
+    narrow,
     root_above,
     root_below,
     square,
@@ -104,17 +105,12 @@ def contract_distances(scene: Scene, box: Box, out: Derived) -> bool:
             if low > high:
                 return False
             out.apart[q, a] = low, high
+            one, two = 2 * i + a, 2 * j + a
             if j < 0:
-                lower(box, 2 * i + a, low)
-                upper(box, 2 * i + a, high)
+                narrow(box, one, (low, high))
             else:
-                one, two = 2 * i + a, 2 * j + a
-                moved = add((box[two, 0], box[two, 1]), (low, high))
-                lower(box, one, moved[0])
-                upper(box, one, moved[1])
-                moved = sub((box[one, 0], box[one, 1]), (low, high))
-                lower(box, two, moved[0])
-                upper(box, two, moved[1])
+                narrow(box, one, add((box[two, 0], box[two, 1]), (low, high)))
+                narrow(box, two, sub((box[one, 0], box[one, 1]), (low, high)))
     return not inverted(box, len(scene.goals))
 
 
@@ -178,12 +174,10 @@ def _place(scene: Scene, box: Box, out: Derived, members: int, force: Interval, 
     for other in range(row % 2, len(scene.goals), 2):
         if other != row and (members >> (other // 2)) & 1:
             rest = sub(rest, (out.pull[other, 0], out.pull[other, 1]))
-    lower(out.pull, row, rest[0])
-    upper(out.pull, row, rest[1])
+    if not narrow(out.pull, row, rest):
+        return False
     b = add((out.pull[row, 0], out.pull[row, 1]), (scene.goals[row], scene.goals[row]))
-    lower(box, row, b[0])
-    upper(box, row, b[1])
-    return bool(out.pull[row, 0] <= out.pull[row, 1] and box[row, 0] <= box[row, 1])
+    return narrow(box, row, b)
 
 
 @compiled
@@ -196,10 +190,7 @@ def _weight(
     if apart[0] <= 0.0 <= apart[1]:
         return True
     rest = sub(pull, _force(scene, box, out, members, a, q))
-    weight = divide(rest if sign > 0 else (-rest[1], -rest[0]), apart)
-    lower(box, n + q, weight[0])
-    upper(box, n + q, weight[1])
-    return bool(box[n + q, 0] <= box[n + q, 1])
+    return narrow(box, n + q, divide(rest if sign > 0 else (-rest[1], -rest[0]), apart))
 
 
 @compiled
@@ -246,10 +237,7 @@ def _linear(scene: Scene, box: Box, members: int, value: Interval, cross: bool) 
             if rest[0] > 0.0 or rest[1] < 0.0:
                 return False
             continue
-        b = divide(rest, (factor, factor))
-        lower(box, row, b[0])
-        upper(box, row, b[1])
-        if box[row, 0] > box[row, 1]:
+        if not narrow(box, row, divide(rest, (factor, factor))):
             return False
     return True
 
@@ -303,10 +291,7 @@ def contract_work(scene: Scene, box: Box, out: Derived) -> bool:
                 rest = sub(rest, _share(box, out, n, r))
         work = (out.work[q, 0], out.work[q, 1])
         if work[0] > 0.0 or work[1] < 0.0:
-            weight = divide(rest, work)
-            lower(box, n + q, weight[0])
-            upper(box, n + q, weight[1])
-            if box[n + q, 0] > box[n + q, 1]:
+            if not narrow(box, n + q, divide(rest, work)):
                 return False
         else:
             term = _share(box, out, n, q)

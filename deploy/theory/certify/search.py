@@ -25,13 +25,12 @@ from deploy.theory.certify.boxes import (
     derived,
     divide,
     inverted,
-    lower,
     middle,
     mul,
+    narrow,
     solve_into,
     square,
     sub,
-    upper,
     whole,
 )
 from deploy.theory.certify.certificate import EMPTY, FALLS
@@ -52,11 +51,6 @@ _UNBOUNDED = 1e50  # larger multipliers may overflow
 @compiled
 def _point(x: float) -> Interval:
     return x, x
-
-
-@compiled
-def _put(slope: Array, row: int, column: int, value: Interval) -> None:
-    slope[row, column] = value
 
 
 @compiled
@@ -97,7 +91,7 @@ def _system(scene: Scene, box: Box, out: Derived, at: Array, value: Array, slope
                 total = add((value[one, 0], value[one, 1]), force)
                 value[one] = total
                 _accumulate(slope, one, one, weight)
-                _put(slope, one, n + q, here)
+                slope[one, n + q] = here
                 _accumulate(slope, n + q, one, (-along[1], -along[0]))
             else:
                 total = sub((value[one, 0], value[one, 1]), force)
@@ -108,8 +102,8 @@ def _system(scene: Scene, box: Box, out: Derived, at: Array, value: Array, slope
                 _accumulate(slope, two, two, opposite)
                 _accumulate(slope, one, two, weight)
                 _accumulate(slope, two, one, weight)
-                _put(slope, one, n + q, (-here[1], -here[0]))
-                _put(slope, two, n + q, here)
+                slope[one, n + q] = -here[1], -here[0]
+                slope[two, n + q] = here
                 _accumulate(slope, n + q, one, along)
                 _accumulate(slope, n + q, two, (-along[1], -along[0]))
         contact = (scene.contact[q, 0], scene.contact[q, 1])
@@ -164,9 +158,7 @@ def _newton_row(box: Box, at: Array, value: Array, slope: Array, inverse: Array,
             rest = sub(rest, mul(entry, step))
     if own[0] <= 0.0 <= own[1]:
         return
-    moved = add((at[row], at[row]), divide(rest, own))
-    lower(box, row, moved[0])
-    upper(box, row, moved[1])
+    narrow(box, row, add((at[row], at[row]), divide(rest, own)))
 
 
 OPEN = -1
