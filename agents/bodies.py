@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Final, Protocol, final
+from typing import Final, TypeAlias, final
 
 from agents.lines.safe_velocity import Limits, nearest, safe_velocity, wedge
 from protocol.bodies.kinematics import Kinematics, Motion
@@ -32,29 +32,6 @@ _FACING: Final = 16  # parts of half a circle, in which directions to leave an e
 _LEAST: Final = 1e-9  # m, by which a limit is lowered at least
 
 STILL: Vector = (0.0, 0.0)  # to a base: brake
-
-
-class BodyModel(Protocol):
-    """One body from tick to tick.
-
-    Attributes:
-        reach: the longest path from the beginning of a tick to a stop, m.
-        standoff: distance from any edge at which it can still leave it, in any orientation, m.
-        swept: further sweep of its control point without messages; None if it stands.
-    """
-
-    reach: float
-    standoff: float
-    swept: Sweep | None
-
-    def on_motion(self, motion: BaseMotion | None) -> None:
-        """Update by the reported motion as a tick begins; None: it stands."""
-
-    def velocity(self, desired: Vector, limits: Limits) -> Vector:
-        """The velocity to command, m/s, near the desired one, with which the control point satisfies the
-        limits whatever messages arrive or are lost.
-        """
-        ...
 
 
 def body_of(scenario: Scenario, robot: int) -> BodyModel:
@@ -76,6 +53,9 @@ class PointBody:
     Args:
         noise: bound on the relative execution noise.
         longest: bound of any path, m.
+
+    Attributes:
+        reach, standoff, swept: as of `InertialBody`.
     """
 
     def __init__(self, speed: float, period: float, noise: float, longest: float) -> None:
@@ -99,6 +79,11 @@ class InertialBody:
         speed: speed limit of the control point, m/s.
         tolerance: largest deviation of the control point from its nominal path.
         longest: bound of any path, m.
+
+    Attributes:
+        reach: the longest path from the beginning of a tick to a stop, m.
+        standoff: distance from any edge at which it can still leave it, in any orientation, m.
+        swept: further sweep of its control point without messages; None if it stands.
     """
 
     def __init__(
@@ -124,6 +109,7 @@ class InertialBody:
         return most
 
     def on_motion(self, motion: BaseMotion | None) -> None:
+        """Update by the reported motion as a tick begins; None: it stands."""
         if motion is None:
             self._motion = Motion(0.0)
         else:
@@ -136,6 +122,9 @@ class InertialBody:
             self.swept = sweep(self._kinematics, self._motion, self._tolerance)
 
     def velocity(self, desired: Vector, limits: Limits) -> Vector:
+        """The velocity to command, m/s, near the desired one, with which the control point satisfies the
+        limits whatever messages arrive or are lost.
+        """
         x, y = limits.position
         sides = []
         for each in limits.half_planes:
@@ -231,3 +220,6 @@ class InertialBody:
         if command == STILL:
             return sweep(kinematics, kinematics.braking(motion), self._tolerance)
         return sweep(kinematics, motion, self._tolerance, kinematics.limited(motion, command))
+
+
+BodyModel: TypeAlias = PointBody | InertialBody

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Protocol
 
 from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, steps_of, turned
 from protocol.bodies.sweep import Tolerance
@@ -65,14 +64,6 @@ class SimulatedPoint:
         return [(x * self._step, y * self._step)]
 
 
-class Errors(Protocol):
-    """The direction and size of a base's error, as a vector in the unit disk."""
-
-    def at(self, tick: int) -> Vector:
-        """The error of a command of `tick`."""
-        ...
-
-
 class SimulatedBase:
     """One robot's base. From a command on, and from the first part of its tick, its error is one vector of
     the unit disk (`errors`) times its tolerance.
@@ -81,7 +72,9 @@ class SimulatedBase:
         motion: at the start of the next tick.
     """
 
-    def __init__(self, kinematics: Kinematics, tolerance: Tolerance, motion: Motion, errors: Errors) -> None:
+    def __init__(
+        self, kinematics: Kinematics, tolerance: Tolerance, motion: Motion, errors: UnitDisk
+    ) -> None:
         self.motion, self._gone = motion, 0.0  # m, in the last tick
         self._kinematics, self._tolerance, self._errors = kinematics, tolerance, errors
         self._error = self._off = STANDING  # vector of the unit disk, and the resulting error, m
@@ -219,5 +212,5 @@ class Integrator:
         self.displacements[index] = steps[0] if len(steps) == 1 else (x - bx, y - by)
         if len(steps) < self.parts:
             (dx, dy), shares = steps[0], [part / self.parts for part in range(1, self.parts)]
-            places = [*((bx + share * dx, by + share * dy) for share in shares), *places]
+            places = [(bx + share * dx, by + share * dy) for share in shares] + places
         return places
