@@ -14,24 +14,20 @@ from multiprocessing import get_context
 from typing import Any
 
 from tests.proof import mutants
-from tests.proof.prove import TEMPLATE, cases, example, prove, prove_by_cvc5
+from tests.proof.prove import TEMPLATE, cases, example, is_kept_by_cvc5, not_kept, steps_of
 
 CASES = {case.rule: case for case in cases()}
 
 
 def by_z3(rule: str) -> list[str]:
     """What z3 does not prove of a rule."""
-    return [
-        f"z3 does not prove: {rule} keeps {each.conjunct}" for each in prove(CASES[rule]) if not each.proved
-    ]
+    return [f"z3 does not prove: {rule} keeps {conjunct}" for conjunct, _ in not_kept(CASES[rule])]
 
 
 def by_cvc5(rule: str) -> list[str]:
     """What cvc5 does not prove."""
-    found = [each.proved for each in prove_by_cvc5(CASES[rule])]
-    return (
-        [] if all(found) else [f"cvc5 does not prove: {rule}, in {found.count(False)} ways of {len(found)}"]
-    )
+    kept = [is_kept_by_cvc5(step) for step in steps_of(CASES[rule])]
+    return [] if all(kept) else [f"cvc5 does not prove: {rule}, in {kept.count(False)} ways of {len(kept)}"]
 
 
 def is_possible(rule: str) -> list[str]:
@@ -43,11 +39,9 @@ def is_possible(rule: str) -> list[str]:
 
 def is_needed(name: str) -> list[str]:
     """Whether a state was found in which the invariant breaks without this precondition or rule."""
-    change = next((each for each in mutants.CHANGES if each.name == name), None)
-    found = mutants.refute_without(name) if change is None else mutants.refute_changed(change)
-    print(
-        f"  {name}: " + (f"{found.rule} breaks {found.conjunct!r}" if found else "nothing breaks"), flush=True
-    )
+    found = mutants.refuted(name)
+    broken = f"{found.rule} breaks {found.conjunct!r}" if found else "nothing breaks"
+    print(f"  {name}: {broken}", flush=True)
     if found is None:
         return [] if name in mutants.HARMLESS else [f"not refuted: {name}"]
     certain = not found.example.invalid and found.conjunct in found.example.broken

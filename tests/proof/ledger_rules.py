@@ -32,7 +32,7 @@ Besides = Callable[[str, Outcome], None]  # what else happens to the disk
 _OF_ALL_PAIRS = ("fence", "grant", "announce", "remove")  # rules that change all bindings of their disk
 
 
-def of_ledger(rule: str, does: Rule, x: str, besides: Besides | None = None) -> Case:
+def of_ledger(rule: str, does: Rule, x: str, besides: Besides | None = None, *given: Any) -> Case:
     """A rule of the ledger whose first disk is X."""
 
     def run() -> Outcome:
@@ -47,7 +47,7 @@ def of_ledger(rule: str, does: Rule, x: str, besides: Besides | None = None) -> 
             besides(x, outcome)
         return outcome
 
-    return Case(f"{rule} {x}", run)
+    return Case(f"{rule} {x}", run, [*given])
 
 
 def history(after: State) -> dict[str, Any]:
@@ -167,10 +167,9 @@ def _announce(made: Any, disk: Any) -> None:
 
 def _acknowledge(x: str) -> Case:
     """Any acknowledgement arrives, of all that are under way."""
-    case = of_ledger("acknowledge", lambda m, d, _: m.acknowledge(d, Number(SAID[x])), x)
     zero = z3.IntVal(0)
     said = invariant({**S, f"{x}.said": SAID[x]}, zero, zero, zero)[f"{x}: acknowledgement"]
-    return Case(case.rule, case.run, [said])
+    return of_ledger("acknowledge", lambda m, d, _: m.acknowledge(d, Number(SAID[x])), x, None, said)
 
 
 def _elsewhere(made: Any) -> None:

@@ -9,10 +9,11 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from functools import cache, wraps
 from itertools import product
 from typing import Any
+from unittest.mock import patch
 
 import z3
 
@@ -20,6 +21,7 @@ from protocol.kernel import pair as pairs
 from protocol.kernel.ledger import Ledger, Pair
 from protocol.kernel.records import NO, Binding, DiskRecord, End
 from protocol.kernel.robot import Bound, RobotLife
+from tests.proof.model import BOOL, FIELDS, INT, bindings_of, end_fields, ledger_fields
 from tests.proof.prove import GENERAL, TEMPLATE
 
 Record = dict[str, Any]
@@ -39,13 +41,19 @@ class Facts(ABC):
     """What geometry says of a record: a region is named by its number, a line by two.
 
     Args:
-        regions: that A and B hold, by number.
-        firsts: first lines of bindings, by number.
+        ledger: it is of.
+        low: disk.
+        high: disk.
         s: the record.
+
+    Attributes:
+        regions: that A and B hold, by number.
     """
 
-    def __init__(self, regions: dict[str, dict[int, Any]], firsts: dict[int, Any], s: Record) -> None:
-        self.regions, self._firsts, self._s = regions, firsts, s
+    def __init__(self, ledger: Ledger[Any, Any], low: int, high: int, s: Record) -> None:
+        self.regions = {x: dict(ledger.disks[name].held.regions) for x, name in (("A", low), ("B", high))}
+        self._firsts = {each.number: each.first for each in bindings_of(ledger, low, high).values()}
+        self._s = s
 
     @abstractmethod
     def apart(self, a: int, b: int) -> bool: ...
@@ -121,14 +129,10 @@ def conjuncts() -> dict[str, tuple[Conjunct, list[str]]]:
     }
 
 
-def broken(s: Record, facts: Facts, ranges: Mapping[str, list[int]]) -> list[str]:
-    """Conjuncts that do not hold of a record.
-
-    Args:
-        s: the record.
-        facts: of it.
-        ranges: numbers of the regions that A and B hold (`ra`, `rb`), and of lines (`k`).
-    """
+def broken(s: Record, facts: Facts) -> list[str]:
+    """Conjuncts that do not hold of a record: any region of A (`ra`), any of B (`rb`), any line (`k`)."""
+    lines = {0} | {k for b in "LS" if s[f"{b}.on"] for x in "AB" for k in s[f"{b}.{x}.lines"]}
+    ranges = {"ra": facts.regions["A"], "rb": facts.regions["B"], "k": lines}
     found = []
     for name, (holds, terms) in conjuncts().items():
         each = product(*[ranges[term] if term in terms else [0] for term in ("ra", "rb", "k")])
@@ -147,79 +151,39 @@ def _numbered_alike(s: Record, b: str) -> bool:
 
 # -- the record of two disks
 
+_NOTHING: Record = {
+    name: 0 if sort == INT else False if sort == BOOL else None for name, sort in FIELDS.items()
+}
 Processes = Mapping[tuple[int, int], RobotLife[Any, Any, Any]]  # by disk and life
 
 
 def record(ledger: Ledger[Any, Any], processes: Processes, low: int, high: int) -> Record:
     """What the kernel keeps of two disks, but for messages: what every record of the model has."""
-    found: Record = {"v": ledger.version}
-    names = {"A": low, "B": high}
-    for x, name in names.items():
-        disk = ledger.disks[name]
-        process = processes.get((name, disk.life))
-        found |= {f"{x}.phase": disk.phase, f"{x}.life": disk.life, f"{x}.still": disk.still}
-        found |= {f"{x}.acked": disk.held.acknowledged, f"{x}.granted": disk.held.granted, f"{x}.said": 0}
-        found |= {f"{x}.taken": 0, f"{x}.offered": 0, f"{x}.obeyed": 0, f"{x}.reach": False}
-        found |= {f"{x}.body": None, f"{x}.own": None}
+    found = _NOTHING | ledger_fields(ledger, low, high)
+    for x, name, other in (("A", low, high), ("B", high, low)):
+        process = processes.get((name, ledger.disks[name].life))
         if process is not None:
             found |= {f"{x}.taken": process.version, f"{x}.offered": process.offered_number}
-            found |= {
-                f"{x}.obeyed": process.number,
-                f"{x}.reach": process.part == names["B" if x == "A" else "A"],
-            }
+            found |= {f"{x}.obeyed": process.number, f"{x}.reach": process.part == other}
             found |= {f"{x}.body": process.body, f"{x}.own": process.own}
-    bindings = bindings_of(ledger, low, high)
-    for b in "LS":
-        found |= _binding(b, bindings.get(b), processes)
+    for b, binding in bindings_of(ledger, low, high).items():
+        found[f"{b}.asked"] = {NO: 0, low: 1, high: 2}[binding.asked]
+        for x, end in (("A", binding.low), ("B", binding.high)):
+            process = processes.get((end.disk, end.life))
+            bound = None if process is None else process.bound.get(binding.number)
+            found[f"{b}.{x}.taken"] = 0 if process is None else process.version
+            found |= {} if bound is None else end_fields(b, x, bound)
+            found[f"{b}.{x}.lines"] = _lines(bound)
     return found
 
 
-def bindings_of(ledger: Ledger[Any, Any], low: int, high: int) -> dict[str, Binding[Any]]:
-    """The bindings of two disks that are in force, by kind."""
-    both = ledger.pairs[low].get(high)
-    kinds = {} if both is None else {"L": both.living, "S": both.static}
-    return {b: binding for b, binding in kinds.items() if binding is not None}
-
-
-def _binding(b: str, binding: Binding[Any] | None, processes: Processes) -> Record:
-    if binding is None:
-        return {f"{b}.on": False, f"{b}.number": 0, f"{b}.told": 0}
-    asked = {NO: 0, binding.low.disk: 1, binding.high.disk: 2}[binding.asked]
-    found = {f"{b}.on": True, f"{b}.number": binding.number, f"{b}.told": binding.told, f"{b}.asked": asked}
-    found |= {f"{b}.{f}": 0 for f in ("h", "s", "h2", "s2", "A.number")} | {f"{b}.frozen": False}
-    for x, end in (("A", binding.low), ("B", binding.high)):
-        process = processes.get((end.disk, end.life))
-        bound = None if process is None else process.bound.get(binding.number)
-        found |= {f"{b}.{x}.life": end.life, f"{b}.{x}.dead": end.dead, f"{b}.{x}.has": bound is not None}
-        found |= {f"{b}.{x}.taken": 0 if process is None else process.version}
-        found |= _end(f"{b}.{x}", bound)
-    return found
-
-
-def _end(key: str, bound: Bound[Any, Any] | None) -> Record:
-    """What a process keeps of its end."""
+def _lines(bound: Bound[Any, Any] | None) -> dict[int, Any]:
+    """The lines that an end keeps, by number."""
     lines = None if bound is None else bound.lines
-    found: Record = {f"{key}.state": 0, f"{key}.static": False, f"{key}.half": None}
-    found |= {f"{key}.seen": 0, f"{key}.held": 0, f"{key}.lines": {}}
-    if bound is not None:
-        found |= {f"{key}.state": bound.state, f"{key}.static": bound.static, f"{key}.half": bound.half}
-    if lines is not None:
-        known = {lines.held_number: lines.held}
-        found |= {f"{key}.seen": lines.seen, f"{key}.held": lines.held_number, f"{key}.lines": known}
-        if isinstance(lines, pairs.Owner):
-            known.update(lines.open)
-            found |= {f"{key}.number": lines.number}
-    return found
-
-
-def ranges_of(ledger: Ledger[Any, Any], s: Record, low: int, high: int) -> dict[str, list[int]]:
-    """Numbers of the regions that two disks hold, and of the lines of their bindings."""
-    held = {
-        key: [number for number, _ in ledger.disks[name].held.regions]
-        for key, name in (("ra", low), ("rb", high))
-    }
-    lines = {0} | {k for b in "LS" if s[f"{b}.on"] for x in "AB" for k in s[f"{b}.{x}.lines"]}
-    return {**held, "k": sorted(lines)}
+    if lines is None:
+        return {}
+    known = {lines.held_number: lines.held}
+    return known | dict(lines.open) if isinstance(lines, pairs.Owner) else known
 
 
 # -- rules as they are taken
@@ -248,36 +212,36 @@ class Watch:
     def rule(self, name: str, does: Callable[..., Any]) -> Callable[..., Any]:
         """A rule that is looked at."""
 
-        @wraps(does)
-        def taken(*args: Any, **kwargs: Any) -> Any:
-            self._depth += 1
-            try:
-                result = does(*args, **kwargs)
-            finally:
-                self._depth -= 1
+        def is_taken(_: Any) -> None:
             if not self._depth:
                 self.taken[name] += 1
                 self.wrong += [f"{name}: {each}" for each in self._check(self, name)]
-            return result
 
-        return taken
+        return self._may_write(does, is_taken)
 
     def begins(self, does: Callable[..., None]) -> Callable[..., None]:
         """A ledger or a robot begins."""
 
-        @wraps(does)
-        def begun(made: Any, *args: Any, **kwargs: Any) -> None:
-            self._depth += 1
-            try:
-                does(made, *args, **kwargs)
-            finally:
-                self._depth -= 1
+        def has_begun(made: Any) -> None:
             if isinstance(made, Ledger):
                 self.ledgers.append(made)
             elif isinstance(made, RobotLife):
                 self.processes[made.name, made.life] = made
 
-        return begun
+        return self._may_write(does, has_begun)
+
+    def _may_write(self, does: Callable[..., Any], then: Callable[[Any], None]) -> Callable[..., Any]:
+        @wraps(does)
+        def done(made: Any, *args: Any, **kwargs: Any) -> Any:
+            self._depth += 1
+            try:
+                result = does(made, *args, **kwargs)
+            finally:
+                self._depth -= 1
+            then(made)
+            return result
+
+        return done
 
     def writes(self, made: Any, field: str, value: Any) -> None:
         """A field of one of the kernel's objects is written, which only rules do."""
@@ -286,37 +250,22 @@ class Watch:
         object.__setattr__(made, field, value)
 
 
-_OF_LEDGERS = (Ledger, Pair, DiskRecord, Binding, End)
-_KEPT = (*_OF_LEDGERS, RobotLife, Bound, pairs.Owner, pairs.Follower)
+_KEPT = (Ledger, Pair, DiskRecord, Binding, End, RobotLife, Bound, pairs.Owner, pairs.Follower)
 
 
 @contextmanager
 def watched(watch: Watch) -> Iterator[Watch]:
     """Look at every rule of the kernel that is taken meanwhile. The kernel must not be compiled."""
-    before: list[tuple[Any, str, Any]] = []
 
-    def put(kind: Any, name: str, value: Any) -> None:
-        before.append((kind, name, kind.__dict__.get(name)))
-        setattr(kind, name, value)
-
-    try:
-        for kind, names in RULES.items():
-            for name in names:
-                put(kind, name, watch.rule(f"{kind.__name__}.{name}", getattr(kind, name)))
-        for each in _KEPT:
-            put(each, "__init__", watch.begins(each.__init__))
-            put(each, "__setattr__", _setter(watch))
-        yield watch
-    finally:
-        for kind, name, was in reversed(before):
-            if was is None:
-                delattr(kind, name)
-            else:
-                setattr(kind, name, was)
-
-
-def _setter(watch: Watch) -> Callable[[Any, str, Any], None]:
     def sets(made: Any, field: str, value: Any) -> None:
         watch.writes(made, field, value)
 
-    return sets
+    with ExitStack() as stack:
+        for kind, names in RULES.items():
+            for name in names:
+                rule = watch.rule(f"{kind.__name__}.{name}", getattr(kind, name))
+                stack.enter_context(patch.object(kind, name, rule))
+        for each in _KEPT:
+            stack.enter_context(patch.object(each, "__init__", watch.begins(each.__init__)))
+            stack.enter_context(patch.object(each, "__setattr__", sets))
+        yield watch

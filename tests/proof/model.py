@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import product
+from typing import Any
 
 import z3
 
@@ -60,6 +61,45 @@ for _b in "LS":
 def fresh(tag: str) -> dict[str, z3.ExprRef]:
     """Any state."""
     return {name: z3.Const(f"{name}{tag}", sort) for name, sort in FIELDS.items()}
+
+
+# -- what the kernel's objects say: those of the solver as those that run
+
+
+def bindings_of(ledger: Any, low: int = 1, high: int = 2) -> dict[str, Any]:
+    """The bindings of two disks that are in force, by kind."""
+    both = ledger.pairs[low].get(high)
+    kinds = {} if both is None else {"L": both.living, "S": both.static}
+    return {b: binding for b, binding in kinds.items() if binding is not None}
+
+
+def ledger_fields(ledger: Any, low: int = 1, high: int = 2) -> dict[str, Any]:
+    """What a ledger says of two disks."""
+    found = {"v": ledger.version}
+    for x, name in (("A", low), ("B", high)):
+        disk = ledger.disks[name]
+        found |= {f"{x}.phase": disk.phase, f"{x}.life": disk.life, f"{x}.still": disk.still}
+        found |= {f"{x}.acked": disk.held.acknowledged, f"{x}.granted": disk.held.granted}
+    bindings = bindings_of(ledger, low, high)
+    found |= {f"{b}.on": b in bindings for b in "LS"}
+    for b, binding in bindings.items():
+        found |= {f"{b}.{f}": getattr(binding, f) for f in ("number", "told", "asked")}
+        for x, end in (("A", binding.low), ("B", binding.high)):
+            found |= {f"{b}.{x}.life": end.life, f"{b}.{x}.dead": end.dead}
+    return found
+
+
+def end_fields(b: str, x: str, bound: Any) -> dict[str, Any]:
+    """What a process says of an end that it has taken."""
+    key, lines = f"{b}.{x}", bound.lines
+    found = {f"{key}.has": True, f"{key}.state": bound.state, f"{key}.static": bound.static}
+    if lines is not None:
+        found |= {f"{key}.seen": lines.seen, f"{key}.held": lines.held_number}
+        found |= {f"{key}.number": lines.number} if x == "A" else {}
+    return found if bound.half is None else found | {f"{key}.half": bound.half}
+
+
+# -- what follows from them
 
 
 def towards(s: State, x: str) -> z3.ExprRef:
@@ -327,9 +367,7 @@ def smaller(
     """One body of X covers no more than another: wherever that is, it is."""
     found = [z3.Implies(INSIDE[x](large, r), INSIDE[x](small, r)) for r in regions]
     found += [z3.Implies(FITS[x](large, line), FITS[x](small, line)) for line in lines]
-    pairs = [(small, large, o) for o in others]
-    for less, more, other in pairs:
-        one = (less, other) if x == "A" else (other, less)
-        two = (more, other) if x == "A" else (other, more)
+    for other in others:
+        one, two = ((body, other) if x == "A" else (other, body) for body in (small, large))
         found.append(z3.Implies(DISJOINT(*two), DISJOINT(*one)))
     return found

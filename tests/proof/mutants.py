@@ -6,11 +6,10 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import NamedTuple
 
 from tests.interpreted import Edit
 from tests.proof.objects import SOURCE
-from tests.proof.prove import Example, cases, counterexample
+from tests.proof.prove import Refutation, cases, counterexample
 
 _KERNEL = Path(__file__).resolve().parents[2] / "protocol" / "kernel"
 _RULES = {"bind": ("introduce", "ask")}
@@ -24,14 +23,6 @@ HARMLESS = {
     "freeze: the other end stands": "else no place is behind the line",
     "command: a region was adopted": "else nothing is inside",
 }
-
-
-class Change(NamedTuple):
-    """A rule that reads otherwise."""
-
-    name: str
-    rule: str
-    edit: Edit
 
 
 _MODULES = dict.fromkeys(("adopt", "propose", "read answer"), "pair")
@@ -97,10 +88,10 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
      "dict.fromkeys(places, {})"),
     ("the small body keeps off everything", "command", "own if bound.peer == part else body", "own"),
 )  # fmt: skip
-CHANGES = tuple(
-    Change(name, rule, Edit(f"protocol.kernel.{_MODULES.get(rule, 'ledger')}", old, new))
+CHANGES = {
+    name: (rule, Edit(f"protocol.kernel.{_MODULES.get(rule, 'ledger')}", old, new))
     for name, rule, old, new in _CHANGED
-)
+}  # rules that read otherwise
 
 
 def preconditions() -> list[str]:
@@ -111,37 +102,22 @@ def preconditions() -> list[str]:
 
 def names() -> list[str]:
     """Every mutant by name."""
-    return [*preconditions(), *[change.name for change in CHANGES]]
+    return [*preconditions(), *CHANGES]
 
 
-class Refutation(NamedTuple):
-    """A conjunct that a rule breaks, and a state in which it does."""
-
-    rule: str
-    conjunct: str
-    example: Example
-
-
-def refute(rules: tuple[str, ...], without: str = "") -> Refutation | None:
-    """What one of these rules breaks; None if they keep everything."""
-    for case in cases():
-        if case.rule.startswith(rules):
-            found = counterexample(case, without)
-            if found is not None:
-                return Refutation(case.rule, *found)
-    return None
-
-
-def refute_without(precondition: str) -> Refutation | None:
-    """What breaks if a precondition is left out."""
-    rule = precondition.split(":", maxsplit=1)[0]
-    return refute(_RULES.get(rule, (rule,)), precondition)
-
-
-def refute_changed(change: Change) -> Refutation | None:
-    """What breaks if a rule is changed."""
-    SOURCE.read((change.edit,))
+def refuted(name: str) -> Refutation | None:
+    """What breaks if a precondition is left out, or a rule is changed; None if everything is kept."""
+    if name not in CHANGES:
+        rule = name.split(":", maxsplit=1)[0]
+        return _refuted(_RULES.get(rule, (rule,)), name)
+    rule, edit = CHANGES[name]
+    SOURCE.read((edit,))
     try:
-        return refute((change.rule,))
+        return _refuted((rule,))
     finally:
         SOURCE.read()
+
+
+def _refuted(rules: tuple[str, ...], without: str = "") -> Refutation | None:
+    found = (counterexample(case, without) for case in cases() if case.rule.startswith(rules))
+    return next(filter(None, found), None)

@@ -9,7 +9,19 @@ import z3
 
 from tests.interpreted import Edit, interpreted
 from tests.proof import symbolic
-from tests.proof.model import ASKED, CODE, HALF, LINE, LINE_OF, LINES, OTHER, PRESENT, obeys
+from tests.proof.model import (
+    ASKED,
+    CODE,
+    HALF,
+    LINE,
+    LINE_OF,
+    LINES,
+    OTHER,
+    PRESENT,
+    bindings_of,
+    ledger_fields,
+    obeys,
+)
 from tests.proof.outcomes import HELD, NAMES, OBEYED, SAID, Geometry, S
 from tests.proof.symbolic import Atom, Number, Truth, expression
 
@@ -164,7 +176,7 @@ def ledger_of(geometry: Geometry) -> Any:
     for name in CODE.values():
         made.pairs[name][FOURTH] = made.pairs[FOURTH][name] = pair_with_third(name, FOURTH)
     made.others = {name: others_of(made, name) for name in CODE.values()}
-    bindings = bindings_in(made)
+    bindings = bindings_of(made).values()
     ends = [(end, "life dead") for binding in bindings for end in (binding.low, binding.high)]
     disks = [(disk, "phase life still" if name in NAMES else "") for name, disk in made.disks.items()]
     made.frame = Frame((made, "version frame"), *disks, *[(each, "told first") for each in bindings], *ends)
@@ -197,10 +209,9 @@ def others_of(made: Any, name: int) -> list[Any]:
     for third in (THIRD, FOURTH):
         pair = made.pairs[name].get(third)
         found += [pair is made.pairs[third].get(name), pair]
-        for binding in () if pair is None else (pair.living, pair.static):
-            found += [id(binding)]
-            if binding is not None:
-                found += [id(binding.first), id(binding.told), binding.low.dead, binding.high.dead]
+        for b, binding in bindings_of(made, name, third).items():
+            found += [b, *[id(each) for each in (binding, binding.first, binding.told)]]
+            found += [binding.low.dead, binding.high.dead]
     return found
 
 
@@ -208,29 +219,22 @@ def treated(made: Any, name: int, third: int) -> list[Any]:
     """What has become of a disk's bindings with a third one, in words that do not say which."""
     pair = made.pairs[name].get(third)
     found: list[Any] = [pair is made.pairs[third].get(name), pair is None]
-    for binding in () if pair is None else (pair.living, pair.static):
-        numbers = () if binding is None else (binding.told, binding.low.dead, binding.high.dead)
-        found += [binding is None, [str(expression(number)) for number in numbers]]
+    for b, binding in bindings_of(made, name, third).items():
+        numbers = (binding.told, binding.low.dead, binding.high.dead)
+        found += [b, *[str(expression(number)) for number in numbers]]
     return found
 
 
 def ledger_state(made: Any) -> dict[str, Any]:
     """The state that the ledger has become."""
     after = dict(S)
-    after["v"] = expression(made.version)
-    for x in "AB":
-        disk = made.disks[CODE[x]]
-        after[f"{x}.phase"], after[f"{x}.life"] = expression(disk.phase), expression(disk.life)
-        after[f"{x}.still"] = expression(disk.still)
-        after[f"{x}.acked"] = expression(disk.held.acknowledged)
-        after[f"{x}.granted"] = expression(disk.held.granted)
-    both = made.pairs[1].get(2)
-    for b, slot in (("L", "living"), ("S", "static")):
-        binding = None if both is None else getattr(both, slot)
-        after[f"{b}.on"] = z3.BoolVal(binding is not None)
-        if binding is not None:
-            after |= _binding_state(b, binding)
-    return after
+    for b, binding in bindings_of(made).items():
+        after |= _goes_along(b, binding)
+    return after | as_state(ledger_fields(made))
+
+
+def as_state(fields: dict[str, Any]) -> dict[str, Any]:
+    return {name: expression(value) for name, value in fields.items()}
 
 
 def ledger_claims(made: Any, x: str = "") -> dict[str, Any]:
@@ -250,7 +254,7 @@ def ledger_claims(made: Any, x: str = "") -> dict[str, Any]:
         held = made.disks[CODE[x]].held
         if not isinstance(held.regions, Some) or held.regions.is_longer:
             found |= held_claims(held, x)
-    for binding in bindings_in(made):
+    for binding in bindings_of(made).values():
         told, first = expression(binding.told) != 0, LINE_OF(expression(binding.number), 0)
         has = z3.BoolVal(False) if binding.first is None else expression(binding.first) == first
         untold = z3.BoolVal(binding.first is getattr(binding, "before", None))
@@ -266,14 +270,8 @@ def own_claims(made: Any) -> dict[str, Any]:
     return {"each disk has its own": z3.And(z3.BoolVal(alone), *named)}
 
 
-def bindings_in(made: Any) -> list[Any]:
-    """The bindings of a ledger."""
-    both = made.pairs[1].get(2)
-    kinds = () if both is None else (both.living, both.static)
-    return [binding for binding in kinds if binding is not None]
-
-
-def _binding_state(b: str, binding: Any) -> dict[str, Any]:
+def _goes_along(b: str, binding: Any) -> dict[str, Any]:
+    """What there is of a binding besides the ledger's: messages, and what processes keep of its ends."""
     before, state = getattr(binding, "of", None), {}
     if before is None:
         state = {f"{b}.{x}.has": z3.BoolVal(False) for x in "AB"} | {f"{b}.frozen": z3.BoolVal(False)}
@@ -285,12 +283,8 @@ def _binding_state(b: str, binding: Any) -> dict[str, Any]:
             for name in S
             if name.startswith(f"{before}.") and not name.endswith(".on")
         }
-    state[f"{b}.number"], state[f"{b}.told"] = expression(binding.number), expression(binding.told)
-    state[f"{b}.asked"] = expression(binding.asked)
-    for x, end in (("A", binding.low), ("B", binding.high)):
-        state[f"{b}.{x}.life"], state[f"{b}.{x}.dead"] = expression(end.life), expression(end.dead)
-        if before != b and before is not None:  # a process whose life may be over
-            state[f"{b}.{x}.taken"] = S[f"{x}.taken"]
+    if before not in (None, b):  # of processes whose lives may be over
+        state |= {f"{b}.{x}.taken": S[f"{x}.taken"] for x in "AB"}
     return state
 
 
@@ -334,19 +328,6 @@ def bound_claims(bound: Any, after: dict[str, Any], b: str, x: str) -> dict[str,
             state == HALF, z3.And(z3.BoolVal(len(lines) == 1), *[line == half for line in lines])
         ),
     }
-
-
-def bound_state(bound: Any, after: dict[str, Any], b: str, x: str) -> None:
-    """The state that an end has become."""
-    after[f"{b}.{x}.has"], after[f"{b}.{x}.state"] = z3.BoolVal(True), expression(bound.state)
-    after[f"{b}.{x}.static"] = expression(bound.static)
-    if bound.lines is not None:
-        after[f"{b}.{x}.seen"] = expression(bound.lines.seen)
-        after[f"{b}.{x}.held"] = expression(bound.lines.held_number)
-        if x == "A":
-            after[f"{b}.A.number"] = expression(bound.lines.number)
-    if bound.half is not None:
-        after[f"{b}.{x}.half"] = expression(bound.half)
 
 
 UNKNOWN, _PEER, _STATIC = z3.Int("unknown"), z3.Int("unknown.peer"), z3.Bool("unknown.static")

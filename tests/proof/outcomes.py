@@ -121,6 +121,12 @@ class Geometry:
         self.facts.append(lambda terms: [z3.Implies(answer, each) for each in says(terms)])
         return Truth(answer)
 
+    def _answer_of(self, held: Any, says: Callable[[Any], Any]) -> Truth:
+        """A yes says this of every region that a disk holds; of a third disk nothing is asked."""
+        return self._answer(
+            lambda t: [z3.Implies(_in(held, r), says(r)) for r in t.regions.get(held.disk, ())]
+        )
+
     # of the ledger
 
     def note(self, disk: Any) -> None:
@@ -165,16 +171,11 @@ class Geometry:
         )
 
     def clear(self, held: Any, region: Any) -> Truth:
-        x = held.disk
-        if not x:
-            return self._answer(lambda _: [])
-        return self._answer(lambda t: [z3.Implies(_in(held, r), apart(x, r, region)) for r in t.regions[x]])
+        return self._answer_of(held, lambda r: apart(held.disk, r, region))
 
     def beside(self, held: Any, line: Any, low: bool) -> Truth:
         assert low == (held.disk == "A")
-        return self._answer(
-            lambda t: [z3.Implies(_in(held, r), BESIDE[held.disk](r, line)) for r in t.regions[held.disk]]
-        )
+        return self._answer_of(held, lambda r: BESIDE[held.disk](r, line))
 
     def within(self, place: Any, held: Any) -> Truth:
         x = held.disk

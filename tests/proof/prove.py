@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import chain, product
-from typing import Any
+from typing import Any, NamedTuple
 
 import z3
 
@@ -14,15 +13,13 @@ from tests.proof.ledger_rules import ledger_cases
 from tests.proof.model import LINE_OF, axioms, ends, invariant, safe, smaller
 from tests.proof.outcomes import HALF_PLANE, NEXT, PROPOSED, Case, Outcome, S, Terms
 from tests.proof.robot_rules import robot_cases, told_now
-from tests.proof.symbolic import Execution, Way, judged, ways
+from tests.proof.symbolic import Execution, judged, ways
 
 TIMEOUT = 20_000  # ms, for one question
 SMALL = (5, 9)  # no version or number of an example is larger; tried in turn
 RA, RB, K = z3.Int("any A"), z3.Int("any B"), z3.Int("any K")  # two regions and the number of a line
 TEMPLATE = invariant(S, RA, RB, K) | {"safe": safe(S)}
 ALL = z3.And(*TEMPLATE.values())
-
-Ask = Callable[[Sequence[z3.BoolRef]], bool]  # whether these statements contradict each other, for certain
 
 
 def cases() -> Iterator[Case]:
@@ -52,19 +49,16 @@ def _instance(key: str, *pairs: tuple[Any, Any]) -> z3.BoolRef:
     return _written[name][0]
 
 
-def terms_of(outcome: Outcome | None) -> Terms:
+def terms_of(outcome: Outcome) -> Terms:
     """The terms for which quantified facts are written out."""
-    t = Terms()
+    t, came_up = Terms(), outcome.terms
     for x, any_region in (("A", RA), ("B", RB)):
-        came_up = ([], []) if outcome is None else (outcome.terms.bodies[x], outcome.terms.regions[x])
         regions = [any_region, *[S[f"{x}.{f}"] for f in ("acked", "granted", "obeyed", "offered")]]
-        t.bodies[x] = _different([S[f"{x}.body"], S[f"{x}.own"], *came_up[0]])
-        t.regions[x] = _different([*regions, *came_up[1]])
-    t.numbers = [K, z3.IntVal(0), PROPOSED, *[ends(S, b)["adopted"] for b in "LS"]]
-    t.numbers += [] if outcome is None else outcome.terms.numbers
+        t.bodies[x] = _different([S[f"{x}.body"], S[f"{x}.own"], *came_up.bodies[x]])
+        t.regions[x] = _different([*regions, *came_up.regions[x]])
+    t.numbers = [K, z3.IntVal(0), PROPOSED, *[ends(S, b)["adopted"] for b in "LS"], *came_up.numbers]
     t.lines = [S[f"{b}.{x}.half"] for b in "LS" for x in "AB"] + [HALF_PLANE, LINE_OF(NEXT, 0)]
-    t.lines += [LINE_OF(S[f"{b}.number"], k) for b in "LS" for k in t.numbers]
-    t.lines += [] if outcome is None else outcome.terms.lines
+    t.lines += [LINE_OF(S[f"{b}.number"], k) for b in "LS" for k in t.numbers] + came_up.lines
     return t
 
 
@@ -99,25 +93,16 @@ def known(t: Terms, starts: bool) -> list[z3.BoolRef]:
     return facts
 
 
-@dataclass(frozen=True)
-class Result:
-    """Whether a rule keeps a conjunct, or everything (`conjunct` is empty), in one way through it."""
-
-    rule: str
-    conjunct: str
-    proved: bool
-    way: Way | None = None
-
-
 class Step:
     """One way through a rule, with all that is known before it."""
 
-    def __init__(self, case: Case, way: Way, t: Terms | None = None) -> None:
-        self.case, self.way = case, way
-        self.outcome: Outcome = way.result
-        self.terms = t or terms_of(self.outcome)
-        self.given = [*case.given, *way.conditions]
-        self.given += chain.from_iterable(facts(self.terms) for facts in self.outcome.facts)
+    def __init__(
+        self, case: Case, outcome: Outcome, conditions: Sequence[z3.BoolRef], t: Terms | None = None
+    ) -> None:
+        self.case, self.outcome, self.conditions = case, outcome, conditions
+        self.terms = t or terms_of(outcome)
+        self.given = [*case.given, *conditions]
+        self.given += chain.from_iterable(facts(self.terms) for facts in outcome.facts)
 
     def assumed(self) -> list[z3.BoolRef]:
         """All that is known."""
@@ -148,29 +133,21 @@ def _solver_with(t: Terms, starts: bool) -> z3.Solver:
 def steps_of(case: Case, without: str = "") -> Iterator[Step]:
     """Every way through a rule, with a precondition left out or none."""
     for way in ways(case.run, [*case.given, z3.BoolVal(True) if case.starts else ALL], without):
-        yield Step(case, way)
+        yield Step(case, way.result, way.conditions)
 
 
-def prove(case: Case, without: str = "") -> Iterator[Result]:
-    """Of every way through a rule what it does not keep; with one result if it keeps all."""
+def not_kept(case: Case, without: str = "") -> Iterator[tuple[str, Step]]:
+    """What a rule is not proved to keep, by conjunct, and in which way through it."""
     for step in steps_of(case, without):
         solver = _solver_with(step.terms, case.starts)
         solver.push()
         try:
             solver.add(*step.given)
-            yield from _results(solver, step)
+            claims = step.claims()
+            if not _follows(solver, z3.And(*claims.values())):
+                yield from ((name, step) for name, each in claims.items() if not _follows(solver, each))
         finally:
             solver.pop()
-
-
-def _results(solver: z3.Solver, step: Step) -> Iterator[Result]:
-    claims = step.claims()
-    if _follows(solver, z3.And(*claims.values())):
-        yield Result(step.case.rule, "", proved=True)
-    else:
-        for name, claim in claims.items():
-            if not _follows(solver, claim):
-                yield Result(step.case.rule, name, proved=False, way=step.way)
 
 
 def _follows(solver: z3.Solver, claim: z3.BoolRef) -> bool:
@@ -181,19 +158,12 @@ def _follows(solver: z3.Solver, claim: z3.BoolRef) -> bool:
     return bool(result == z3.unsat)
 
 
-def prove_by_cvc5(case: Case) -> Iterator[Result]:
-    """The same by cvc5, which knows nothing of z3 but the text."""
-    for step in steps_of(case):
-        statements = [*step.assumed(), z3.Not(z3.And(*step.claims().values()))]
-        yield Result(case.rule, "", contradict_for_cvc5(statements), step.way)
-
-
-def contradict_for_cvc5(statements: Sequence[z3.BoolRef]) -> bool:
-    """Whether these statements contradict each other."""
+def is_kept_by_cvc5(step: Step) -> bool:
+    """Whether all is kept in one way through a rule by cvc5, which knows nothing of z3 but the text."""
     import cvc5
 
     writer = z3.Solver()
-    writer.add(*statements)
+    writer.add(*step.assumed(), z3.Not(z3.And(*step.claims().values())))
     solver = cvc5.Solver()
     solver.setOption("tlimit-per", str(TIMEOUT))
     parser = cvc5.InputParser(solver)
@@ -217,10 +187,10 @@ class Example:
     def __init__(self, step: Step, model: z3.ModelRef, largest: int) -> None:
         self._model, self._whole = model, _up_to(largest)
         execution = Execution(model)
-        executed = Way.executed(judged(execution, step.case.run))
+        outcome = judged(execution, step.case.run)
         self.refused = execution.refused
         self.invalid = [each for each in step.assumed() if not self._holds(each)]
-        claims = Step(step.case, executed, step.terms).claims()
+        claims = Step(step.case, outcome, (), step.terms).claims()
         self.broken = [name for name, claim in claims.items() if not self._keeps(name, claim)]
 
     def _holds(self, claim: z3.BoolRef) -> bool:
@@ -237,27 +207,31 @@ class Example:
 
 def example(case: Case) -> Example | None:
     """A state in which a rule is possible."""
-    for largest, step in product(SMALL, steps_of(case)):
-        found = example_of(step, largest)
-        if found is not None:
-            return found
-    return None
+    found = (example_of(step, largest) for largest, step in product(SMALL, steps_of(case)))
+    return next(filter(None, found), None)
 
 
-def counterexample(case: Case, without: str = "") -> tuple[str, Example] | None:
+class Refutation(NamedTuple):
     """A conjunct that a rule breaks, and a state in which it does."""
-    for result in prove(case, without):
-        if result.way is not None:
-            for largest in SMALL:
-                found = example_of(Step(case, result.way), largest, result.conjunct)
-                if found is not None:
-                    return result.conjunct, found
+
+    rule: str
+    conjunct: str
+    example: Example
+
+
+def counterexample(case: Case, without: str = "") -> Refutation | None:
+    """What a rule breaks, with a precondition left out or none."""
+    for conjunct, step in not_kept(case, without):
+        for largest in SMALL:
+            found = example_of(step, largest, conjunct)
+            if found is not None:
+                return Refutation(case.rule, conjunct, found)
     return None
 
 
 def example_of(step: Step, largest: int, conjunct: str = "") -> Example | None:
     """A state in which one way through a rule is possible, or breaks a conjunct."""
-    small = Step(step.case, step.way, small_terms(step.outcome, largest))
+    small = Step(step.case, step.outcome, step.conditions, small_terms(step.outcome, largest))
     solver = z3.Solver()
     solver.set("timeout", TIMEOUT)
     solver.add(*small.assumed(), small.outcome.after["v"] <= largest)

@@ -8,7 +8,7 @@ from typing import Any
 
 import z3
 
-from tests.proof.model import ASKED, BODY, CODE, HALF, LINE_OF, OTHER, PRESENT, ends
+from tests.proof.model import ASKED, BODY, CODE, HALF, LINE_OF, OTHER, PRESENT, bindings_of, end_fields, ends
 from tests.proof.objects import (
     FOURTH,
     SOURCE,
@@ -16,10 +16,9 @@ from tests.proof.objects import (
     UNKNOWN,
     Frame,
     Some,
-    bindings_in,
+    as_state,
     bound_claims,
     bound_of,
-    bound_state,
     frame_of,
     ledger_of,
     robot_of,
@@ -29,8 +28,10 @@ from tests.proof.outcomes import HALF_PLANE, OBEYED, PART, PROPOSED, Case, Geome
 from tests.proof.symbolic import Atom, Impossible, Number, Truth, expression
 
 
-def of_bound(rule: str, b: str, x: str, does: Callable[[Any, Any], object], *given: Any) -> Case:
-    """A rule of one end that was taken, be its life the present one or over."""
+def of_bound(
+    rule: str, b: str, x: str, does: Callable[[Any, Any], object], *given: Any, says: str = ""
+) -> Case:
+    """A rule of one end that was taken, be its life the present one or over; what it says is under way."""
 
     def run() -> Outcome:
         geometry = Geometry()
@@ -42,7 +43,8 @@ def of_bound(rule: str, b: str, x: str, does: Callable[[Any, Any], object], *giv
         outcome = Outcome(geometry)
         for each in (b, *others):
             outcome.terms.numbers += [OBEYED[each], S[f"{each}.{x}.held"], S[f"{each}.h2"]]
-        bound_state(bound, outcome.after, b, x)
+        outcome.after |= as_state(end_fields(b, x, bound))
+        outcome.after |= {says: z3.BoolVal(True)} if says else {}
         outcome.claims = bound_claims(bound, outcome.after, b, x) | unchanged(frame, x)
         return outcome
 
@@ -124,16 +126,8 @@ def _send(b: str) -> Outcome:
 
 def _freeze(rule: str, b: str, x: str, *given: Any) -> Case:
     """An end finds its first line. A static binding that was told beside it is in force (`history`)."""
-    beside = z3.Not(unknown_is_static(x))
-    case = of_bound(rule, b, x, lambda made, bound: made.freeze(bound, _line(b, 0)), beside, *given)
-    return Case(case.rule, partial(_say, case.run, b), case.given)
-
-
-def _say(run: Callable[[], Outcome], b: str) -> Outcome:
-    """A first line is said to the ledger."""
-    outcome = run()
-    outcome.after[f"{b}.frozen"] = z3.BoolVal(True)
-    return outcome
+    beside = [z3.Not(unknown_is_static(x)), *given]
+    return of_bound(rule, b, x, lambda m, bound: m.freeze(bound, _line(b, 0)), *beside, says=f"{b}.frozen")
 
 
 def _adopt(x: str) -> Outcome:
@@ -216,7 +210,7 @@ def _hear(x: str, late: str) -> Outcome:
         for bound in made.bound.values():
             if bound.number == Number(S[f"{b}.number"]):
                 outcome.claims |= _heard_of(bound, b, x)
-                bound_state(bound, after, b, x)
+                after |= as_state(end_fields(b, x, bound))
     return outcome
 
 
@@ -239,7 +233,7 @@ def _heard_of(bound: Any, b: str, x: str) -> dict[str, Any]:
 def told_now(x: str) -> Outcome:
     """What the ledger tells a life of X now is what the rule of hearing takes it for, at this version."""
     made = ledger_of(Geometry())
-    for binding in bindings_in(made):
+    for binding in bindings_of(made).values():
         binding.first = binding.first if binding.told != 0 else None
     told, outcome = made.told(made.disks[CODE[x]]), Outcome()
     outcome.given(S["v"] == AT, S[f"{x}.life"] == LIFE, LIFE != 0)
@@ -249,10 +243,7 @@ def told_now(x: str) -> Outcome:
         "number": expression(told.number) == S[f"{x}.granted"],
         "region": expression(told.region) == S[f"{x}.granted"],
     }
-    for b, slot in (("L", "living"), ("S", "static")):
-        both = made.pairs[1].get(2)
-        if both is None or getattr(both, slot) is None:
-            continue
+    for b in bindings_of(made):
         listed = [each for each in told.bindings if each.number.of.eq(S[f"{b}.number"])]
         claims[f"{b} is listed"] = z3.BoolVal(bool(listed)) == z3.And(
             S[f"{b}.{x}.life"] == LIFE, is_listed(b, x)
@@ -260,20 +251,20 @@ def told_now(x: str) -> Outcome:
         for each in listed:
             should = listing(b, x)
             claims[f"{b} is static"] = expression(each.static) == expression(should.static)
-            y, first = OTHER[x], should.first
-            place = z3.Not(S[f"{y}.still"])
-            if each.place is not None:
-                place = z3.And(S[f"{y}.still"], expression(each.place) == S[f"{y}.acked"])
-            claims[f"{b} says where the other end stands"] = place
-            same = z3.BoolVal(first is None and each.first is None)
-            if first is not None and each.first is not None:
-                same = expression(each.first) == expression(first)
-            claims[f"{b} has its first line"] = same
-            claims[f"{b} has its peer"] = z3.BoolVal(each.peer == CODE[y])
+            place = should.place if Truth(S[f"{OTHER[x]}.still"]) else None
+            claims[f"{b} says where the other end stands"] = _same(each.place, place)
+            claims[f"{b} has its first line"] = _same(each.first, should.first)
+            claims[f"{b} has its peer"] = z3.BoolVal(each.peer == should.peer)
     thirds = [each.peer for each in told.bindings if each.peer not in CODE.values()]
     claims["all others are listed"] = z3.BoolVal(thirds == [THIRD, FOURTH])
     outcome.claims = {f"told: {name}": claim for name, claim in claims.items()}
     return outcome
+
+
+def _same(one: Any, other: Any) -> Any:
+    if one is None or other is None:
+        return z3.BoolVal(one is other)
+    return expression(one) == expression(other)
 
 
 def _command(x: str) -> Outcome:

@@ -33,10 +33,10 @@ class Truth:
         return _judges[-1].answer(self.of)
 
 
-class Number:
-    """An integer of the state."""
+class Atom:
+    """An object of which only equality is known, such as a line."""
 
-    def __init__(self, of: z3.ArithRef) -> None:
+    def __init__(self, of: z3.ExprRef) -> None:
         self.of = of
 
     def __hash__(self) -> int:
@@ -44,6 +44,10 @@ class Number:
 
     def __eq__(self, other: object) -> Truth:  # type: ignore[override]  # a condition, in place of a bool
         return Truth(self.of == expression(other))
+
+
+class Number(Atom):
+    """An integer of the state."""
 
     def __ne__(self, other: object) -> Truth:  # type: ignore[override]  # likewise
         return Truth(self.of != expression(other))
@@ -64,22 +68,9 @@ class Number:
         return Number(self.of + expression(other))
 
 
-class Atom:
-    """An object of which only equality is known, such as a line."""
-
-    def __init__(self, of: z3.ExprRef) -> None:
-        self.of = of
-
-    def __hash__(self) -> int:
-        return 0
-
-    def __eq__(self, other: object) -> Truth:  # type: ignore[override]  # likewise
-        return Truth(self.of == expression(other))
-
-
 def expression(value: object) -> Any:
     """The solver's term for an object of the product."""
-    if isinstance(value, Number | Truth | Atom):
+    if isinstance(value, Truth | Atom):
         return value.of
     if isinstance(value, bool):
         return z3.BoolVal(value)
@@ -115,13 +106,6 @@ class Way:
         self.conditions: list[z3.BoolRef] = []
         self.others: list[list[bool]] = []
         self.result: Any = None
-
-    @staticmethod
-    def executed(result: Any) -> Way:
-        """A way without conditions."""
-        way = Way(z3.Solver(), (), "")
-        way.result = result
-        return way
 
     def answer(self, of: z3.BoolRef) -> bool:
         of = z3.simplify(of)

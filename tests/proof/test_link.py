@@ -15,7 +15,7 @@ from protocol.kernel.records import GONE
 from protocol.line import ROUNDING, Line
 from protocol.region import Region, RegionGeometry, support
 from tests.agents.lines.models.skirmishes.skirmish import Skirmish
-from tests.proof.link import Facts, Watch, bindings_of, broken, ranges_of, record, watched
+from tests.proof.link import Facts, Watch, broken, record, watched
 from world.world import WorldCore
 
 pytestmark = pytest.mark.skipif(ledgers.__file__.endswith(".so"), reason="only sources can be looked at")
@@ -70,12 +70,10 @@ class Check:
             return []
         low, high = sorted(self._random.sample(there, 2))
         s = record(ledger, watch.processes, low, high)
-        regions = {x: dict(ledger.disks[name].held.regions) for x, name in (("A", low), ("B", high))}
+        facts = PlaneFacts(ledger, low, high, s)
         for x, name in (("A", low), ("B", high)):
-            s[f"{x}.body"] = s[f"{x}.own"] = self._body(name, regions[x])
-        firsts = {each.number: each.first for each in bindings_of(ledger, low, high).values()}
-        facts = PlaneFacts(regions, firsts, s)
-        return [f"{low}, {high}: {each}" for each in broken(s, facts, ranges_of(ledger, s, low, high))]
+            s[f"{x}.body"] = s[f"{x}.own"] = self._body(name, facts.regions[x])
+        return [f"{low}, {high}: {each}" for each in broken(s, facts)]
 
     def _body(self, name: int, held: dict[int, Region]) -> Shape:
         assert self.run is not None

@@ -20,7 +20,8 @@ from protocol.kernel.ledger import Ledger
 from protocol.kernel.pair import Follower, Owner
 from protocol.kernel.records import NO, PRESENT, Binding, RefusedError, Told
 from protocol.kernel.robot import ASKED, Bound, RobotLife
-from tests.proof.link import Record, bindings_of, broken, ranges_of, record
+from tests.proof.link import Record, broken, record
+from tests.proof.model import bindings_of
 from tests.proof.track import Line, Span, Track, TrackFacts, overlap
 
 LENGTH, PART = 24, 4
@@ -348,19 +349,15 @@ class Walk:
         """Conjuncts of the invariant that do not hold of two disks."""
         ledger = self.ledger
         s = record(ledger, {(p.robot.name, p.robot.life): p.robot for p in self.processes}, low, high)
-        regions = {}
+        facts = TrackFacts(ledger, low, high, s)
         for x, name in (("A", low), ("B", high)):
-            disk = ledger.disks[name]
-            regions[x] = dict(disk.held.regions)
             if s[f"{x}.body"] is None:
-                s[f"{x}.body"] = s[f"{x}.own"] = self.truth.get(name, disk.held.regions[0][1])
+                s[f"{x}.body"] = s[f"{x}.own"] = self.truth.get(name, ledger.disks[name].held.regions[0][1])
             said = [n for p in self.processes if p.robot.name == name for n in p.adopted]
             s[f"{x}.said"] = self.random.choice(said) if said else 0
-        firsts: dict[int, Line | None] = {}
         for b, binding in bindings_of(ledger, low, high).items():
-            firsts[binding.number] = binding.first
             self._messages(b, binding, s)
-        return broken(s, TrackFacts(regions, firsts, s), ranges_of(ledger, s, low, high))
+        return broken(s, facts)
 
     def _messages(self, b: str, binding: Binding[Line], s: Record) -> None:
         """Messages about a binding that are under way."""
