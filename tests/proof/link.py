@@ -56,17 +56,23 @@ class Facts(ABC):
         self._s = s
 
     @abstractmethod
-    def apart(self, a: int, b: int) -> bool: ...
-    @abstractmethod
     def inside(self, x: str, body: Any, region: int) -> bool: ...
     @abstractmethod
     def fits(self, x: str, body: Any, line: Any) -> bool: ...
     @abstractmethod
     def disjoint(self, a: Any, b: Any) -> bool: ...
 
-    @abstractmethod
+    def clear(self, a: Any, b: Any) -> bool:
+        """Of two regions."""
+        return self.disjoint(a, b)
+
     def shape(self, region: Any) -> Any:
         """Of a region, as a body is given."""
+        return region
+
+    def apart(self, a: int, b: int) -> bool:
+        one, other = self.regions["A"].get(a), self.regions["B"].get(b)
+        return one is None or other is None or self.clear(one, other)
 
     def beside(self, x: str, region: int, line: Any) -> bool:
         known = self.regions[x].get(region)
@@ -90,6 +96,10 @@ _INFIX = {
     z3.Z3_OP_AND: " and ", z3.Z3_OP_OR: " or ", z3.Z3_OP_EQ: " == ", z3.Z3_OP_LE: " <= ", z3.Z3_OP_LT: " < ",
     z3.Z3_OP_GE: " >= ", z3.Z3_OP_GT: " > ", z3.Z3_OP_ADD: " + ", z3.Z3_OP_DISTINCT: " != ",
 }  # fmt: skip
+_SPECIAL = {
+    z3.Z3_OP_NOT: "(not {0})", z3.Z3_OP_IMPLIES: "(not {0} or {1})", z3.Z3_OP_ITE: "({1} if {0} else {2})",
+    z3.Z3_OP_TRUE: "True", z3.Z3_OP_FALSE: "False",
+}  # fmt: skip
 _ARGUMENTS = {"any A": "ra", "any B": "rb", "any K": "k"}
 
 
@@ -98,15 +108,8 @@ def python_of(term: z3.ExprRef) -> str:
     args, kind = [python_of(each) for each in term.children()], term.decl().kind()
     if kind in _INFIX:
         return f"({_INFIX[kind].join(args)})"
-    special = {
-        z3.Z3_OP_NOT: "(not {0})",
-        z3.Z3_OP_IMPLIES: "(not {0} or {1})",
-        z3.Z3_OP_ITE: "({1} if {0} else {2})",
-        z3.Z3_OP_TRUE: "True",
-        z3.Z3_OP_FALSE: "False",
-    }
-    if kind in special:
-        return special[kind].format(*args)
+    if kind in _SPECIAL:
+        return _SPECIAL[kind].format(*args)
     if z3.is_int_value(term):
         return str(term)
     name = term.decl().name()

@@ -39,84 +39,77 @@ def is_distance(d: Any, dx: Any, dy: Any) -> Any:
     return z3.And(d >= 0, d * d == dx * dx + dy * dy)
 
 
-def parts() -> tuple[list[Any], Any]:
-    """Disks on the two sides of a line, which is turned to x = c."""
-    ax, ay, ra, bx, by, rb, c, d = reals("ax ay ra bx by rb c d")
-    sides = [ra >= 0, rb >= 0, ax + ra <= c, bx - rb >= c, is_distance(d, ax - bx, ay - by)]
-    return sides, d >= ra + rb
-
-
-def inner_disk_is_beside() -> tuple[list[Any], Any]:
-    """A disk in a region that is beside a line."""
-    x, y, r, X, Y, R, c, d = reals("x y r X Y R c d")
-    return [is_distance(d, x - X, y - Y), d + r <= R, c >= X + R], x + r <= c
-
-
-def inner_disks_are_apart() -> tuple[list[Any], Any]:
-    """Disks in regions that are apart, whose centres are (0, 0) and (D, 0), are apart along the x-axis."""
-    ax, ay, ra, bx, by, rb, R, Q, D, d, e = reals("ax ay ra bx by rb R Q D d e")
-    inside = [is_distance(d, ax, ay), d + ra <= R, is_distance(e, bx - D, by), e + rb <= Q]
-    return [*inside, ra >= 0, rb >= 0, R + Q <= D], bx - ax >= ra + rb
-
-
-def no_way_is_shorter_than_along_an_axis() -> tuple[list[Any], Any]:
-    """A distance is no less than its part along the x-axis."""
-    d, u, v = reals("d u v")
-    return [is_distance(d, u, v)], d >= u
-
-
-def smaller_disk_is_inside() -> tuple[list[Any], Any]:
-    """A disk within another one around (X, 0) that is within a region around the origin."""
-    x, y, r, X, R, W = reals("x y r X R W")
-    d, f = reals("d f")
-    return [X >= 0, X + R <= W, is_distance(d, x - X, y), d + r <= R, is_distance(f, x, y)], f + r <= W
-
-
-def round_wall_holds() -> tuple[list[Any], Any]:
-    """A displacement d with n.d <= max(0, W - n.x), n = (1, 0) along x + d, ends inside."""
-    x, y, dx, W, f = reals("x y dx W f")
-    room = z3.If(W - x >= 0, W - x, 0)
-    # The end is (x + dx, 0), and it is ahead: n = (1, 0).
-    return [x + dx >= 0, dx <= room, x * x + y * y <= W * W, W >= 0, is_distance(f, x + dx, 0)], f <= W
-
-
-def tangent_parts() -> tuple[list[Any], Any]:
-    """A convex set is beyond the line through its point p = (d, 0) nearest to the origin: else the way from p
-    to another point q of it comes nearer."""
-    d, u, v, t = reals("d u v t")  # q = (d + u, v)
-    best = -d * u / (u * u + v * v)
-    x, y = d + t * u, t * v
-    nearest = x * x + y * y >= d * d  # of every t in [0, 1]
-    return [d > 0, u * u + v * v > 0, t == z3.If(best > 1, 1, best), z3.Implies(t >= 0, nearest)], u >= 0
-
-
-def cut_keeps_what_satisfies_it() -> tuple[list[Any], Any]:
-    """The hull of points that satisfy a half-plane satisfies it: two of them suffice, side by side."""
-    px, qx, c, t = reals("px qx c t")
-    return [px <= c, qx <= c, t >= 0, t <= 1], (1 - t) * px + t * qx <= c
-
-
-FACTS = (
-    parts,
-    inner_disk_is_beside,
-    inner_disks_are_apart,
-    no_way_is_shorter_than_along_an_axis,
-    smaller_disk_is_inside,
-    round_wall_holds,
-    tangent_parts,
-    cut_keeps_what_satisfies_it,
-)
-
-
-@pytest.mark.parametrize("fact", FACTS, ids=lambda fact: fact.__name__)
-def test_a_fact_holds_of_all_numbers(fact: Any) -> None:
-    assumed, claim = fact()
+def assert_follows(assumed: list[Any], claim: Any) -> None:
+    """Of all numbers, and that there are such ones."""
     solver = z3.Solver()
     solver.set("timeout", 30_000)
     solver.add(*assumed)
     assert solver.check() == z3.sat
     solver.add(z3.Not(claim))
     assert solver.check() == z3.unsat
+
+
+def test_disks_on_the_two_sides_of_a_line_are_apart() -> None:
+    """Disks on the two sides of a line, which is turned to x = c."""
+    ax, ay, ra, bx, by, rb, c, d = reals("ax ay ra bx by rb c d")
+    sides = [ra >= 0, rb >= 0, ax + ra <= c, bx - rb >= c, is_distance(d, ax - bx, ay - by)]
+    assert_follows(sides, d >= ra + rb)
+
+
+def test_an_inner_disk_is_beside() -> None:
+    """A disk in a region that is beside a line."""
+    x, y, r, X, Y, R, c, d = reals("x y r X Y R c d")
+    assert_follows([is_distance(d, x - X, y - Y), d + r <= R, c >= X + R], x + r <= c)
+
+
+def test_inner_disks_are_apart() -> None:
+    """Disks in regions that are apart, whose centres are (0, 0) and (D, 0), are apart along the x-axis."""
+    ax, ay, ra, bx, by, rb, R, Q, D, d, e = reals("ax ay ra bx by rb R Q D d e")
+    inside = [is_distance(d, ax, ay), d + ra <= R, is_distance(e, bx - D, by), e + rb <= Q]
+    assert_follows([*inside, ra >= 0, rb >= 0, R + Q <= D], bx - ax >= ra + rb)
+
+
+def test_no_way_is_shorter_than_along_an_axis() -> None:
+    """A distance is no less than its part along the x-axis."""
+    d, u, v = reals("d u v")
+    assert_follows([is_distance(d, u, v)], d >= u)
+
+
+def test_a_smaller_disk_is_inside() -> None:
+    """A disk within another one around (X, 0) that is within a region around the origin."""
+    x, y, r, X, R, W = reals("x y r X R W")
+    d, f = reals("d f")
+    assert_follows(
+        [X >= 0, X + R <= W, is_distance(d, x - X, y), d + r <= R, is_distance(f, x, y)], f + r <= W
+    )
+
+
+def test_a_round_wall_holds() -> None:
+    """A displacement d with n.d <= max(0, W - n.x), n = (1, 0) along x + d, ends inside."""
+    x, y, dx, W, f = reals("x y dx W f")
+    room = z3.If(W - x >= 0, W - x, 0)
+    # The end is (x + dx, 0), and it is ahead: n = (1, 0).
+    assert_follows(
+        [x + dx >= 0, dx <= room, x * x + y * y <= W * W, W >= 0, is_distance(f, x + dx, 0)], f <= W
+    )
+
+
+def test_a_tangent_parts() -> None:
+    """A convex set is beyond the line through its point p = (d, 0) nearest to the origin: else the way from p
+    to another point q of it comes nearer."""
+    d, u, v, t = reals("d u v t")  # q = (d + u, v)
+    best = -d * u / (u * u + v * v)
+    x, y = d + t * u, t * v
+    nearest = x * x + y * y >= d * d  # of every t in [0, 1]
+    assert_follows(
+        [d > 0, u * u + v * v > 0, t == z3.If(best > 1, 1, best), z3.Implies(t >= 0, nearest)], u >= 0
+    )
+
+
+def test_a_cut_keeps_what_satisfies_it() -> None:
+    """The hull of points that satisfy a half-plane satisfies it: two of them suffice, side by side."""
+    px, qx, c, t = reals("px qx c t")
+    assert_follows([px <= c, qx <= c, t >= 0, t <= 1], (1 - t) * px + t * qx <= c)
 
 
 # -- rounding
@@ -179,6 +172,15 @@ def excess(shape: Shape, line: Line, low: bool) -> Fraction:
     return max(nx * x + ny * y for x, y in (exact(*each) for each in shape.points)) - offset
 
 
+def side_of(nx: float, ny: float, edge: float, low: bool) -> Line:
+    return Line(nx, ny, edge) if low else Line(-nx, -ny, -edge)
+
+
+def is_within(x: float, y: float, room: Fraction, region: Disk) -> bool:
+    """Whether a point is no farther from the centre of a region, exactly."""
+    return room >= 0 and square_distance(region, *exact(x, y)) <= room * room
+
+
 def beside(shape: Shape, angle: float, more: float) -> Disk:
     """A disk of the size of a metre about as far from a shape as floats can tell."""
     around = shape.around
@@ -200,8 +202,7 @@ def test_what_is_said_to_be_apart_is(shape: Shape, angle: float, more: float) ->
 @given(shapes, angles, slack, st.booleans())
 def test_what_is_said_to_be_beside_a_line_is(shape: Shape, angle: float, more: float, low: bool) -> None:
     nx, ny = math.cos(angle), math.sin(angle)
-    edge = -shape.limit(-nx, -ny, 0.0) + more
-    line = Line(nx, ny, edge) if low else Line(-nx, -ny, -edge)
+    line = side_of(nx, ny, -shape.limit(-nx, -ny, 0.0) + more, low)
     if is_beside(shape, line, low):
         assert excess(shape, line, low) <= Fraction(SURE) + LOST
 
@@ -213,8 +214,7 @@ def test_a_body_that_is_said_to_fit_a_line_fits(
     x: float, y: float, radius: float, bound: float, angle: float, more: float, low: bool
 ) -> None:
     nx, ny = math.cos(angle), math.sin(angle)
-    edge = nx * x + ny * y + radius + bound + more
-    line = Line(nx, ny, edge) if low else Line(-nx, -ny, -edge)
+    line = side_of(nx, ny, nx * x + ny * y + radius + bound + more, low)
     assume(line.is_unit)
     if CoverGeometry().fits(Cover(OwnSet(x, y, bound), radius), line, low):
         assert excess(Disk(x, y, radius), line, low) + Fraction(bound) <= 0
@@ -228,9 +228,7 @@ def test_a_body_that_is_said_to_be_inside_a_region_is(
     reach = max(0.0, region.radius - radius - bound - more)
     x, y = region.x + reach * math.cos(angle), region.y + reach * math.sin(angle)
     if CoverGeometry().inside(Cover(OwnSet(x, y, bound), radius), Region(region)):
-        room = Fraction(region.radius) - Fraction(radius) - Fraction(bound)
-        assert room >= 0
-        assert square_distance(region, *exact(x, y)) <= room * room
+        assert is_within(x, y, Fraction(region.radius) - Fraction(radius) - Fraction(bound), region)
 
 
 @pytest.mark.slow
@@ -250,10 +248,8 @@ def test_a_tangent_has_what_stands_behind_it(
     shape: Shape, angle: float, away: float, low: bool, near: float
 ) -> None:
     around = shape.around
-    x, y = (
-        around.x + (around.radius + away) * math.cos(angle),
-        around.y + (around.radius + away) * math.sin(angle),
-    )
+    reach = around.radius + away
+    x, y = around.x + reach * math.cos(angle), around.y + reach * math.sin(angle)
     line = tangent(shape, x, y, low, near)
     if line is not None:
         assert line.is_unit
@@ -268,9 +264,7 @@ def test_a_place_that_is_said_to_be_within_a_region_is(
     reach = max(0.0, region.radius - radius - more)
     place = Disk(region.x + reach * math.cos(angle), region.y + reach * math.sin(angle), radius)
     if RegionGeometry().within(Region(place), Held(1, Region(region))):
-        room = Fraction(region.radius) - Fraction(radius) + LOST
-        assert room >= 0
-        assert square_distance(region, *exact(place.x, place.y)) <= room * room
+        assert is_within(place.x, place.y, Fraction(region.radius) - Fraction(radius) + LOST, region)
 
 
 @pytest.mark.slow

@@ -25,9 +25,9 @@ PRODUCT: Any = SimpleNamespace(Robot=Robot, World=WorldCore, Line=Line)
 class PlaneFacts(Facts):
     """What the plane says of a record; a body is the true disk."""
 
-    def apart(self, a: int, b: int) -> bool:
-        one, other = self.regions["A"].get(a), self.regions["B"].get(b)
-        return one is None or other is None or RegionGeometry().clear(_held(one), other)
+    def clear(self, a: Region, b: Region) -> bool:
+        held: Any = SimpleNamespace(regions=[(0, a)])
+        return RegionGeometry().clear(held, b)
 
     def inside(self, x: str, body: Shape, region: int) -> bool:
         known = self.regions[x].get(region)
@@ -48,10 +48,6 @@ class PlaneFacts(Facts):
     def disjoint(self, a: Shape, b: Shape) -> bool:
         """Bodies that stand where the run begins; the judge looks at all others."""
         return True
-
-
-def _held(region: Region) -> Any:
-    return SimpleNamespace(regions=[(0, region)])
 
 
 class Check:
@@ -84,20 +80,14 @@ class Check:
         return Disk(x, y, self.run.scenario.spec(name).radius)
 
 
-def look_at(seed: int, ticks: int) -> Watch:
-    """A skirmish that is looked at."""
-    check = Check(seed)
-    with watched(Watch(check)) as watch:
-        check.run = run = Skirmish(seed, PRODUCT)
-        for _ in range(ticks):
-            run.tick()
-            assert run.violation() == ""
-    return watch
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_a_skirmish_takes_only_rules_and_keeps_the_invariant(seed: int) -> None:
-    watch = look_at(seed, 40)
+    check = Check(seed)
+    with watched(Watch(check)) as watch:
+        check.run = run = Skirmish(seed, PRODUCT)
+        for _ in range(40):
+            run.tick()
+            assert run.violation() == ""
     assert watch.wrong == []
     assert watch.taken.total() > 100

@@ -66,15 +66,8 @@ def overlap(one: Span, other: Span) -> bool:
 class TrackFacts(Facts):
     """What the track says of a record of two disks."""
 
-    def apart(self, a: int, b: int) -> bool:
-        one, other = self.regions["A"].get(a), self.regions["B"].get(b)
-        return one is None or other is None or not overlap(one, other)
-
     def inside(self, x: str, body: Span, region: int) -> bool:
         return region in self.regions[x] and Track().inside(body, self.regions[x][region])
-
-    def shape(self, region: Span) -> Span:
-        return region
 
     def fits(self, x: str, body: Span, line: Line) -> bool:
         return Track().fits(body, line, x == "A")

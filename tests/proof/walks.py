@@ -13,12 +13,13 @@ import time
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import combinations
 from random import Random
 from typing import Any
 
 from protocol.kernel.ledger import Ledger
 from protocol.kernel.pair import Follower, Owner
-from protocol.kernel.records import NO, PRESENT, Binding, RefusedError, Told
+from protocol.kernel.records import NO, PRESENT, Binding, RefusedError, Told, require
 from protocol.kernel.robot import ASKED, Bound, RobotLife
 from tests.proof.link import Record, broken, record
 from tests.proof.model import bindings_of
@@ -38,15 +39,15 @@ _SHARES = {
 _SWARM = (0.2, 0.5, 1.0, 1.0, 2.0, 4.0)  # factors of these: no two walks have the same character
 
 
+@dataclass
 class Process:
     """One life's process, and what it has said."""
 
-    def __init__(self, robot: RobotLife[Span, Line, Span]) -> None:
-        self.robot = robot
-        self.proposals: list[tuple[int, int, Line]] = []  # binding, number, line
-        self.answers: list[tuple[int, int, int]] = []  # binding, held, seen
-        self.firsts: list[tuple[int, Line]] = []
-        self.adopted: list[int] = []
+    robot: RobotLife[Span, Line, Span]
+    proposals: list[tuple[int, int, Line]] = field(default_factory=list)  # binding, number, line
+    answers: list[tuple[int, int, int]] = field(default_factory=list)  # binding, held, seen
+    firsts: list[tuple[int, Line]] = field(default_factory=list)
+    adopted: list[int] = field(default_factory=list)
 
 
 @dataclass
@@ -76,18 +77,17 @@ class Walk:
         return self.random.choice(list(self.ledger.disks.values()))
 
     def process(self) -> Process:
-        if not self.processes:
-            raise RefusedError("no disk is present")
+        require(bool(self.processes), "no disk is present")
         lives = [each for each in self.processes if self.current(each)]
         return self.random.choice(lives if lives and self.random.random() < 0.8 else self.processes)
 
     def current(self, process: Process) -> bool:
         return self.ledger.disks[process.robot.name].life == process.robot.life
 
-    def bound(self, process: Process) -> Bound[Span, Line]:
-        if not process.robot.bound:
-            raise RefusedError("no disk is bound")
-        return self.random.choice(list(process.robot.bound.values()))
+    def bound(self) -> tuple[Process, Bound[Span, Line]]:
+        process = self.process()
+        require(bool(process.robot.bound), "no disk is bound")
+        return process, self.random.choice(list(process.robot.bound.values()))
 
     def line(self, robot: RobotLife[Span, Line, Span], bound: Bound[Span, Line]) -> Line:
         body = robot.body_towards(bound)
@@ -100,8 +100,7 @@ class Walk:
 
     def do_rejoin(self) -> None:
         disk = self.disk()
-        if disk.name == PART:
-            raise RefusedError("a part has no life")
+        require(disk.name != PART, "a part has no life")
         self.ledger.rejoin(disk)
         body = self.truth[disk.name]
         self.processes.append(Process(RobotLife(disk.name, disk.life, body, Track())))
@@ -116,8 +115,7 @@ class Walk:
 
     def do_settle(self) -> None:
         disk = self.disk()
-        if disk.name not in self.truth:
-            raise RefusedError("it is not there")
+        require(disk.name in self.truth, "it is not there")
         self.ledger.settle(disk, self.truth[disk.name])
 
     def do_grant(self) -> None:
@@ -130,8 +128,7 @@ class Walk:
 
     def do_acknowledge(self) -> None:
         process = self.process()
-        if not process.adopted:
-            raise RefusedError("nothing was adopted")
+        require(bool(process.adopted), "nothing was adopted")
         disk = self.ledger.disks[process.robot.name]
         self.ledger.acknowledge(disk, self.random.choice(process.adopted))
 
@@ -143,14 +140,12 @@ class Walk:
 
     def do_ask(self) -> None:
         one, other = self.disk(), self.disk()
-        if one is other:
-            raise RefusedError("twice the same")
+        require(one is not other, "twice the same")
         self.ledger.ask(one, other)
 
     def do_answer(self) -> None:
         process = self.process()
-        if not process.firsts:
-            raise RefusedError("nothing was frozen")
+        require(bool(process.firsts), "nothing was frozen")
         number, line = self.random.choice(process.firsts)
         disk = self.ledger.disks[process.robot.name]
         for pair in self.ledger.pairs[disk.name].values():
@@ -162,8 +157,7 @@ class Walk:
 
     def do_part(self) -> None:
         one, other = self.disk(), self.disk()
-        if one is other or other.name not in self.ledger.pairs[one.name]:
-            raise RefusedError("not bound")
+        require(one is not other and other.name in self.ledger.pairs[one.name], "not bound")
         self.ledger.part(one, other)
 
     def do_announce(self) -> None:
@@ -171,8 +165,7 @@ class Walk:
         place = (at, at + 2)
         if self.carrier:
             disk = self.ledger.disks[self.carrier]
-            if disk.life == NO:
-                raise RefusedError("no robot puts it down")
+            require(disk.life != NO, "no robot puts it down")
             end = self.truth[self.carrier][1]
             place = (end - 1, end)
         self.ledger.announce(PART, place)
@@ -181,8 +174,8 @@ class Walk:
         disk = self.ledger.disks[PART]
         (place,) = [region for _, region in disk.held.regions]
         current = [each for each in self.processes if self.current(each) and each.robot.name == self.carrier]
-        if self.carrier and not (current and current[0].robot.part == PART):
-            raise RefusedError("its carrier does not put it down")
+        put_down = not self.carrier or any(each.robot.part == PART for each in current)
+        require(put_down, "its carrier does not put it down")
         self.ledger.appear(disk)
         if self.carrier:
             self.truth[self.carrier] = current[0].robot.own
@@ -191,25 +184,22 @@ class Walk:
 
     def do_remove(self) -> None:
         disk = self.disk()
-        if disk.name != PART:
-            raise RefusedError("robots stay")
+        require(disk.name == PART, "robots stay")
         self.ledger.remove(disk)
         self.truth.pop(PART, None)
 
     def do_take_up(self) -> None:
         process, part = self.process(), self.ledger.disks[PART]
         robot = process.robot
-        if robot.part != PART or part.phase != PRESENT or not self.current(process) or self.carrier:
-            raise RefusedError("no robot reaches for it")
-        if not Track().inside(self.truth[PART], robot.body):
-            raise RefusedError("it is not in reach")
+        require(robot.part == PART and self.current(process), "no robot reaches for it")
+        require(part.phase == PRESENT and not self.carrier, "it is not there")
+        require(Track().inside(self.truth[PART], robot.body), "it is not in reach")
         self.ledger.remove(part)
         del self.truth[PART]
         self.carrier, self.truth[robot.name] = robot.name, robot.body
 
     def do_restart(self) -> None:
-        if self.random.random() > 0.05:
-            raise RefusedError("seldom")
+        require(self.random.random() <= 0.05, "seldom")
         version = self.ledger.version + self.random.randint(1, 100)
         self.ledger = Ledger(version, dict(self.truth), Track())
         if PART not in self.ledger.disks and not self.carrier:
@@ -223,29 +213,25 @@ class Walk:
 
     def do_tell(self) -> None:
         disk = self.disk()
-        if disk.life == NO:
-            raise RefusedError("no life is listening")
+        require(disk.life != NO, "no life is listening")
         self.told.append((disk.name, self.ledger.told(disk)))
 
     def do_hear(self) -> None:
         process = self.process()
         heard = [told for name, told in self.told if name == process.robot.name]
-        if not heard:
-            raise RefusedError("nothing was told")
+        require(bool(heard), "nothing was told")
         told = heard[-1] if self.random.random() < 0.7 else self.random.choice(heard)
         process.robot.hear(told)
 
     def do_freeze(self) -> None:
-        process = self.process()
-        bound = self.bound(process)
+        process, bound = self.bound()
         kept = process.robot.kept(bound)
         line = self.random.choice([*kept, self.line(process.robot, bound)])
         process.robot.freeze(bound, line)
         process.firsts.append((bound.number, line))
 
     def do_turn(self) -> None:
-        process = self.process()
-        bound = self.bound(process)
+        process, bound = self.bound()
         process.robot.turn(bound, self.line(process.robot, bound))
 
     def do_adopt_region(self) -> None:
@@ -259,14 +245,10 @@ class Walk:
         lo, hi = self.truth[robot.name]
         step = self.random.randint(-3, 3)
         swept = (min(lo, lo + step), max(hi, hi + step))
-        if self.carrier == robot.name:
-            part = self.random.choice((NO, PART)) if PART not in self.truth else NO
-            after = (lo + step, hi + step)
-            robot.command(swept, (swept[0], max(swept[0], swept[1] - 1)) if part else swept, part)
-        else:
-            part, after = NO, (lo + step, hi + step)
-            robot.command(swept, swept)
-        self._execute(process, after, part)
+        carries = self.carrier == robot.name and PART not in self.truth
+        part = self.random.choice((NO, PART)) if carries else NO
+        robot.command(swept, (swept[0], max(swept[0], swept[1] - 1)) if part else swept, part)
+        self._execute(process, (lo + step, hi + step), part)
 
     def do_reach(self) -> None:
         process = self.process()
@@ -274,8 +256,7 @@ class Walk:
         if part is None or self.carrier == robot.name:
             raise RefusedError("there is none")
         lo, hi = self.truth[robot.name]
-        if min(abs(part[0] - hi), abs(lo - part[1])) > 1:
-            raise RefusedError("too far")
+        require(min(abs(part[0] - hi), abs(lo - part[1])) <= 1, "too far")
         robot.command((min(lo, part[0]), max(hi, part[1])), (lo, hi), PART)
 
     def _execute(self, process: Process, after: Span, part: int) -> None:
@@ -287,16 +268,15 @@ class Walk:
         robot.locate(body, (body[0], body[1] - 1) if part else body)
 
     def do_propose(self) -> None:
-        process = self.process()
-        bound = self.bound(process)
+        process, bound = self.bound()
         if not isinstance(bound.lines, Owner) or bound.state == ASKED:
             raise RefusedError("no owner")
         line = self.line(process.robot, bound)
         bound.lines.propose(line, process.robot.fits(bound, line))
         process.proposals.append((bound.number, bound.lines.number, line))
 
-    def _from_peer(self, process: Process, what: str) -> tuple[Bound[Span, Line], Any]:
-        bound = self.bound(process)
+    def _from_peer(self, what: str) -> tuple[Process, Bound[Span, Line], Any]:
+        process, bound = self.bound()
         said = [
             each
             for other in self.processes
@@ -306,19 +286,17 @@ class Walk:
         ]
         if not said or bound.lines is None:
             raise RefusedError("nothing was said")
-        return bound, self.random.choice(said)
+        return process, bound, self.random.choice(said)
 
     def do_adopt(self) -> None:
-        process = self.process()
-        bound, (_, number, line) = self._from_peer(process, "proposals")
+        process, bound, (_, number, line) = self._from_peer("proposals")
         if not isinstance(bound.lines, Follower):
             raise RefusedError("no follower")
         bound.lines.on_proposal(number, line, process.robot.fits(bound, line))
         process.answers.append((bound.number, bound.lines.held_number, bound.lines.seen))
 
     def do_read_answer(self) -> None:
-        process = self.process()
-        bound, (_, held, seen) = self._from_peer(process, "answers")
+        _, bound, (_, held, seen) = self._from_peer("answers")
         if not isinstance(bound.lines, Owner):
             raise RefusedError("no owner")
         bound.lines.on_answer(held, seen)
@@ -337,11 +315,9 @@ class Walk:
 
     def violation(self) -> str:
         """What is not as the kernel promises."""
-        there = sorted(self.truth)
-        for index, one in enumerate(there):
-            for other in there[index + 1 :]:
-                if overlap(self.truth[one], self.truth[other]):
-                    return f"{one} and {other} overlap at {self.truth[one]} and {self.truth[other]}"
+        for one, other in combinations(sorted(self.truth), 2):
+            if overlap(self.truth[one], self.truth[other]):
+                return f"{one} and {other} overlap at {self.truth[one]} and {self.truth[other]}"
         one, other = sorted(self.random.sample(sorted(self.ledger.disks), 2))
         return ", ".join(self.broken(one, other))
 
