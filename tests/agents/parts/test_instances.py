@@ -30,6 +30,9 @@ pytestmark = pytest.mark.slow
             id="an idle robot stands where the part of a dead one is taken over",
             marks=pytest.mark.campaign,
         ),
+        pytest.param(6103, False, id="three give up parts for claims that have lost themselves"),
+        pytest.param(1703, True, id="a part is put down beside a dead robot whose own one was taken over"),
+        pytest.param(2500, True, id="a carrier that is enclosed with a part puts it back"),
     ],
 )
 def test_all_parts_get_in_place(seed: int, kill: bool) -> None:
