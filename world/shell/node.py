@@ -187,10 +187,10 @@ class WorldNode:
         self._advance()
 
     def _on_world(self, session: str, alive: bool) -> None:
-        """Another world appeared or disappeared. Of two that have not begun one leaves."""
+        """Another world appeared or disappeared. Of two with runs that have not begun one leaves."""
         self._operations.on_world(session, alive)
-        founded = self._run.world.lives.founded
-        if alive and not founded and session < self._session:
+        begun = self._run.world.lives.founded or len(self._epochs) > 1
+        if alive and not begun and session < self._session:
             self._give_way()
 
     def _give_way(self) -> None:

@@ -80,6 +80,24 @@ def test_a_world_without_robots_leaves_the_run_to_the_world_that_has_them() -> N
     go(fleet, 3)
 
 
+@pytest.mark.parametrize("continues", [False, True])
+def test_a_world_that_continues_a_run_does_not_leave_it(continues: bool, tmp_path: Path) -> None:
+    network, path = LocalNetwork(), tmp_path / "checkpoint"
+    if continues:
+        Checkpoint.create(path)
+        checkpoint, bus = Checkpoint(path, "local", SWAP), network.connect()
+        before = WorldNode(bus, "local", SWAP, checkpoint=checkpoint)
+        before.handle(Query(world_key("local", "operation"), b"", lambda _: None))  # is written
+        bus.close()
+        checkpoint.close()
+    bus = network.connect()
+    kept = Checkpoint(path, "local", SWAP) if continues else None
+    world = bus.node = WorldNode(bus, "local", SWAP, checkpoint=kept)
+    network.connect().announce("disknav/local/world/alive/00000000")
+    bus.drain()
+    assert world.refused is not continues
+
+
 def test_an_emergency_stop_outlasts_the_other_world() -> None:
     fleet = LocalFleet(SWAP)
     go(fleet, 10)
