@@ -20,7 +20,7 @@ from collections import deque
 from itertools import groupby
 from typing import Final
 
-from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, turned
+from protocol.bodies.kinematics import Arc, Kinematics, Motion
 from protocol.messages import BaseMotion, Vector
 from protocol.scenario.body import DECISION, Base, Body
 
@@ -121,9 +121,8 @@ class Drive:
         if before == (_STILL,):
             return BaseMotion(_STILL, heading, _STILL)
         hold = self._late.alone + max(0.0, self._brakes - now)
-        arc = self._kinematics.halt(Motion(heading, *self.told, hold))
-        dx, dy = turned(*chord(arc, self._kinematics.turn(arc)), heading)
-        return BaseMotion(turned(*self.told, heading), heading, (dx, dy), before)
+        motion = Motion(heading, *self.told, hold)
+        return BaseMotion(motion.velocity, heading, self._kinematics.stop(motion), before)
 
     def turning(self, age: float, now: float) -> float:
         """Rotation of the base from its odometry of an estimated age, s, to the command of the new tick, rad,

@@ -198,6 +198,21 @@ class Kinematics:
         """The whole further motion without commands, as one arc."""
         return Arc(motion.ahead, motion.aside, motion.hold + 0.5 * self._stopping(motion))
 
+    def stop(self, motion: Motion) -> Vector:
+        """Displacement of that motion, in the world's frame, m."""
+        arc = self.halt(motion)
+        return chord(arc, self.turn(arc), motion.heading)
+
+    def unled(self, motion: Motion, *, ordered: bool) -> tuple[list[Arc], Motion]:
+        """The arcs of a tick without a velocity, whether a stop is `ordered` or there is no command, and the
+        motion at its end."""
+        part, arcs = self.period / self.steps, []
+        after = self.braking(motion) if ordered else motion
+        for _ in range(self.steps):
+            arcs.append(self.coast(after, part))
+            after = self.coasted(after, part)
+        return arcs, after
+
     def motion(
         self, velocity: Vector, heading: float, stop: Vector, before: tuple[Vector, ...] = ()
     ) -> Motion:
@@ -276,13 +291,15 @@ def turned(x: float, y: float, angle: float) -> Vector:
     return cosine * x - sine * y, sine * x + cosine * y
 
 
-def chord(arc: Arc, turn: float) -> Vector:
-    """Displacement of the control point along an arc that turns the body by `turn`, in its first frame, m."""
+def chord(arc: Arc, turn: float, heading: float) -> Vector:
+    """Displacement of the control point along an arc that turns the body by `turn`, rad, from a heading, rad,
+    in the world's frame, m."""
     if turn == 0.0:
-        return arc.ahead * arc.duration, arc.aside * arc.duration
+        return turned(arc.ahead * arc.duration, arc.aside * arc.duration, heading)
     sine = math.sin(0.5 * turn)
     along, across = math.sin(turn) / turn, 2.0 * sine * sine / turn
-    return (
+    return turned(
         (along * arc.ahead - across * arc.aside) * arc.duration,
         (across * arc.ahead + along * arc.aside) * arc.duration,
+        heading,
     )

@@ -200,8 +200,7 @@ class _Hull:
             way, step = way + speed * arc.duration, 0.0
         for _ in range(pieces):
             way += step
-            cx, cy = chord(piece, turn)
-            dx, dy = turned(cx, cy, heading)
+            dx, dy = chord(piece, turn, heading)
             if turn != 0.0:
                 tangent = piece.duration * math.tan(0.5 * turn) / turn
                 tx, ty = turned(piece.ahead * tangent, piece.aside * tangent, heading)
@@ -210,8 +209,7 @@ class _Hull:
             self._append(x, y, way)
         if around < 1.0:  # the rest, from where the circle began
             rest = Arc(arc.ahead, arc.aside, (1.0 - around) * arc.duration)
-            cx, cy = chord(rest, kinematics.turn(rest))
-            dx, dy = turned(cx, cy, heading)
+            dx, dy = chord(rest, kinematics.turn(rest), heading)
             x, y, heading = x + dx, y + dy, heading + kinematics.turn(rest)
             self._append(x, y, way)
         return x, y, heading, way

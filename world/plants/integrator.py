@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, steps_of, turned
+from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, steps_of
 from protocol.bodies.sweep import Tolerance
 from protocol.draws import Purpose, Uniforms
 from protocol.messages import Vector
@@ -81,19 +81,13 @@ class SimulatedBase:
         self._way = self._slip = 0.0  # m, since the last command
 
     @property
-    def stop(self) -> Vector:
-        """Displacement to the stop without further commands, m."""
-        arc = self._kinematics.halt(self.motion)
-        dx, dy = chord(arc, self._kinematics.turn(arc))
-        return turned(dx, dy, self.motion.heading)
-
-    @property
     def stands(self) -> bool:
         return self.motion.stands
 
     def report(self, displacement: Vector) -> BaseReport:
         motion = self.motion
-        return BaseReport(displacement, self._gone, motion.velocity, motion.heading, self.stop)
+        stop = self._kinematics.stop(motion)
+        return BaseReport(displacement, self._gone, motion.velocity, motion.heading, stop)
 
     def move(self, velocity: Vector | None, tick: int) -> list[Vector]:
         """Advance a tick with a commanded velocity (m/s) or none; displacement of each part, m."""
@@ -101,8 +95,7 @@ class SimulatedBase:
         steps = []
         for arc in self._arcs(velocity, tick):
             turn = self._kinematics.turn(arc)
-            cx, cy = chord(arc, turn)
-            dx, dy = turned(cx, cy, heading)
+            dx, dy = chord(arc, turn, heading)
             heading += turn
             self._way += math.hypot(arc.ahead, arc.aside) * arc.duration
             size = self._tolerance.error * self._way + self._slip
@@ -114,21 +107,15 @@ class SimulatedBase:
 
     def _arcs(self, velocity: Vector | None, tick: int) -> list[Arc]:
         kinematics, motion = self._kinematics, self.motion
-        part = kinematics.period / kinematics.steps
-        if velocity is None or (velocity[0] == 0.0 and velocity[1] == 0.0):
-            arcs = []
-            coasting = motion if velocity is None else kinematics.braking(motion)
-            for _ in range(kinematics.steps):
-                arcs.append(kinematics.coast(coasting, part))
-                coasting = kinematics.coasted(coasting, part)
-            self.motion = coasting
+        if velocity is None or velocity == STANDING:
+            arcs, self.motion = kinematics.unled(motion, ordered=velocity is not None)
             return arcs
         to = kinematics.limited(motion, velocity)
         self._error, self._off = self._errors.at(tick), STANDING
         self._way, self._slip = 0.0, self._tolerance.slip(motion, to)
         self.motion = kinematics.driven(motion, *to)
         arcs = kinematics.drive(motion, *to)
-        return arcs if len(arcs) > 1 else [Arc(*to, part)] * kinematics.steps
+        return arcs if len(arcs) > 1 else [Arc(*to, arcs[0].duration / kinematics.steps)] * kinematics.steps
 
 
 def simulated_base(scenario: Scenario, robot: int) -> SimulatedPoint | SimulatedBase:

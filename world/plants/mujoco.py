@@ -15,7 +15,7 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 
 import mujoco
 
-from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, steps_of, turned
+from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, steps_of
 from protocol.errors import UsageError
 from protocol.messages import Vector
 from protocol.scenario.body import Body
@@ -178,14 +178,9 @@ class _Wheeled:
             self._arcs, self._next = kinematics.drive(motion, *to), kinematics.driven(motion, *to)
             return
         part = kinematics.period / kinematics.steps
-        coasting = self._next if velocity is None else kinematics.braking(self._next)
-        self._arcs = []
-        for _ in range(kinematics.steps):
-            arc = kinematics.coast(coasting, part)
-            share = arc.duration / part  # average share of its velocity
-            self._arcs.append(Arc(share * arc.ahead, share * arc.aside, part))
-            coasting = kinematics.coasted(coasting, part)
-        self._next = coasting
+        arcs, self._next = kinematics.unled(self._next, ordered=velocity is not None)
+        shares = [(arc, arc.duration / part) for arc in arcs]  # average shares of the velocities
+        self._arcs = [Arc(share * arc.ahead, share * arc.aside, part) for arc, share in shares]
 
     def actuate(self, part: int) -> None:
         """Set the wheels' servos for a part of the tick."""
@@ -203,18 +198,14 @@ class _Wheeled:
         self._angles = [left, right]
         turn = (rolled_right - rolled_left) / self._body.track
         arc = Arc(0.5 * (rolled_left + rolled_right), turn * self._body.offset, 1.0)
-        cx, cy = chord(arc, turn)
-        dx, dy = turned(cx, cy, self._turned)
+        dx, dy = chord(arc, turn, self._turned)
         self._turned += turn
         self._odometry = (self._odometry[0] + dx, self._odometry[1] + dy)
         self._way += math.hypot(dx, dy)
 
     def report(self) -> BaseReport:
-        arc = self._kinematics.halt(self.motion)
-        cx, cy = chord(arc, self._kinematics.turn(arc))
-        stop = turned(cx, cy, self.motion.heading)
-        displacement, way = self._moved
-        return BaseReport(displacement, way, self.motion.velocity, self.motion.heading, stop)
+        (displacement, way), motion = self._moved, self.motion
+        return BaseReport(displacement, way, motion.velocity, motion.heading, self._kinematics.stop(motion))
 
 
 def _model(scenario: Scenario, timestep: float) -> str:

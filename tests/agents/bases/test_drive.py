@@ -135,7 +135,7 @@ def excess(process: Process, passed: Sweep, since: int, died: int, worst, toward
         else:
             arc = Arc(*velocity, STEP / 1000)
             after = Motion(motion.heading + kinematics.turn(arc), *velocity)
-        dx, dy = turned(*chord(arc, kinematics.turn(arc)), motion.heading)
+        dx, dy = chord(arc, kinematics.turn(arc), motion.heading)
         x, y, motion, now = x + dx, y + dy, after, now + STEP
         most = max(most, nx * x + ny * y - passed.extent(nx, ny))
     return most

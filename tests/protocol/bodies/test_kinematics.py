@@ -46,7 +46,7 @@ def along(base: Kinematics, motion: Motion, arcs: list[Arc]) -> tuple[Vector, fl
     heading = motion.heading
     for arc in arcs:
         turn = base.turn(arc)
-        dx, dy = turned(*chord(arc, turn), heading)
+        dx, dy = chord(arc, turn, heading)
         x, y, heading = x + dx, y + dy, heading + turn
     return (x, y), heading
 

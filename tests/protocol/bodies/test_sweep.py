@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, turned
+from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord
 from protocol.bodies.sweep import Sweep, Tolerance, sweep
 from protocol.scenario.body import PRESETS, Body
 from world.plants.integrator import SimulatedBase
@@ -68,7 +68,7 @@ def test_it_contains_the_arcs_and_is_not_much_larger(body, period, heading, ahea
         turn = kinematics.turn(part)
         for _ in range(parts):
             way += math.hypot(part.ahead, part.aside) * part.duration
-            dx, dy = turned(*chord(part, turn), heading)
+            dx, dy = chord(part, turn, heading)
             x, y, heading = x + dx, y + dy, heading + turn
             farthest = max(farthest, nx * x + ny * y)
             margin = tolerance.error * way + slip
