@@ -1,21 +1,16 @@
-"""A robot's ROS 2 interfaces, as the scenario configures them: an external base, and topics for tools."""
+"""Whether a robot has ROS 2 topics, as the scenario configures them, and stands where it may begin."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import replace
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, NamedTuple
 
 from protocol.errors import JoinError, UsageError
-from protocol.messages import Line, Vector
+from protocol.messages import Vector
 from protocol.scenario.body import Base
 from protocol.scenario.model import Scenario
 from protocol.scenario.places import SHARE, room_at_start
-
-if TYPE_CHECKING:
-    from agents.bases.ros2 import Ros2Base
-    from agents.bases.tools import RosTools
 
 
 def require() -> None:
@@ -24,28 +19,8 @@ def require() -> None:
         raise UsageError('an external base needs pycdr2, which is not installed: pip install "disknav[ros2]"')
 
 
-class Shown(NamedTuple):
-    """A robot's data for display."""
-
-    position: Vector  # m, in the map
-    bound: float  # m, largest error of the position
-    heading: float  # rad
-    velocity: Vector  # m/s, in the map
-    radius: float  # m
-    goal: Vector  # m
-    lines: tuple[Line, ...]  # obeyed
-
-
-class Ros(NamedTuple):
-    """A robot's ROS 2 interfaces."""
-
-    table: Base  # names of topics and frames, for this robot
-    base: Ros2Base | None  # None: it is simulated
-    tools: RosTools | None  # None: it serves no tools
-
-
-def ros_of(scenario: Scenario, robot: int, namespace: str | None = None) -> Ros | None:
-    """The ROS 2 interfaces of a robot; None if it has none.
+def topics_of(scenario: Scenario, robot: int, namespace: str | None = None) -> Base | None:
+    """Names of the topics and frames of a robot; None if it has none.
 
     Args:
         scenario: the run.
@@ -65,15 +40,7 @@ def ros_of(scenario: Scenario, robot: int, namespace: str | None = None) -> Ros 
     if table is None or not (scenario.is_external or table.tools):
         return None
     require()
-    from agents.bases.ros2 import Ros2Base  # imported only for robots with ROS topics
-    from agents.bases.tools import RosTools
-
-    table = (replace(table, namespace=namespace) if namespace else table).of(robot)
-    return Ros(
-        table,
-        Ros2Base(scenario, robot, table) if scenario.is_external else None,
-        RosTools(table, robot) if table.tools else None,
-    )
+    return (replace(table, namespace=namespace) if namespace else table).of(robot)
 
 
 def misplaced(scenario: Scenario, robot: int, place: Vector, bound: float) -> str:

@@ -11,15 +11,15 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from msgspec.structs import replace
 
-from agents.bases.base import ros_of
+from agents.bases.base import topics_of
 from agents.peers.far import SummaryPlaces, read_summary
 from agents.robot import Robot
 from agents.shell.attached_base import AttachedBase
-from agents.shell.ros_link import AttachedTools, RosLink
+from agents.shell.ros_link import RosLink
 from agents.shell.subscriptions import Subscriptions
 from agents.shell.world_session import PATIENCE, RETRY, Read, Say, WorldSession
 from protocol import joining
@@ -28,6 +28,9 @@ from protocol.codec import SHOWN, decode, encode
 from protocol.errors import BusError, KeyGrammarError, MessageError
 from protocol.keys import STREAMS, is_driver, parse, robot_key, robot_token, world_key, world_tokens
 from protocol.messages import AnyMessage, Health, State, Tick, Wish
+
+if TYPE_CHECKING:
+    from agents.shell.ros_tools import RosTools
 
 REPORT_PERIOD: Final = 0.5  # s between health messages
 
@@ -38,7 +41,7 @@ class RobotNode:
     Args:
         bus: a connection of its own.
         wait, say, read: as of `WorldSession`.
-        namespace: as of `ros_of`.
+        namespace: as of `topics_of`.
         note: takes lines for the log.
 
     Raises:
@@ -69,7 +72,7 @@ class RobotNode:
         self._summary = world_key(run, "summary")
         self._link: RosLink | None = None
         self._base: AttachedBase | None = None
-        self._tools: AttachedTools | None = None
+        self._tools: RosTools | None = None
         self._lockstep = True
         self._founded = False  # whether the run had begun when this robot was admitted
         self._declared = self._announced = False
@@ -161,15 +164,18 @@ class RobotNode:
         self._declared = True
 
     def _declare_topics(self, core: Robot) -> None:
-        ros = ros_of(core.scenario, self._robot, self._namespace)
-        if ros is None:
+        table = topics_of(core.scenario, self._robot, self._namespace)
+        if table is None:
             return
-        link = self._link = RosLink(self._bus, ros.table)
-        if ros.base is not None:
-            self._base = AttachedBase(ros.base, link, self._say)
-        if ros.tools is not None:
+        from agents.bases.ros2 import Ros2Base  # imported only for robots with ROS topics
+        from agents.shell.ros_tools import RosTools
+
+        link = self._link = RosLink(self._bus, table)
+        if core.scenario.is_external:
+            self._base = AttachedBase(Ros2Base(core.scenario, self._robot, table), link, self._say)
+        if table.tools:
             operations = world_key(self._run, "operation")
-            self._tools = AttachedTools(ros.tools, link, self._bus, operations, self._say)
+            self._tools = RosTools(table, self._robot, link, self._bus, operations, self._say)
 
     def _announce(self) -> None:
         self._bus.announce(robot_token(self._run, self._robot, self._world.session))

@@ -2,22 +2,11 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-from typing import TYPE_CHECKING
-
-from agents.bases.base import Shown
 from agents.bases.dialects import Kind, Topic, dialect_of
-from agents.robot import Robot
 from protocol.bus.bus import Bus, Foreign, Publish
 from protocol.errors import MessageError
 from protocol.keys import driver_token
-from protocol.messages import Command
-from protocol.operations import Outcome, decode_reply
 from protocol.scenario.body import Base
-
-if TYPE_CHECKING:
-    from agents.bases.tools import RosTools
 
 
 class RosLink:
@@ -69,53 +58,3 @@ class RosLink:
         if token:
             self._bus.announce(token)
         return token
-
-
-class AttachedTools:
-    """A robot's topics for tools of ROS, on the bus.
-
-    Args:
-        tools: makes the payloads to publish, and reads those received.
-        link: carries its topics.
-        bus: the process's own connection.
-        operations: the key under which the world takes operations.
-        say: takes warnings for the operator.
-    """
-
-    def __init__(
-        self, tools: RosTools, link: RosLink, bus: Bus, operations: str, say: Callable[[str], None]
-    ) -> None:
-        self._tools, self._bus, self._operations, self._say = tools, bus, operations, say
-        link.subscribe(*tools.hears)
-        self._publish = {topic: link.publisher(topic) for topic in tools.tells}
-
-    def hear(self, topic: Topic, payload: bytes) -> None:
-        """Receive a message; raises MessageError."""
-        before = self._tools.stopped
-        if request := self._tools.hear(topic, payload):
-            self._bus.post(self._operations, request)
-        if self._tools.stopped != before:
-            self._say(f"{topic.name} says {'stop; stands' if self._tools.stopped else 'go'}")
-
-    def is_reply(self, event: Foreign) -> bool:
-        """Whether an event is the world's reply to an operation; reports a refusal to the operator."""
-        if event.key != self._operations:
-            return False
-        outcome = decode_reply(event.payload, Outcome)
-        if not outcome.accepted:
-            self._say(f"a goal is refused: {outcome.text}")
-        return True
-
-    @property
-    def stopped(self) -> bool:
-        """Whether the robot must stand until it is released."""
-        return self._tools.stopped
-
-    def tell(self, core: Robot, command: Command, heading: float) -> None:
-        """Publish the payloads that are due, after a Command of a robot with `heading`, rad."""
-        now, (position, bound) = time.monotonic(), core.place
-        if position is None or not self._tools.is_due(now):
-            return
-        shown = Shown(position, bound, heading, command.velocity, core.radius, core.goal, core.lines)
-        for topic, payload in self._tools.tell(shown, now):
-            self._publish[topic](payload)

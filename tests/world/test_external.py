@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from agents.bases.base import ros_of
+from agents.bases.base import topics_of
 from agents.bases.drive import Drive
+from agents.bases.ros2 import Ros2Base
 from deploy.library.load import load
 from protocol.messages import Command, Report, Tick
 from protocol.scenario.body import Base, Body
@@ -78,7 +79,8 @@ def test_a_robot_whose_lease_may_run_is_not_taken_for_static(monkeypatch: pytest
     monkeypatch.setattr(Drive, "command", lambda *told: leases.append(told[-1]))
     scenario = load("turtlebots-2", ["world.plant=external"], 1)
     robot = scenario.ids[0]
-    base, outside = ros_of(scenario, robot).base, External(scenario)
+    base = Ros2Base(scenario, robot, topics_of(scenario, robot))
+    outside = External(scenario)
     waits = Command(robot, 1, 4, (0.0, 0.0), report=Report(scenario.spec(robot).start, 2e-3))
     moves = Command(robot, 1, 5, (0.1, 0.0), region=7)
     for now, command in ((0.4, waits), (0.5, moves)):

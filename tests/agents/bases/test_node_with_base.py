@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from agents.bases import base as choice
-from agents.bases.base import ros_of
+from agents.bases.base import topics_of
 from deploy.library.load import load
 from protocol.bus.bus import Event, Foreign
 from protocol.errors import BusError, JoinError, UsageError
@@ -164,7 +164,7 @@ def test_a_robot_that_does_not_stand_at_its_start_keeps_the_run_from_beginning(c
 
 def test_a_base_for_a_robot_that_is_simulated_is_refused():
     with pytest.raises(JoinError, match=r'set world\.plant = "external"'):
-        ros_of(load("turtlebots-2"), 1, "/bot1")
+        topics_of(load("turtlebots-2"), 1, "/bot1")
 
 
 def test_a_base_outside_says_how_to_install_what_it_needs(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,8 +6,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from agents.bases.base import ros_of
+from agents.bases.base import topics_of
 from agents.bases.dialects import ODOMETRY, TWIST, Topic
+from agents.bases.ros2 import Ros2Base
 from agents.robot import Robot
 from agents.shell.attached_base import AttachedBase
 from agents.shell.ros_link import RosLink
@@ -50,7 +51,10 @@ def test_two_processes_that_drive_one_base_stand_until_one_is_gone():
     is its own is not disturbed."""
     scenario, network = load("turtlebots-2", ["world.plant=external"]), LocalNetwork()
     buses = [network.connect() for _ in range(3)]
-    bases = [ros_of(scenario, robot, "/same" if robot == 1 else "/other").base for robot in (1, 1, 2)]
+    bases = [
+        Ros2Base(scenario, robot, topics_of(scenario, robot, "/same" if robot == 1 else "/other"))
+        for robot in (1, 1, 2)
+    ]
     attached = [
         AttachedBase(base, RosLink(bus, replace(scenario.base_of(1), domain=number)), lambda _: None)
         for number, (base, bus) in enumerate(zip(bases, buses, strict=True))
