@@ -1,6 +1,6 @@
 """Calibration of a base: drive a square, and compare commands, odometry and poses.
 
-`Driver` is sans-I/O. After the last side it sends nothing, so that the base's own timeout is measured.
+After the last side nothing is sent, so that the base's own timeout is measured.
 """
 
 from __future__ import annotations
@@ -74,43 +74,52 @@ def square(side: float, speed: float, rate: float) -> list[Manoeuvre]:
     return [*moves, Manoeuvre(0.5 * side / speed, speed, 0.0), Manoeuvre(SILENCE, 0.0, 0.0, told=False)]
 
 
-class Driver:
-    """Drives a sequence of manoeuvres, once odometry and a pose have arrived.
+class Calibration:
+    """A `Node` that drives a base's manoeuvres over zenoh, once odometry and a pose have arrived.
+
+    Args:
+        bus: a connection of its own.
+        base: topics and frames of this robot's base.
+        moves: the manoeuvres.
+        wait: time for the first odometry and pose, s.
 
     Attributes:
-        base: topics and frames of this robot's base.
-        hears: topics to subscribe to.
-        tells: topic to publish.
-        due: time of the next call of `wake`, s.
+        hears: topics of odometry and poses.
+        deadline: time of the next call of `wake`, s, monotonic.
         finished: whether all manoeuvres are over.
+
+    Raises:
+        BusError: odometry or poses do not arrive.
+        MessageError: a message is invalid or of another type.
     """
 
-    def __init__(self, base: Base, robot: int, moves: list[Manoeuvre]) -> None:
-        base = base.of(robot)
-        self._odometry = Topic(base.topic(base.odometry), ros.ODOMETRY)
-        self._pose = Topic(base.topic(base.pose), ros.STAMPED_POSE)
-        self.hears = (self._odometry, self._pose)
+    def __init__(self, bus: Bus, base: Base, moves: list[Manoeuvre], wait: float) -> None:
+        self.hears = (
+            Topic(base.topic(base.odometry), ros.ODOMETRY),
+            Topic(base.topic(base.pose), ros.STAMPED_POSE),
+        )
         twist = ros.STAMPED_TWIST if base.stamped else ros.TWIST
-        self.tells = Topic(base.topic(base.velocity), twist)
-        self.due = 0.0
-        self.finished = False
+        self._link = RosLink(bus, base)
+        self._tell = self._link.publisher(Topic(base.topic(base.velocity), twist))
+        self._given_up = time.monotonic() + wait
+        self._link.subscribe(*self.hears)
+        self.deadline, self.finished = 0.0, False
         self.log = Log([], [], [])
-        self.base, self._ahead = base, list(reversed(moves))
+        self._base, self._ahead = base, list(reversed(moves))
         self._until = math.inf
 
-    @property
-    def waits_for(self) -> str:
-        """Names of the topics without a message so far; "" if there are none."""
-        missing = [topic.name for topic, rows in zip(self.hears, self.log[1:], strict=True) if not rows]
-        return " and ".join(missing)
+    def handle(self, event: Event) -> None:
+        """Process an event."""
+        if isinstance(event, Foreign):
+            self.hear(self._link.topic_of(event), event.payload, time.monotonic())
 
     def hear(self, topic: Topic, payload: bytes, now: float) -> None:
-        """Process a message; raises MessageError if it is invalid."""
-        if topic == self._odometry:
+        """Process a message of one of `hears`."""
+        if topic == self.hears[0]:
             message = decode(Odometry, payload)
             ahead, rate = message.velocity.linear[0], message.velocity.angular[2]
             self._note(self.log.odometry, now, message.header, message.pose, ahead, rate)
-        elif topic == self._pose:
+        else:
             located = decode(StampedPose, payload)
             self._note(self.log.poses, now, located.header, located.pose)
 
@@ -121,75 +130,33 @@ class Driver:
             x, y, _ = pose.position
             rows.append(Row(now, header.stamp / NANO, x, y, last + wrapped(yaw - last), *speeds))
 
-    def wake(self, now: float) -> list[bytes]:
-        """Messages to send by now."""
-        self.due = now + EVERY
-        if self.waits_for:
-            return []
+    def wake(self, now: float) -> None:
+        """Publish the command that is due."""
+        self.deadline = now + EVERY
+        if missing := [topic.name for topic, rows in zip(self.hears, self.log[1:], strict=True) if not rows]:
+            if now > self._given_up:
+                raise BusError(
+                    f"no message on {' and '.join(missing)}: check that their publishers, or a bridge with "
+                    "that namespace, use the same router"
+                )
+            return
         if not self.log.moves or now >= self._until:
             if not self._ahead:
                 self.finished = True
-                return [self._message(0.0, 0.0, now)]
+                self._command(0.0, 0.0)
+                return
             move = self._ahead.pop()
             self.log.moves.append((now, move))
             self._until = now + move.duration
         move = self.log.moves[-1][1]
-        self.due = min(self.due, self._until)
-        return [self._message(move.ahead, move.rate, now)] if move.told else []
+        self.deadline = min(self.deadline, self._until)
+        if move.told:
+            self._command(move.ahead, move.rate)
 
-    def _message(self, ahead: float, rate: float, now: float) -> bytes:
+    def _command(self, ahead: float, rate: float) -> None:
         velocity = Velocity([ahead, 0.0, 0.0], [0.0, 0.0, rate])
-        if self.base.stamped:
-            header = header_at(round(now * NANO), self.base.base_frame)
-            return StampedVelocity(header, velocity).serialize()
-        return velocity.serialize()
-
-
-class Calibration:
-    """A `Node` that drives a base's manoeuvres over zenoh.
-
-    Args:
-        bus: a connection of its own.
-        driver: the manoeuvres.
-        wait: time for the first odometry and pose, s.
-
-    Raises:
-        BusError: they do not arrive.
-        MessageError: a message is invalid or of another type.
-    """
-
-    def __init__(self, bus: Bus, driver: Driver, wait: float) -> None:
-        self._driver = driver
-        self._link = RosLink(bus, driver.base)
-        self._tell = self._link.publisher(driver.tells)
-        self._given_up = time.monotonic() + wait
-        self._link.subscribe(*driver.hears)
-
-    @property
-    def finished(self) -> bool:
-        """Whether all manoeuvres are over."""
-        return self._driver.finished
-
-    @property
-    def deadline(self) -> float:
-        """Time of the next call of `wake`, s, monotonic."""
-        return self._driver.due
-
-    def handle(self, event: Event) -> None:
-        """Process an event."""
-        if isinstance(event, Foreign):
-            self._driver.hear(self._link.topic_of(event), event.payload, time.monotonic())
-
-    def wake(self, now: float) -> None:
-        """Publish the messages that are due."""
-        missing = self._driver.waits_for
-        if missing and now > self._given_up:
-            raise BusError(
-                f"no message on {missing}: check that their publishers, or a bridge with that namespace, "
-                "use the same router"
-            )
-        for payload in self._driver.wake(now):
-            self._tell(payload)
+        header = header_at(time.time_ns(), self._base.base_frame)
+        self._tell((StampedVelocity(header, velocity) if self._base.stamped else velocity).serialize())
 
 
 MARGIN: Final = 1.5  # stated bound over measured value

@@ -194,7 +194,7 @@ def calibrate(
     from agents.bases.base import require
 
     require()  # before the imports that need it
-    from deploy.calibrate import Calibration, Driver, bounds, square, statements
+    from deploy.calibrate import Calibration, bounds, square, statements
     from deploy.library.load import load
     from protocol.bus.bus import drive
     from protocol.bus.zenoh import ZenohBus
@@ -202,12 +202,12 @@ def calibrate(
     loaded = load(scenario, setting or [], None)
     if robot not in loaded.ids:
         raise UsageError(f"{scenario} has no robot {robot}; there are {', '.join(map(str, loaded.ids))}")
-    table = loaded.base_of(robot) or Base()
-    driver = Driver(table, robot, square(side, speed, rate))
+    base = (loaded.base_of(robot) or Base()).of(robot)
     bus = ZenohBus(KeyRing().client(OPERATOR, (router,)))
-    drive(Calibration(bus, driver, wait), bus)
+    calibration = Calibration(bus, base, square(side, speed, rate), wait)
+    drive(calibration, bus)
     STOP.check()
-    found = bounds(driver.log)
+    found = bounds(calibration.log)
     print(
         f"measured: poses at rest within {1e3 * found.noise_bound:.1f} mm and {found.heading:.3f} rad; sides "
         f"off by {100 * found.odometry:.1f} % by odometry, by {100 * found.error:.1f} % of the command;\n"

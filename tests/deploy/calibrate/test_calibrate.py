@@ -1,13 +1,17 @@
 """Calibration against a base whose errors are known: what it says covers them, and is not far above."""
 
+import math
 import random
 import tomllib
 from dataclasses import replace
+from unittest.mock import Mock
 
 import pytest
 
-from deploy.calibrate import Driver, MeasuredBounds, bounds, square, statements
+from deploy.calibrate import Calibration, MeasuredBounds, bounds, square, statements
 from deploy.library.load import load
+from protocol.bus.bus import Bus
+from protocol.errors import BusError
 from protocol.scenario.body import Base
 from tests.agents.bases.wheels import STEP, Wheels
 from tests.forks import Forks
@@ -21,9 +25,11 @@ def measured(scale: float = 1.0, seed: int = 0) -> MeasuredBounds:
     scenario = load("turtlebots-2", [*settings, f"sensing.noise_bound={NOISE}", "sensing.heading=0.03"], 1)
     wheels = Wheels(scenario, 1, random.Random(seed))
     wheels.scale = scale
-    table = replace(scenario.base_of(1), latency=LATENCY)
-    driver = Driver(table, 1, square(0.6, 0.15, 0.8))
+    table = replace(scenario.base_of(1), latency=LATENCY).of(1)
     sent: list[tuple[float, bytes]] = []
+    bus, now = Mock(spec=Bus), 0.0
+    bus.foreign.return_value = lambda payload: sent.append((now + LATENCY, payload))
+    driver = Calibration(bus, table, square(0.6, 0.15, 0.8), 1.0)
     heard: list[tuple[float, str, bytes]] = []
     for step in range(round(200.0 / STEP)):
         now = step * STEP
@@ -37,8 +43,8 @@ def measured(scale: float = 1.0, seed: int = 0) -> MeasuredBounds:
             heard.append((now + LATENCY, driver.hears[0], wheels.odometry(now).serialize()))
         if step % 10 == 0:
             heard.append((now + LATENCY, driver.hears[1], wheels.pose(now).serialize()))
-        if now >= driver.due:
-            sent += [(now + LATENCY, payload) for payload in driver.wake(now)]
+        if now >= driver.deadline:
+            driver.wake(now)
         if driver.finished:
             break
     assert driver.finished
@@ -94,6 +100,9 @@ def test_a_secured_router_would_let_nothing_of_a_base_pass(disknav: Forks, line:
 
 
 def test_nothing_is_told_before_the_base_and_its_localisation_speak():
-    driver = Driver(Base(), 1, square(0.5, 0.1, 0.5))
-    assert driver.wake(0.0) == []
-    assert driver.waits_for == "bot1/odom and bot1/pose"
+    bus = Mock(spec=Bus)
+    driver = Calibration(bus, Base().of(1), square(0.5, 0.1, 0.5), 1.0)
+    driver.wake(0.0)
+    bus.foreign.return_value.assert_not_called()
+    with pytest.raises(BusError, match="no message on bot1/odom and bot1/pose"):
+        driver.wake(math.inf)
