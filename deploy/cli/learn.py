@@ -14,8 +14,6 @@ from deploy.run.options import Transport
 from deploy.studies import StudyName
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
-
     from deploy.theory.certify.certificate import Certificate
     from deploy.theory.certify.replay import Replay
     from deploy.theory.check import Certified
@@ -35,24 +33,21 @@ def check(
     Exit status: 0 valid (whatever the theory states), 2 invalid.
     """
     from deploy.library.load import load
-    from deploy.theory.check import report, to_json
+    from deploy.theory.check import CheckReport, report
     from deploy.theory.check_text import render, scope
     from deploy.theory.facts import plain
-    from deploy.theory.surrounded import surrounded, theorem_for
+    from deploy.theory.surrounded import Surrounded, surrounded, theorem_for
 
     check_json(json_file)
     valid = load(scenario, setting or [], seed)
-    shown: RenderableType
-    if theorem_for(valid)[0] == "Karagoz-Bozma-Koditschek":
-        found = report(valid, _certificate(scenario, valid))
-        told, shown = to_json(found), render(found)
-    else:
-        among = surrounded(valid)
-        told, shown = plain(among), among.render()
-    write_json(told, json_file)
+    alone = theorem_for(valid)[0] == "Karagoz-Bozma-Koditschek"
+    found: CheckReport | Surrounded
+    found = report(valid, _certificate(scenario, valid)) if alone else surrounded(valid)
+    write_json(plain(found), json_file)
     if not is_standard_output(json_file):
         from rich.console import Console
 
+        shown = render(found) if isinstance(found, CheckReport) else found.render()
         Console().print(shown, *scope(valid), sep="\n", highlight=False)
 
 

@@ -257,17 +257,9 @@ class Bounds:
     k22: float
     k3: float
     n1: int
-    n2: float = float("inf")
-
-    @property
-    def k2(self) -> float:
-        """K21 plus the corrected K22."""
-        return self.k21 + self.k22
-
-    @property
-    def polar(self) -> float:
-        """K = max(K1, K2, K3), Proposition 3.1: above it the goal is the only minimum."""
-        return max(self.k1.high, self.k2, self.k3)
+    n2: float
+    k2: float  # K21 plus the corrected K22
+    polar: float  # K = max(K1, K2, K3), Proposition 3.1: above it the goal is the only minimum
 
 
 def largest_gamma(problem: FleetProblem, eps: float) -> float:
@@ -342,15 +334,10 @@ def bounds(problem: FleetProblem, eps: float, clusters: Family | None = None) ->
     found = margins(problem, eps, clusters)
     if not found.hold:
         return None
-    q = problem.p * (problem.p - 1) // 2
-    return Bounds(
-        eps,
-        k1(problem, eps),
-        k21(problem, found, eps),
-        k22(problem, found, eps),
-        k3(problem, found, eps),
-        problem.p + q,
-    )
+    p, first, third = problem.p, k1(problem, eps), k3(problem, found, eps)
+    turn, rest = k21(problem, found, eps), k22(problem, found, eps)
+    polar = max(first.high, turn + rest, third)
+    return Bounds(eps, first, turn, rest, third, p + p * (p - 1) // 2, inf, turn + rest, polar)
 
 
 def best_bounds(problem: FleetProblem) -> Bounds | None:

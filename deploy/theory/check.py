@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from deploy.theory.bounds import Bounds, Margins, Status, best_bounds, first_status, margins, second_status
+from deploy.theory.certify.certificate import GoalSet
 from deploy.theory.exact_flow import (
     CriticalPoint,
     FlowResult,
@@ -20,7 +21,7 @@ from deploy.theory.exact_flow import (
     random_configuration,
     swapped_pairs,
 )
-from deploy.theory.facts import Facts, plain
+from deploy.theory.facts import Facts
 from deploy.theory.function import Array, FleetProblem
 from protocol.draws import Purpose, generator
 from protocol.scenario.model import Scenario
@@ -126,7 +127,7 @@ class CheckReport:
     """Results of `disknav check` for robots alone in a disk. Lengths in m, eps in m^2.
 
     exact: all clusters were evaluated, and Lambda', Lambda'' are attained; otherwise they are upper bounds.
-    bounds: at the best eps; None if the assumptions are not shown.
+    bounds: at the best eps; None if the assumptions are not shown. guaranteed: the theory covers this k.
     """
 
     facts: Facts
@@ -138,19 +139,7 @@ class CheckReport:
     bounds: Bounds | None
     practice: Practice | None
     certificate: Certified | None
-
-    @property
-    def guaranteed(self) -> bool:
-        """Whether the theory covers this k."""
-        return self.bounds is not None and self.facts.k > self.bounds.polar
-
-
-def to_json(found: CheckReport) -> dict[str, Any]:
-    """Plain data, with None for infinite numbers."""
-    told = plain(found) | {"guaranteed": found.guaranteed}
-    if found.bounds is not None:
-        told["bounds"] |= {"k2": found.bounds.k2, "polar": found.bounds.polar}
-    return told
+    guaranteed: bool
 
 
 def _orientation(b: Array, triple: tuple[int, int, int]) -> float:
@@ -196,8 +185,10 @@ def report(scenario: Scenario, certificate: Certified | None = None) -> CheckRep
 
     Takes from milliseconds to a few seconds; beyond 32 robots `practice` is left out.
     """
-    problem, start, ids = _problem(scenario)
-    found = margins(problem, 0.0)
+    ids = scenario.ids
+    problem = replace(GoalSet.of(scenario).problem, k=scenario.k)
+    start = np.array([scenario.spec(robot).start for robot in ids], dtype=np.float64)
+    found, limits = margins(problem, 0.0), best_bounds(problem)
     several = np.flatnonzero(found.clusters.sizes >= 2)
     return CheckReport(
         facts=Facts.of(scenario),
@@ -208,20 +199,11 @@ def report(scenario: Scenario, certificate: Certified | None = None) -> CheckRep
             ids, found, found.first, several, lambda row: first_status(problem, found, row, 0.0)
         ),
         assumption_2=_assumption(ids, found, found.second, several, lambda row: second_status(found, row)),
-        bounds=best_bounds(problem),
+        bounds=limits,
         practice=practice(problem, start, scenario.seed),
         certificate=certificate,
+        guaranteed=limits is not None and scenario.k > limits.polar,
     )
-
-
-def _problem(scenario: Scenario) -> tuple[FleetProblem, Array, tuple[int, ...]]:
-    specs = [scenario.spec(robot) for robot in scenario.ids]
-    radii = np.array([spec.radius for spec in specs])
-    goals, start = (np.array([getattr(spec, name) for spec in specs], dtype=np.float64) for name in _ENDS)
-    return FleetProblem(goals, radii, scenario.workspace.disk_radius, scenario.k), start, scenario.ids
-
-
-_ENDS = ("goal", "start")
 
 
 def _assumption(
