@@ -48,6 +48,9 @@ def _throw(draw: np.random.Generator, radii: Array, workspace: float) -> Array |
     return placed
 
 
+_LONGEST = 20_000  # steps of the solver
+
+
 @dataclass(frozen=True)
 class FlowResult:
     """A trajectory of the flow.
@@ -61,17 +64,12 @@ class FlowResult:
 
 
 def integrate(
-    problem: FleetProblem,
-    start: Array,
-    *,
-    tolerance: float | None = None,
-    accuracy: float = 1e-5,
-    max_steps: int = 20_000,
+    problem: FleetProblem, start: Array, *, tolerance: float | None = None, accuracy: float = 1e-5
 ) -> FlowResult:
     """Follow the flow from `start` (p, 2) until every robot is within `tolerance` (m) of its goal.
 
     tolerance: by default a hundredth of the smallest radius; accuracy: local error per step, relative and in
-    units of the smallest radius. Ends without arrival at another equilibrium or after `max_steps`.
+    units of the smallest radius. Ends without arrival at another equilibrium or after `_LONGEST` steps.
     """
     unit = float(problem.radii.min())
     near = 0.01 * unit if tolerance is None else tolerance
@@ -85,7 +83,7 @@ def integrate(
         return -reduced_jacobian(problem, y.reshape(start.shape) if inside else b)
 
     flow = BDF(velocity, 0.0, start.ravel(), np.inf, jac=jacobian, rtol=accuracy, atol=accuracy * unit)
-    for _ in range(max_steps):
+    for _ in range(_LONGEST):
         STOP.check()
         still = np.abs(reduced_gradient(problem, b)).max() < 1e-9 * unit
         if _far(problem, b) <= near or still or flow.step() is not None:

@@ -219,10 +219,7 @@ def narrow(array: NDArray[np.float64], row: int, new: Interval) -> bool:
 @compiled
 def inverted(box: Box, rows: int) -> bool:
     """Whether one of the first `rows` rows is empty."""
-    found = False
-    for row in range(rows):
-        found = found or box[row, 0] > box[row, 1]
-    return found
+    return bool((box[:rows, 0] > box[:rows, 1]).any())
 
 
 _HUGE = 1e100  # an inverse with such entries is useless, and its products may overflow

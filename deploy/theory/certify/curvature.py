@@ -82,14 +82,6 @@ def _width(scene: Scene, box: Box, q: int) -> float:
 
 
 @compiled
-def _among(stiff: NDArray[np.int64], q: int) -> bool:
-    found = False
-    for each in stiff:
-        found = found or each == q
-    return found
-
-
-@compiled
 def _weight(box: Box, row: int) -> float:
     return middle((box[row, 0], box[row, 1])) if box[row, 1] < np.inf else 2.0 * box[row, 0] + 1.0
 
@@ -112,11 +104,7 @@ def _gradient(scene: Scene, box: Box, q: int, row: Array) -> None:
 def _direction(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v: Array) -> bool:
     """The most negative eigenvector of the midpoint's H / 2, with stiff contacts made much stiffer."""
     n, factors = len(scene.goals), len(scene.first)
-    form = np.zeros((n, n))
-    row = np.empty(n)
-    for i in range(n):
-        form[i, i] = 1.0
-    largest = 1.0
+    form, row, largest = np.eye(n), np.empty(n), 1.0
     for q in range(factors):
         i, j = scene.first[q], scene.second[q]
         weight = _weight(box, n + q)
@@ -131,23 +119,14 @@ def _direction(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v
                 form[2 * j + a, 2 * i + a] += weight
     for q in range(factors):
         _gradient(scene, box, q, row)
-        size = 0.0
-        for a in range(n):
-            size += row[a] * row[a]
+        size = (row * row).sum()
         if size == 0.0:
             continue
         most = _STIFF * largest / size
         bend = 2.0 * _weight(box, n + q) / max(middle((out.beta[q, 0], out.beta[q, 1])), 1e-12 * size)
-        bend = most if _among(stiff, q) else min(bend, most)
-        _add_square(form, row, bend)
+        bend = most if (stiff == q).any() else min(bend, most)
+        form += np.outer(bend * row, row)
     return lowest(form, v) < 0.0
-
-
-@compiled
-def _add_square(form: Array, row: Array, weight: float) -> None:
-    for a in range(len(row)):
-        for c in range(len(row)):
-            form[a, c] += weight * row[a] * row[c]
 
 
 @compiled
@@ -253,6 +232,6 @@ def form(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], field: 
         else:
             total = up(total - down(box[n + q, 0] * max(0.0, speed[0])))
         bend = square(along)[1]
-        if bend > 0.0 and not _among(stiff, q):
+        if bend > 0.0 and not (stiff == q).any():
             total = up(total + up(2.0 * up(stiffness(box, out, n, q) * bend)))
     return total

@@ -117,19 +117,15 @@ def _system(scene: Scene, box: Box, out: Derived, at: Array, value: Array, slope
 def contract_newton(scene: Scene, box: Box, out: Derived) -> bool:
     """Contract (b, lambda); unchanged if a lambda is huge or the midpoint's S singular."""
     size = len(box) - 1
-    for row in range(size):
-        if not box[row, 1] < _UNBOUNDED:
-            return True
+    if not (box[:size, 1] < _UNBOUNDED).all():
+        return True
     at = np.empty(size)
     for row in range(size):
         at[row] = middle((box[row, 0], box[row, 1]))
     value, slope = np.empty((size, 2)), np.empty((size, size, 2))
     _system(scene, box, out, at, value, slope)
-    centre, inverse = np.empty((size, size)), np.empty((size, size))
-    for row in range(size):
-        for column in range(size):
-            centre[row, column] = 0.5 * (slope[row, column, 0] + slope[row, column, 1])
-    if not solve_into(centre, inverse):
+    inverse = np.empty((size, size))
+    if not solve_into(0.5 * (slope[:, :, 0] + slope[:, :, 1]), inverse):
         return True
     for row in range(size):
         _newton_row(box, at, value, slope, inverse, row)
@@ -251,7 +247,8 @@ def settle(scene: Scene, box: Box, out: Derived) -> int:
     """Contract a box in place around its minima: EMPTY, FALLS, or OPEN if undecided."""
     if not contract_rotation(scene, box) or not contract(scene, box, out):
         return EMPTY
-    if _span(scene, box) < _NEWTON_BELOW * np.sqrt(scene.contact[0, 0]) and not (
+    places = box[: len(scene.goals)]
+    if (places[:, 1] - places[:, 0]).max() < _NEWTON_BELOW * np.sqrt(scene.contact[0, 0]) and not (
         contract_newton(scene, box, out) and contract(scene, box, out)
     ):
         return EMPTY
@@ -286,14 +283,6 @@ def _size(scene: Scene, box: Box) -> float:
     for row in range(n, len(box) - 1):
         total += 0.1 * min(box[row, 1] - box[row, 0], 10.0) * (box[0, 1] - box[0, 0])
     return total
-
-
-@compiled
-def _span(scene: Scene, box: Box) -> float:
-    width = 0.0
-    for row in range(len(scene.goals)):
-        width = max(width, box[row, 1] - box[row, 0])
-    return width
 
 
 @compiled
