@@ -37,9 +37,6 @@ class Disk:
     def __hash__(self) -> int:
         return hash(self._numbers)
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return Disk, self._numbers
-
     @property
     def _numbers(self) -> tuple[float, float, float]:
         return self.x, self.y, self.radius
@@ -117,9 +114,6 @@ class ConvexPolygon:
 
     def __hash__(self) -> int:
         return hash(self.points)
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return ConvexPolygon, (self.points,)
 
     @property
     def area(self) -> float:

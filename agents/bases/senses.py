@@ -200,6 +200,10 @@ def planar_yaw(pose: Pose) -> float | None:
     return 2.0 * math.atan2(z, w)
 
 
+def _has_moved(rest: Place, to: Place) -> bool:
+    return math.hypot(to.x - rest.x, to.y - rest.y) > _MOVED
+
+
 def wrapped(angle: float) -> float:
     """The same angle between -pi and pi, rad."""
     return math.remainder(angle, math.tau)
@@ -234,8 +238,8 @@ class Senses:
         self._stamp = -math.inf  # stamp of the newest pose
         self._fix: Fix | None = None
         self._fresh = False  # whether the fix is unread
-        self._settled_from = math.inf  # s, begin of the time without faults
-        self._rest: Place | None = None  # by odometry, since then
+        self._rest: Place | None = None  # by odometry, since the streams are free of faults
+        self._settled_from = math.inf  # s, begin of that time
         self._read: Place | None = None  # known past positions
 
     @property
@@ -251,12 +255,11 @@ class Senses:
             wrong = self._odometer.take(decode(Odometry, payload), now)
         except MessageError as error:
             wrong = f"odometry: {error}"
+        newest, rest = self._odometer.newest, self._rest
         if wrong:
             self.doubt(wrong)
-        elif self._settled_from == math.inf:
-            self._settled_from, self._rest = now, self._odometer.newest
-        elif not self.sound:
-            self._watch_rest(now)
+        elif newest is None or rest is None or (not self.sound and _has_moved(rest, newest)):
+            self._settled_from, self._rest = now, newest
 
     def on_pose(self, payload: bytes) -> None:
         """Receive a PoseStamped."""
@@ -285,7 +288,6 @@ class Senses:
         self._poses.clear()
         self._stamp = -math.inf
         self._fix = self._rest = self._read = None
-        self._settled_from = math.inf
 
     # -- results
 
@@ -296,14 +298,15 @@ class Senses:
 
     def look(self, now: float) -> None:
         """Apply the newest pose within the kept odometry, and check both streams."""
-        if self._odometer.newest is None:
+        newest = self._odometer.newest
+        if newest is None:
             return
         if now - self._odometer.timely > SILENCE:
             silent = now - self._odometer.arrived > SILENCE
             late = "odometry comes later than it did, by more than `base.age` allows"
             self.doubt(f"no odometry for {SILENCE:g} s" if silent else late)
             return
-        self._take_poses()
+        self._take_poses(newest)
         if not self.sound and self._fix is not None and now >= self._settled_from + SETTLING:
             self.note, self._anew = "", True
 
@@ -351,14 +354,12 @@ class Senses:
 
     # -- inside
 
-    def _take_poses(self) -> None:
-        """Compare poses with earlier ones, carried forward by odometry."""
+    def _take_poses(self, newest: Place) -> None:
+        """Compare poses with earlier ones, carried forward by odometry, which has come up to `newest`."""
         waiting = list(self._poses)
         self._poses.clear()
         for stamp, x, y, yaw in waiting:
-            place, newest = self._odometer.at(stamp), self._odometer.newest
-            if newest is None:
-                return
+            place = self._odometer.at(stamp)
             if place is None:
                 if stamp > newest.stamp:
                     self._poses.append((stamp, x, y, yaw))
@@ -392,11 +393,3 @@ class Senses:
     def _spread(self, way: float) -> float:
         """Error bound in the map of odometry over a path, m."""
         return self._odometer.spread(way) + self._skew * way
-
-    def _watch_rest(self, now: float) -> None:
-        """Wait until the base has been at rest before the streams are trusted."""
-        newest, rest = self._odometer.newest, self._rest
-        if newest is None or rest is None:
-            return
-        if math.hypot(newest.x - rest.x, newest.y - rest.y) > _MOVED:
-            self._settled_from, self._rest = now, newest

@@ -105,18 +105,13 @@ class Clearances:
         row, column = divmod(index, self.width)
         return self._left + column * self.step, self._low + row * self.step
 
-    def at(self, x: float, y: float) -> float:
-        """Clearance at (x, y), m, interpolated."""
-        u, v = self._on_grid(x, y)
-        return self._between(u, v)
-
     def _on_grid(self, x: float, y: float) -> Vector:
         """(x, y) in steps of the grid, or the nearest point of the grid's area."""
         u = min(max((x - self._left) / self.step, 0.0), self.width - 1.001)
         return u, min(max((y - self._low) / self.step, 0.0), self._height - 1.001)
 
     def _between(self, u: float, v: float) -> float:
-        """Clearance at a point in steps of the grid, m."""
+        """Clearance at a point in steps of the grid, m, interpolated."""
         i, j = int(u), int(v)
         u, v, clear, below = u - i, v - j, self.clear, j * self.width + i
         above = below + self.width

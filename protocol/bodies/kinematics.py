@@ -52,9 +52,6 @@ class Motion:
         self.heading, self.ahead, self.aside, self.hold = heading, ahead, aside, hold
         self.before = before
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return Motion, (self.heading, self.ahead, self.aside, self.hold, self.before)
-
     @property
     def velocity(self) -> Vector:
         """Of the control point in the world's frame, m/s."""
@@ -76,9 +73,6 @@ class Arc:
     def __init__(self, ahead: float, aside: float, duration: float) -> None:
         self.ahead, self.aside, self.duration = ahead, aside, duration
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return Arc, (self.ahead, self.aside, self.duration)
-
 
 def steps_of(period: float) -> int:
     """Number of arcs in a tick of `period`, s."""
@@ -99,31 +93,15 @@ class Kinematics:
         top_speed: of the control point, m/s.
     """
 
-    __slots__ = (
-        "_acceleration",
-        "_body",
-        "_half_track",
-        "_hold",
-        "_instant",
-        "_offset",
-        "_speed",
-        "period",
-        "steps",
-        "top_speed",
-    )
-
     def __init__(self, body: Body, period: float) -> None:
         wheeled = body.kind == "differential-drive"
-        self._body, self.period = body, period
+        self.period = period
         self._instant = body.kind == "point"
         self._offset = body.offset if wheeled else 0.0
         self._half_track = 0.5 * body.track
         self._speed, self._acceleration, self._hold = body.speed, body.acceleration, body.hold
         self.steps = steps_of(period)
         self.top_speed = self._speed * max(1.0, self._offset / self._half_track if wheeled else 1.0)
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return Kinematics, (self._body, self.period)
 
     def turn(self, arc: Arc) -> float:
         """Angle by which an arc turns the body, rad."""

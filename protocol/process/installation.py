@@ -11,8 +11,6 @@ from shlex import quote
 from protocol.errors import UsageError
 
 ROOT = Path(__file__).resolve().parents[2]
-# Top-level modules of libraries that only an extra installs.
-_EXTRAS = {"scipy": "theory"}
 
 
 def is_checkout(root: Path = ROOT) -> bool:
@@ -27,10 +25,8 @@ def missing_library(what: str, library: str, extra: str) -> UsageError:
 
 def explained(error: ModuleNotFoundError) -> UsageError | None:
     """The error to show for a missing library of an extra; None if `error` is a fault of this software."""
-    library = (error.name or "").partition(".")[0]
-    if library not in _EXTRAS:
-        return None
-    return missing_library("this command", library, _EXTRAS[library])
+    is_scipy = (error.name or "").partition(".")[0] == "scipy"
+    return missing_library("this command", "scipy", "theory") if is_scipy else None
 
 
 def how_to_install(extra: str, root: Path = ROOT) -> str:

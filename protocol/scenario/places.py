@@ -183,14 +183,11 @@ def room_at_start(scenario: Scenario, robot: int) -> tuple[float, str]:
     own.
     """
     own = scenario.spec(robot)
-    room, what = -scenario.workspace.shape.distance(*own.start) - own.radius, "the boundary"
+    rooms = [(-scenario.workspace.shape.distance(*own.start) - own.radius, "the boundary")]
     for other in scenario.robots:
         if other.id != robot:
             gap = math.dist(own.start, other.start) - own.radius - other.radius
-            if 0.5 * gap < room:
-                room, what = 0.5 * gap, f"robot {other.id}"
+            rooms.append((0.5 * gap, f"robot {other.id}"))
     for number, shape in scenario.shapes.items():
-        gap = shape.distance(*own.start) - own.radius
-        if gap < room:
-            room, what = gap, f"obstacle {number}"
-    return room, what
+        rooms.append((shape.distance(*own.start) - own.radius, f"obstacle {number}"))
+    return min(rooms)

@@ -35,7 +35,7 @@ class Track:
     def tick(self, desired: tuple[float, float]) -> tuple[float, float]:
         """Go through a tick; what is commanded."""
         motion = self.base.motion
-        self.body.on_motion(BaseMotion(motion.velocity, motion.heading, self.base.stop))
+        self.body.on_motion(BaseMotion(motion.velocity, motion.heading, self.base.report((0.0, 0.0)).stop))
         edge = HalfPlane(1.0, 0.0, 0.0)
         command = self.body.velocity(desired, Limits((self.x, self.y), [edge], [ROOM], None))
         for dx, dy in self.base.move(command, 0):

@@ -165,7 +165,8 @@ class Ride:
     def _said(self, askew: float) -> BaseMotion:
         """What the base says of itself; its direction is off."""
         motion = self.base.motion
-        velocity, stop = turned(*motion.velocity, askew), turned(*self.base.stop, askew)
+        velocity = turned(*motion.velocity, askew)
+        stop = turned(*self.base.report((0.0, 0.0)).stop, askew)
         return BaseMotion(velocity, motion.heading + askew, stop)
 
     def _propose(self) -> None:

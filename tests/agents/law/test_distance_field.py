@@ -52,9 +52,10 @@ def test_clearance_is_the_least_distance(seed: int, room: Shape) -> None:
     shapes = scattered(seed, 12)
     field = Clearances(room, shapes, RADIUS)
     for place in np.random.default_rng(seed).uniform(-4.0, 4.0, (60, 2)).tolist():
-        x, y = field.place(field.index(*place))
+        index = field.index(*place)
+        x, y = field.place(index)
         clear = min(-room.distance(x, y), *(shape.distance(x, y) for shape in shapes))
-        assert field.at(x, y) == pytest.approx(min(clear, field.reach))
+        assert field.clear[index] == pytest.approx(min(clear, field.reach))
         assert {id(shape) for shape in field.near(x, y)} >= {
             id(shape) for shape in shapes if shape.distance(x, y) < field.reach
         }
