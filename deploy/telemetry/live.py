@@ -141,7 +141,7 @@ class RobotView:
         """Age of its newest State, s; None before the first."""
         return None if self._said is None else max(0.0, now - self._said)
 
-    def status(self, now: float, newest: int, tolerance: float, *, ended: bool = False) -> str:
+    def status(self, now: float, newest: int, tolerance: float, *, ended: bool) -> str:
         """Status in one word; those in `ALARMS` are alarms.
 
         `newest`: tick of the newest State of all robots. `ended`: there is a verdict.
@@ -158,12 +158,15 @@ class RobotView:
             return self.errand.status if self.errand.status in ABANDONED else "at goal"
         return "stopped" if ended else "under way"
 
-    def row(self, now: float, newest: int) -> dict[str, Any]:
-        """Row of the table, without the status."""
+    def row(self, now: float, newest: int, tolerance: float, *, ended: bool) -> dict[str, Any]:
+        """Row of the table; arguments as of `status`."""
         health, age = self.health, self.age(now)
+        status = self.status(now, newest, tolerance, ended=ended)
         silent = age is None or age > SILENCE
         return {
             "id": self.spec.id,
+            "status": status,
+            "alarm": status in ALARMS,
             "alive": self.alive,
             "radius": self.radius,
             "velocity": [round(part, _DIGITS) for part in self.velocity],

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterable
-from queue import SimpleQueue
+from concurrent.futures import Future, ThreadPoolExecutor
 
 from foxglove import Capability, Channel, Context, Schema, start_server
 from foxglove.websocket import ChannelView, Client, ServerListener
@@ -18,7 +17,7 @@ from protocol.messages import Message
 HOST, PORT = "127.0.0.1", 8765  # Foxglove's default
 
 
-class FoxgloveServer:
+class FoxgloveServer(ServerListener):
     """Sends the scene of a watcher's view to viewers.
 
     Args:
@@ -36,7 +35,7 @@ class FoxgloveServer:
     def __init__(self, watcher: Watcher, run: str, port: int | None = None) -> None:
         self._watcher = watcher
         self._scene: FleetScene | None = None  # under the lock of the watcher's view
-        self._wanted: SimpleQueue[str | None] = SimpleQueue()
+        self._welcoming = ThreadPoolExecutor(1, "foxglove newcomers")
         port = PORT if port is None else port
         self._context = Context()  # closes its channels when it is deleted
         self._channels = {name: _channel(self._context, name) for name in TOPICS}
@@ -46,14 +45,12 @@ class FoxgloveServer:
                 host=HOST,
                 port=port,
                 capabilities=[Capability.Time],
-                server_listener=_Newcomers(self._wanted),
+                server_listener=self,
                 context=self._context,
             )
         except (OSError, RuntimeError) as error:
             raise UsageError(f"--port {port}: {error}; name another port") from error
         self.address = f"ws://{HOST}:{self._server.port}"
-        self._thread = threading.Thread(target=self._welcome, name="foxglove newcomers", daemon=True)
-        self._thread.start()
         watcher.follow = self._follow
 
     def _follow(self, view: FleetView, message: Message | None) -> None:
@@ -68,14 +65,15 @@ class FoxgloveServer:
     def close(self) -> None:
         """Disconnect all viewers and stop; may be called twice."""
         self._watcher.follow = lambda *_: None
-        self._wanted.put(None)
-        self._thread.join()
         self._server.stop()
+        self._welcoming.shutdown()
 
-    def _welcome(self) -> None:
-        """Send the newest message to new subscribers, since a topic may not change again."""
-        while (topic := self._wanted.get()) is not None:
-            self._watcher.change(lambda *_, topic=topic: self._show(topic))
+    def on_subscribe(self, client: Client, channel: ChannelView) -> None:  # noqa: ARG002
+        """Send the newest message to a new subscriber, since a topic may not change again; called by the
+        server, which must not wait.
+        """
+        shown = self._welcoming.submit(self._watcher.change, lambda *_: self._show(channel.topic))
+        shown.add_done_callback(Future.result)  # logs an error
 
     def _show(self, topic: str) -> None:
         if self._scene is not None:
@@ -85,16 +83,6 @@ class FoxgloveServer:
         for picture in pictures:
             self._server.broadcast_time(picture.time)
             self._channels[picture.topic].log(picture.data, log_time=picture.time)
-
-
-class _Newcomers(ServerListener):
-    """Queues new subscriptions; called by the server, which must not wait."""
-
-    def __init__(self, wanted: SimpleQueue[str | None]) -> None:
-        self._wanted = wanted
-
-    def on_subscribe(self, client: Client, channel: ChannelView) -> None:  # noqa: ARG002
-        self._wanted.put(channel.topic)
 
 
 def _channel(context: Context, name: str) -> Channel:

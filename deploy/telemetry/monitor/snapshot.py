@@ -7,9 +7,10 @@ import time
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from deploy.telemetry.live import ALARMS, FleetView, RobotView
+from deploy.telemetry.live import FleetView, RobotView
 from protocol.geometry import Disk, Shape
 from protocol.messages import PlacedObstacle, Truth
+from protocol.scenario.model import Time
 
 T = TypeVar("T")
 _SAMPLES = 8  # past samples in a snapshot
@@ -57,29 +58,23 @@ def _still(robot: RobotView) -> dict[str, Any]:
 def snapshot(view: FleetView, now: float, since: int = -1) -> dict[str, Any]:
     """The present state, with a few samples of the time since tick `since`."""
     newest = max((robot.tick for robot in view.robots.values()), default=0)
-    step = view.scenario.time.step if view.scenario else 0.0
+    rules, ended = view.scenario.time if view.scenario else Time(), bool(view.verdict)
     return {
         "kind": "frame",
         "epoch": view.epoch,
         "run": view.run,
         "phase": view.phase,
         "tick": view.tick,
-        "time": round(view.tick * step, 6),
+        "time": round(view.tick * rules.step, 6),
         "pace": view.ticks_per_second(now),
         "verdict": view.verdict,
         "reason": view.reason,
         "steering": {"paused": view.steering.paused, "speed": view.steering.speed},
         "smallest": view.smallest,
-        "robots": [_row(view, robot, now, newest) for robot in view.robots.values()],
+        "robots": [robot.row(now, newest, rules.tolerance, ended=ended) for robot in view.robots.values()],
         "samples": _samples(view, since),
         "obstacles": {str(obstacle.number): _change(obstacle) for obstacle in view.obstacles},
     }
-
-
-def _row(view: FleetView, robot: RobotView, now: float, newest: int) -> dict[str, Any]:
-    assert view.scenario is not None
-    status = robot.status(now, newest, view.scenario.time.tolerance, ended=bool(view.verdict))
-    return robot.row(now, newest) | {"status": status, "alarm": status in ALARMS}
 
 
 def _samples(view: FleetView, since: int) -> list[list[Any]]:

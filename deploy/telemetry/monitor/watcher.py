@@ -213,20 +213,17 @@ class Player(Source):
         self, scenario: Scenario, run: str, entries: Iterable[tuple[float, Message]], *, speed: float = 1.0
     ) -> None:
         super().__init__(run)
-        self._steering = Steering(speed=speed)
-        self._changed = threading.Lock()
+        self._steering = self._view.steering = Steering(speed=speed)
         self._closed = False
         self.change(lambda view, _: view.begin(scenario, True))
-        self._show()
         self._thread = threading.Thread(
             target=self._play, args=(entries,), name=f"replay of {run}", daemon=True
         )
         self._thread.start()
 
     def steer(self, steer: Steer) -> None:
-        with self._changed:
+        with self._lock:
             self._steering.apply(steer)
-        self._show()
 
     def operate(self, operation: Operation) -> Future[Outcome]:  # noqa: ARG002
         """Refuse the operation."""
@@ -244,10 +241,6 @@ class Player(Source):
         self._thread.join(timeout)
         return not self._thread.is_alive()
 
-    def _show(self) -> None:
-        steering = Steering(self._steering.paused, 0, self._steering.speed)
-        self.change(lambda view, _: setattr(view, "steering", steering))
-
     def _play(self, entries: Iterable[tuple[float, Message]]) -> None:
         played = 0.0
         for moment, message in entries:
@@ -256,19 +249,16 @@ class Player(Source):
                 played = moment
             if self._closed:
                 return
-            self.change(partial(_hear, message))
+            with self._lock:
+                self._view.on_message(message, self._clock())
 
     def _wait(self, seconds: float) -> None:
         while seconds > 0.0 and not self._closed:
             began = time.monotonic()
-            with self._changed:
+            with self._lock:
                 paused, speed = self._steering.paused, self._steering.speed
                 if (paused and self._steering.allow()) or (not paused and speed == 0.0):
                     return
             time.sleep(_NAP if paused else min(_NAP, seconds / speed))
             if not paused:
                 seconds -= (time.monotonic() - began) * speed
-
-
-def _hear(message: Message, view: FleetView, now: float) -> None:
-    view.on_message(message, now)

@@ -87,11 +87,6 @@ def delayed_sensing(recording: Recording) -> bool:
     return any(entry.dropout > 0.0 or entry.delay not in (0.0, (0.0, 0.0)) for entry in entries)
 
 
-def faulty_link(recording: Recording) -> bool:
-    """Whether the scenario injects link faults."""
-    return recording.scenario.link != LinkFaults()
-
-
 _COLUMNS = 2000  # of ages; more than pixels
 _INFINITE = 300.0  # bound of `Truth.log_potential`
 
@@ -157,7 +152,7 @@ def figure(recording: Recording) -> Figure:
     panels: list[Panel] = [draw_clearance, draw_potential]
     if delayed_sensing(recording):
         panels.append(draw_measurement_ages)
-    if faulty_link(recording):
+    if recording.scenario.link != LinkFaults():
         panels.append(draw_heard_ages)
     height = max(_SIDE + _LEGEND, _PANEL * len(panels))
     width = height - _LEGEND

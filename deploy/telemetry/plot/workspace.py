@@ -92,20 +92,18 @@ class Stay(NamedTuple):
 
 def stays(recording: Recording) -> list[Stay]:
     """All obstacles of the run, by number, as the world's Clock reports them."""
-    shapes = dict(recording.scenario.shapes)
-    since, until = dict.fromkeys(shapes, 0.0), dict.fromkeys(shapes, math.inf)
-    came: set[int] = set()
+    listed = recording.scenario.shapes
+    found = {number: Stay(shape, 0.0, math.inf) for number, shape in listed.items()}
     for clock in recording.said(Clock):
         told = {obstacle.number: obstacle for obstacle in clock.obstacles}
         for number, obstacle in told.items():
-            if obstacle.status == "standing" and number not in shapes:
-                shapes[number], since[number], until[number] = obstacle.shape, clock.time, math.inf
-                came.add(number)
-        for number in shapes:
-            gone = told[number].status == "gone" if number in told else number in came
+            if obstacle.status == "standing" and number not in found:
+                found[number] = Stay(obstacle.shape, clock.time, math.inf)
+        for number, stay in found.items():
+            gone = told[number].status == "gone" if number in told else number not in listed
             if gone:
-                until[number] = min(until[number], clock.time)
-    return [Stay(shapes[number], since[number], until[number]) for number in sorted(shapes)]
+                found[number] = stay._replace(until=min(stay.until, clock.time))
+    return [found[number] for number in sorted(found)]
 
 
 def draw_obstacles(axes: Axes, recording: Recording) -> list[tuple[Patch, Stay]]:
