@@ -12,7 +12,7 @@ import math
 from typing import Final
 
 from agents.parts.grid import Layout
-from agents.parts.perception import Perception, Traffic, Traveller, first, traveller
+from agents.parts.perception import Perception, Traffic, Traveller
 from agents.parts.planner import Planner
 from agents.peers.neighbours import Neighbours
 from agents.peers.roster import KnownRoster
@@ -98,8 +98,8 @@ class PartCarrier:
         part = self._perception.carriers.get(self._robot, 0)
         size = max(self.radius, self._planner.loaded(part) if part else self._small)
         me = Traveller(self._position, self.goal, size, self._perception.among(part))
-        ahead = first(self._perception, self._robot, self.claim)
-        found = [traveller(self._scenario, self._perception, peer) for peer in ahead]
+        ahead = self._perception.first(self._robot, self.claim)
+        found = [self._perception.traveller(peer) for peer in ahead]
         return self._traffic.aim(me, [each for each in found if each is not None])
 
     # -- which part
@@ -124,7 +124,7 @@ class PartCarrier:
         nearest = {claim.part: robot for robot, claim in farthest} | {part: self._robot}
         ahead = [
             peer.robot
-            for peer in first(self._perception, self._robot, Claim(part, 0.0, 0.0))
+            for peer in self._perception.first(self._robot, Claim(part, 0.0, 0.0))
             if peer.robot not in claims or nearest[claims[peer.robot]] == peer.robot
         ]
         perception = self._perception.heeding(ahead)

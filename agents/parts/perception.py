@@ -14,17 +14,14 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
-from agents.parts.grid import Grid, Layout, Reals
+from agents.parts.grid import Cells, Grid, Layout, Reals
 from agents.peers.neighbours import Neighbours
-from agents.peers.roster import KnownRoster
+from agents.peers.roster import KnownRoster, radii_of
 from agents.peers.state import PeerState
 from protocol.geometry import Disk, Shape
 from protocol.messages import Claim, Member, Vector
 from protocol.scenario.model import Scenario
-
-Cells = NDArray[np.bool_]
 
 ASIDE: Final = 0.2  # clearance from the paths of preceding robots, own radii
 AHEAD: Final = 0.5  # look-ahead for blocking another robot's path, own radii
@@ -166,10 +163,6 @@ class Perception:
             tuple(state.position for state in self.peers if state.position is not None),
         )
 
-    def home(self, robot: int) -> Vector | None:
-        """Goal of a robot of the scenario, m."""
-        return next((each.goal for each in self._scenario.robots if each.id == robot), None)
-
     def heeding(self, robots: Collection[int]) -> Perception:
         """The perception with the claims and carried parts of these robots only."""
         found = copy(self)
@@ -202,36 +195,34 @@ class Perception:
     def _empty(self, member: Member, carried: dict[int, int]) -> Disk:
         """The disk of a static robot without its part."""
         assert member.position is not None
-        known = {each.id: each.radius for each in self._scenario.robots}
         part = carried.get(member.robot)
         with_it = part is not None and member.radius <= self._scenario.parts[part - 1].radius
-        radius = known.get(member.robot, member.radius) if with_it else member.radius
+        radius = (
+            radii_of(self._scenario.robots).get(member.robot, member.radius) if with_it else member.radius
+        )
         return Disk(*member.position, radius + member.bound)
 
+    def first(self, robot: int, claim: Claim | None) -> list[PeerState]:
+        """Peers that precede a robot with this claim."""
+        mine = self._rank(robot, claim)
+        return [peer for peer in self.peers if self._rank(peer.robot, peer.claim) < mine]
 
-def first(perception: Perception, robot: int, claim: Claim | None) -> list[PeerState]:
-    """Peers that precede a robot with this claim."""
-    mine = _rank(perception, robot, claim)
-    return [peer for peer in perception.peers if _rank(perception, peer.robot, peer.claim) < mine]
+    def _rank(self, robot: int, claim: Claim | None) -> tuple[int, int]:
+        if robot in self.carriers:
+            return 0, robot
+        return 2 if claim is None else 1, robot
 
-
-def traveller(scenario: Scenario, perception: Perception, peer: PeerState) -> Traveller | None:
-    """A peer on its way; None if its position is unknown."""
-    if peer.position is None:
-        return None
-    part = 0 if peer.claim is None else peer.claim.part
-    if not 0 < part <= len(scenario.parts):
-        return Traveller(
-            peer.position, perception.home(peer.robot) or peer.position, peer.radius, perception.among(0)
-        )
-    spec, carries = scenario.parts[part - 1], perception.carriers.get(peer.robot) == part
-    to = spec.goal if carries else perception.layout.parts.get(part, peer.position)
-    radius = max(peer.radius, spec.radius) if carries else peer.radius
-    leaves = (Disk(*spec.goal, spec.radius),) if carries else ()
-    return Traveller(peer.position, to, radius, perception.among(part), leaves)
-
-
-def _rank(perception: Perception, robot: int, claim: Claim | None) -> tuple[int, int]:
-    if robot in perception.carriers:
-        return 0, robot
-    return 2 if claim is None else 1, robot
+    def traveller(self, peer: PeerState) -> Traveller | None:
+        """A peer on its way; None if its position is unknown."""
+        at, parts = peer.position, self._scenario.parts
+        if at is None:
+            return None
+        part = 0 if peer.claim is None else peer.claim.part
+        if not 0 < part <= len(parts):
+            home = next((each.goal for each in self._scenario.robots if each.id == peer.robot), at)
+            return Traveller(at, home, peer.radius, self.among(0))
+        spec, carries = parts[part - 1], self.carriers.get(peer.robot) == part
+        to = spec.goal if carries else self.layout.parts.get(part, at)
+        radius = max(peer.radius, spec.radius) if carries else peer.radius
+        leaves = (Disk(*spec.goal, spec.radius),) if carries else ()
+        return Traveller(at, to, radius, self.among(part), leaves)

@@ -163,22 +163,20 @@ class Planner:
         near = []
         for part in layout.parts:
             if not self.is_home(part, layout):
-                places = self._by_way(self._places.to_take(part, layout), far)
-                if places:
-                    near.append((float(self.grid.lengths(far, places[:1])[0]), part))
-        for _, part in sorted(near):
-            errand = self._errand(part, layout, far)
-            if errand is not None:
-                yield errand
+                begins = self._by_way(self._places.to_take(part, layout), far)
+                if begins:
+                    near.append((float(self.grid.lengths(far, begins[:1])[0]), part, begins))
+        for _, part, begins in sorted(near):
+            fetch = self._begin(part, layout, far, begins)
+            if fetch is not None:
+                yield Errand(part, fetch)
 
     def fetch(self, part: int, position: Vector, layout: Layout) -> Vector | None:
         """The place to take a part up, m: on the shortest path to the part's goal, or the nearest if there is
         no such path; None if none can be reached."""
         far = self._far(position, layout)
-        errand = self._errand(part, layout, far)
-        if errand is not None:
-            return errand.fetch
-        return next(iter(self._by_way(self._places.to_take(part, layout), far)), None)
+        begins = self._by_way(self._places.to_take(part, layout), far)
+        return self._begin(part, layout, far, begins) or next(iter(begins), None)
 
     def delivery(
         self, part: int, target: Vector, position: Vector, layout: Layout, attempt: int = 0
@@ -260,17 +258,17 @@ class Planner:
         others = [spec for each, spec in self._parts.items() if each != part]
         return any(disk.distance(*spec.goal) < spec.radius for spec in others)
 
-    def _errand(self, part: int, layout: Layout, far: Reals) -> Errand | None:
+    def _begin(self, part: int, layout: Layout, far: Reals, begins: Sequence[Vector]) -> Vector | None:
+        """Of the places to take a part up, that on the shortest path to its goal, m; None without a path."""
         rest, goal = layout.without(part), self._parts[part].goal
         ends = self._places.to_put(part, goal, rest)
-        begins = self._by_way(self._places.to_take(part, layout), far)
         if not ends or not begins:
             return None
         open_ = self.grid.clear(self._places.standing(rest), self.loaded(part))
         back = self.grid.distance_field(open_, ends)
         costs = self.grid.lengths(far, begins) + self.grid.lengths(back, begins)
         cost, fetch = min(zip(map(float, costs), begins, strict=True))
-        return Errand(part, fetch) if math.isfinite(cost) else None
+        return fetch if math.isfinite(cost) else None
 
     # -- the next part, given the claims of peers
 
