@@ -51,6 +51,7 @@ class Robot:
         epoch: of the coordinator that admitted it.
 
     Attributes:
+        scenario: of the admission.
         goal: m; stored only here, since every Tick may change it.
         hearing: receives the States of peers.
         stopped: whether it has to stand, apart from an emergency stop of all.
@@ -64,7 +65,7 @@ class Robot:
         self.robot, self.incarnation, self.epoch = robot, incarnation, epoch
         self.goal = self._first_goal = spec.goal
         self._ordered: Vector | None = None  # goal of the newest order
-        self._scenario, self._control, self._spec = scenario, scenario.control, spec
+        self.scenario, self._spec = scenario, spec
         self._body, self._plausible = body_of(scenario, robot), plausible(scenario)
         self._estimate = self._nothing_known()
         self._roster = KnownRoster(robot, scenario.shapes)
@@ -104,7 +105,7 @@ class Robot:
         self._estimate = self._nothing_known()
 
     def _nothing_known(self) -> Estimate:
-        scenario, sensing = self._scenario, self._scenario.sensing_of(self.robot)
+        scenario, sensing = self.scenario, self.scenario.sensing_of(self.robot)
         return Estimate(
             self._body.reach,
             sensing.contradiction == "newest",
@@ -188,13 +189,13 @@ class Robot:
 
     def _wish(self, position: Vector) -> Vector:
         """The velocity that the law desires; of a carrier with a waypoint, straight to that."""
-        if not may_move(self._scenario, self.robot, self.tick):
+        if not may_move(self.scenario, self.robot, self.tick):
             return STILL
         aim = None if self._mover is None else self._mover.aim
         if aim is None:
             return self._law.velocity(self._view(position))
         dx, dy = aim[0] - position[0], aim[1] - position[1]
-        rate = min(self._control.speed / max(hypot(dx, dy), 1e-12), 1.0 / self._scenario.time.step)
+        rate = min(self.scenario.control.speed / max(hypot(dx, dy), 1e-12), 1.0 / self.scenario.time.step)
         return rate * dx, rate * dy
 
     def _view(self, position: Vector) -> View:
@@ -243,7 +244,7 @@ class Robot:
             filter_.resize(radius)
         filter_.lines.wanted = mover.radius
         if radius != before and not self._law.failure:
-            self._law = GuardedLaw(self._scenario.resized({self.robot: radius}), self.robot)
+            self._law = GuardedLaw(self.scenario.resized({self.robot: radius}), self.robot)
         return mover.handles if filter_.radius >= mover.radius else None
 
     # -- about itself
@@ -252,11 +253,6 @@ class Robot:
         """Whether the Tick's roster ends this incarnation."""
         roster = tick.roster
         return roster is not None and has_ended(roster, self.robot, self.incarnation)
-
-    @property
-    def scenario(self) -> Scenario:
-        """The scenario of the admission."""
-        return self._scenario
 
     @property
     def radius(self) -> float:

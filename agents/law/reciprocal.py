@@ -213,7 +213,7 @@ class ReciprocalLaw:
         walls = len(limits)
         limits += self._obstacles(view)
         turn = self._turn(view, (px, py))
-        if turn == 0.0 and _violated(px, py, limits) == 0:
+        if turn == 0.0 and _is_allowed(px, py, limits):
             return px, py
         cosine, sine = math.cos(turn), math.sin(turn)
         wish = cosine * px - sine * py, sine * px + cosine * py
@@ -233,7 +233,7 @@ class ReciprocalLaw:
             return False
         if not (self._escapes and self._patient) or away > NEAR * self._radius:
             return False
-        return _violated(0.0, 0.0, self._obstacles(view)) == 0
+        return _is_allowed(0.0, 0.0, self._obstacles(view))
 
     def _turn(self, view: View, way: Vector) -> float:
         """Angle by which the straight direction (m/s) is rotated to the left, rad."""
@@ -292,9 +292,5 @@ class ReciprocalLaw:
         return True
 
 
-def _violated(vx: float, vy: float, limits: list[HalfPlane]) -> int:
-    count = 0
-    for each in limits:
-        if each.nx * vx + each.ny * vy > each.limit:
-            count += 1
-    return count
+def _is_allowed(vx: float, vy: float, limits: list[HalfPlane]) -> bool:
+    return all(each.nx * vx + each.ny * vy <= each.limit for each in limits)

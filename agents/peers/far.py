@@ -174,19 +174,18 @@ class Arrivals:
     """Summaries received by one robot; the tick alone decides when one takes effect."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
-        self._period, self._turn = period(scenario), turn(scenario, robot)
+        self._period, self._wait = period(scenario), LEAD + turn(scenario, robot)
         self._said = self._due = -1  # ticks of the newest summary, and of the one due
-        self._take = 0  # tick from which the summary of `_said` is due
         self._arrived: dict[int, SummaryPlaces] = {}
         self._picture: FarPicture | None = None  # applied last
 
     def open(self, tick: int) -> None:
         """Begin a tick."""
-        if self._said >= 0 and tick >= self._take and self._due != self._said:
+        if self._due != self._said and tick >= self._said + self._wait:
             self._due = self._said
             self._arrived = {each: self._arrived[each] for each in self._arrived if each >= self._due}
         if tick % self._period == 0:
-            self._said, self._take = tick, tick + LEAD + self._turn
+            self._said = tick
 
     def on_summary(self, places: SummaryPlaces) -> None:
         """Receive a summary."""

@@ -75,7 +75,7 @@ class RobotNode:
         self._tools: RosTools | None = None
         self._lockstep = True
         self._founded = False  # whether the run had begun when this robot was admitted
-        self._declared = self._announced = False
+        self._announced = False
         self._noted = 0  # reported troubles of the robot
         self._ended = self._over = False  # this life; the run
         self._commanded = True
@@ -128,6 +128,7 @@ class RobotNode:
     def _begin(self, admission: joining.Admission) -> None:
         if self._base is not None and self.core is not None and not self._ended:
             self._base.stand(self.core, founded=self._founded)  # under another epoch
+        is_first = self.core is None
         self.core = Robot(
             admission.scenario,
             self._robot,
@@ -145,7 +146,7 @@ class RobotNode:
         self._due = time.monotonic() + REPORT_PERIOD
         self._world.admitted(admission)
         self._peers.begin(admission)
-        if not self._declared:
+        if is_first:
             self._declare(self.core)
 
     def _declare(self, core: Robot) -> None:
@@ -161,7 +162,6 @@ class RobotNode:
         self._declare_topics(core)
         if self._base is None:
             self._announce()
-        self._declared = True
 
     def _declare_topics(self, core: Robot) -> None:
         table = topics_of(core.scenario, self._robot, self._namespace)
