@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 import time
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Callable, Iterable
 from functools import partial
 
@@ -25,7 +25,7 @@ class LocalNetwork:
         self._buses: list[LocalBus] = []
         self.listeners: list[LocalBus] = []  # subscribers to patterns
         self._ready: deque[LocalBus] = deque()
-        self.routes: dict[str, list[LocalBus]] = {}  # subscribers to each plain key
+        self.routes: defaultdict[str, list[LocalBus]] = defaultdict(list)  # subscribers to each plain key
 
     def connect(self) -> LocalBus:
         """A new participant."""
@@ -62,13 +62,9 @@ class LocalNetwork:
             pause = min((node.deadline for node in nodes), default=now) - time.monotonic()
             time.sleep(min(max(pause, 0.0), _LONGEST_SLEEP))
 
-    def route(self, key: str) -> list[LocalBus]:
-        """Subscribers to a plain key; the list changes with the subscriptions."""
-        return self.routes.setdefault(key, [])
-
     def watchers(self, key: str) -> list[LocalBus]:
         """Subscribers to a pattern that `key` matches."""
-        return [bus for bus in self.listeners if bus.hears(key)]
+        return [bus for bus in self.listeners if _matches(bus.patterns, key)]
 
     def notify(self, bus: LocalBus) -> None:
         """Note that `bus` has something in its inbox."""
@@ -81,12 +77,12 @@ class LocalNetwork:
     def tell_presence(self, key: str, alive: bool, sender: LocalBus) -> None:
         """Report that a token appeared or disappeared."""
         for bus in self._buses:
-            if bus is not sender and bus.watches(key):
+            if bus is not sender and _matches(bus.watched, key):
                 bus.put(Presence(key, alive))
 
-    def servers(self, key: str) -> list[LocalBus]:
-        """Buses that answer requests under `key`."""
-        return [bus for bus in self._buses if any(each.fullmatch(key) for each in bus.served)]
+    def servers(self, key: str) -> list[Node]:
+        """Nodes that answer requests under `key`."""
+        return [bus.node for bus in self._buses if bus.node is not None and _matches(bus.served, key)]
 
     def leave(self, bus: LocalBus) -> None:
         """Remove a closed `bus` with its tokens and subscriptions."""
@@ -110,8 +106,8 @@ class LocalBus:
         self.network = network
         self.inbox: deque[Event] = deque()
         self.keys: set[str] = set()
-        self._patterns: list[re.Pattern[str]] = []
-        self._watches: list[re.Pattern[str]] = []
+        self.patterns: list[re.Pattern[str]] = []
+        self.watched: list[re.Pattern[str]] = []
 
     def publisher(self, stream: Stream, key: str) -> Publish:  # noqa: ARG002
         return self._publish(key, partial(Sample, key))
@@ -125,7 +121,7 @@ class LocalBus:
         return self._publish(key, lambda payload: Foreign(key, payload, beside()))
 
     def _publish(self, key: str, event: Callable[[bytes], Event]) -> Publish:
-        network, route = self.network, self.network.route(key)
+        network, route = self.network, self.network.routes[key]
 
         def publish(payload: bytes) -> None:
             sample = event(payload)
@@ -141,10 +137,10 @@ class LocalBus:
     def subscribe(self, *key_expressions: str) -> None:
         for each in key_expressions:
             if "*" in each:
-                if not self._patterns:
+                if not self.patterns:
                     self.network.listeners.append(self)
-                self._patterns.append(_pattern(each))
-            elif self not in (route := self.network.route(each)):
+                self.patterns.append(_pattern(each))
+            elif self not in (route := self.network.routes[each]):
                 route.append(self)
                 self.keys.add(each)
 
@@ -154,13 +150,13 @@ class LocalBus:
     def unsubscribe(self, key: str) -> None:
         if key in self.keys:
             self.keys.discard(key)
-            self.network.route(key).remove(self)
+            self.network.routes[key].remove(self)
 
     def expect(self, keys: Iterable[str]) -> None:
         pass
 
     def watch(self, key_expression: str) -> None:
-        self._watches.append(_pattern(key_expression))
+        self.watched.append(_pattern(key_expression))
         for key in self.tokens(key_expression):
             self.put(Presence(key, True))
 
@@ -174,17 +170,15 @@ class LocalBus:
     def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:  # noqa: ARG002
         """In one thread no other node can act meanwhile: replies come at once or never."""
         replies: list[bytes] = []
-        for server in self.network.servers(key):
-            if server.node is not None:
-                server.node.handle(Query(key, payload, replies.append))
+        for node in self.network.servers(key):
+            node.handle(Query(key, payload, replies.append))
         if not replies:
             raise BusError(f"no answer under {key}")
         return replies
 
     def post(self, key: str, payload: bytes) -> None:
-        for server in self.network.servers(key):
-            if server.node is not None:
-                server.node.handle(Query(key, payload, lambda reply: self.put(Foreign(key, reply))))
+        for node in self.network.servers(key):
+            node.handle(Query(key, payload, lambda reply: self.put(Foreign(key, reply))))
 
     def tokens(self, key_expression: str) -> list[str]:
         pattern = _pattern(key_expression)
@@ -198,14 +192,6 @@ class LocalBus:
         self.inbox.clear()
         self.node = None
 
-    def hears(self, key: str) -> bool:
-        """Whether a subscription to a pattern matches `key`."""
-        return any(pattern.fullmatch(key) for pattern in self._patterns)
-
-    def watches(self, key: str) -> bool:
-        """Whether presence under `key` is requested."""
-        return any(pattern.fullmatch(key) for pattern in self._watches)
-
     def put(self, event: Event) -> None:
         """Add an event to the inbox."""
         if not self.inbox:
@@ -218,6 +204,10 @@ class LocalBus:
         while node is not None and inbox:
             node.handle(inbox.popleft())
             node = self.node
+
+
+def _matches(patterns: Iterable[re.Pattern[str]], key: str) -> bool:
+    return any(pattern.fullmatch(key) for pattern in patterns)
 
 
 def _pattern(key_expression: str) -> re.Pattern[str]:

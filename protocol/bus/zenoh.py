@@ -81,32 +81,28 @@ class ZenohBus:
         self.dropped = 0
 
     def publisher(self, stream: Stream, key: str) -> Publish:
-        publisher = self._session.declare_publisher(
-            key,
-            congestion_control=(
-                zenoh.CongestionControl.BLOCK if stream.reliable else zenoh.CongestionControl.DROP
-            ),
-            express=False,  # express messages would prevent batching, on which the rate depends
-            allowed_destination=zenoh.Locality.REMOTE,  # a bus does not receive its own samples
-        )
-        self._declared.append(publisher)
-        return publisher.put
+        # Express messages would prevent batching, on which the rate depends.
+        return self._publisher(key, waits=stream.reliable, express=False).put
 
     @property
     def identity(self) -> str:
         return str(self._session.info.zid())
 
     def foreign(self, key: str, attach: Callable[[], bytes] | None = None) -> Publish:
-        publisher = self._session.declare_publisher(
-            key,
-            congestion_control=zenoh.CongestionControl.DROP,
-            express=True,  # a rare small message need not wait
-            allowed_destination=zenoh.Locality.REMOTE,
-        )
-        self._declared.append(publisher)
+        publisher = self._publisher(key, waits=False, express=True)  # a rare small message need not wait
         if attach is None:
             return publisher.put
         return lambda payload: publisher.put(payload, attachment=attach())
+
+    def _publisher(self, key: str, *, waits: bool, express: bool) -> zenoh.Publisher:
+        publisher = self._session.declare_publisher(
+            key,
+            congestion_control=zenoh.CongestionControl.BLOCK if waits else zenoh.CongestionControl.DROP,
+            express=express,
+            allowed_destination=zenoh.Locality.REMOTE,  # a bus does not receive its own samples
+        )
+        self._declared.append(publisher)
+        return publisher
 
     def subscribe(self, *key_expressions: str) -> None:
         # A declared key is sent as a number, any other as text, which must be looked up.
@@ -150,7 +146,8 @@ class ZenohBus:
     def announce(self, key: str) -> None:
         # Without a router, samples published before a link is up are lost to that peer.
         if self._connection.mode == "peer" and not self._awaited:
-            self._await_links()
+            wanted, info = set(self._connection.connect), self._session.info
+            _await(lambda: wanted <= {link.dst for link in info.links()}, _LINKING)  # one may stay down
             self._awaited = True
         self._declared.append(self._session.liveliness().declare_token(key))
 
@@ -207,7 +204,7 @@ class ZenohBus:
         else:
             return None
         if isinstance(arrived, _ZenohSample):
-            return _sample(arrived)
+            return Sample(str(arrived.key_expr), arrived.payload.to_bytes())
         if isinstance(arrived, zenoh.Query):
             return _request(arrived)
         return arrived
@@ -221,23 +218,12 @@ class ZenohBus:
     def await_routers(self, timeout: float) -> None:
         """As a router, wait for a link to every router that this one connects to, `timeout` s at most; raises
         BusError."""
-        wanted, deadline = len(self._connection.connect), time.monotonic() + timeout
-        while (there := len(list(self._session.info.routers_zid()))) < wanted:
-            if time.monotonic() >= deadline:
-                raise BusError(
-                    f"linked with {there} of {wanted} routers within {timeout:g} s; "
-                    f"can all of {', '.join(self._connection.connect)} be reached from this host?"
-                )
-            STOP.check()
-            time.sleep(0.005)
-
-    def _await_links(self) -> None:
-        """Wait for the links to all of `connection.connect`, not for ever: one may stay down."""
-        deadline = time.monotonic() + _LINKING
-        wanted = set(self._connection.connect)
-        while wanted - {link.dst for link in self._session.info.links()} and time.monotonic() < deadline:
-            STOP.check()
-            time.sleep(0.005)
+        wanted, info = self._connection.connect, self._session.info
+        if not _await(lambda: len(list(info.routers_zid())) >= len(wanted), timeout):
+            raise BusError(
+                f"linked with {len(list(info.routers_zid()))} of {len(wanted)} routers within {timeout:g} s; "
+                f"can all of {', '.join(wanted)} be reached from this host?"
+            )
 
     def _count(self) -> int:
         """Number of waiting events, after the oldest of too many are dropped."""
@@ -274,8 +260,13 @@ def _keep_thread_state() -> None:
         ctypes.pythonapi.PyGILState_Ensure()
 
 
-def _sample(arrived: zenoh.Sample) -> Sample:
-    return Sample(str(arrived.key_expr), arrived.payload.to_bytes())
+def _await(there: Callable[[], bool], timeout: float) -> bool:
+    """Wait until `there` is true, `timeout` s at most; returns whether it is."""
+    deadline = time.monotonic() + timeout
+    while not (is_there := there()) and time.monotonic() < deadline:
+        STOP.check()
+        time.sleep(0.005)
+    return is_there
 
 
 def _request(query: zenoh.Query) -> Query:
