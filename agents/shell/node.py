@@ -286,8 +286,8 @@ class RobotNode:
             self._open(core, tick)
 
     def _open(self, core: Robot, tick: Tick) -> None:
-        if tick.roster is not None:
-            self._peers.on_roster(tick.roster, hears_all=not core.scenario.hears_near)
+        if tick.roster is not None and not core.scenario.hears_near:
+            self._peers.hear([member.robot for member in tick.roster.members])
         if tick.grants is not None and core.scenario.hears_near:
             self._peers.attend({each.peer for each in tick.grants.bindings if each.peer > 0})
         sense = None if self._base is None else self._base.begin(core, tick)

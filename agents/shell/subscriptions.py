@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Set
+from collections.abc import Iterable
 from typing import Final, final
 
-from agents.peers.roster import radii_of
 from agents.peers.state import PeerReader, plausible
 from protocol.bus.bus import Bus
 from protocol.joining import Admission
 from protocol.keys import robot_key
-from protocol.messages import Roster
 
 _TURNS: Final = 4  # ticks over which robots spread the end of subscriptions, which load a router
 
@@ -26,7 +24,6 @@ class Subscriptions:
     def __init__(self, bus: Bus, run: str, robot: int) -> None:
         self.readers: dict[str, PeerReader] = {}
         self._bus, self._run, self._robot = bus, run, robot
-        self._fleet: Set[int] = frozenset()  # all robots
         self._epoch = 0  # of the coordinator
         self._near: frozenset[int] = frozenset()  # peers near now or soon; empty before the first `attend`
         self._kept: frozenset[int] | None = None  # they and those near before, from `attend` to `apply`
@@ -36,23 +33,14 @@ class Subscriptions:
     def begin(self, admission: Admission) -> None:
         """Begin a life: subscribe to all peers, unless the world will name the near ones."""
         scenario = admission.scenario
-        self._limits = plausible(scenario)
-        self._fleet = radii_of(scenario.robots).keys()  # of a table that all robots of a process share
-        self._epoch = admission.epoch
+        self._limits, self._epoch = plausible(scenario), admission.epoch
         self._near, self._kept, self._dropped, self.readers = frozenset(), None, set(), {}
-        for peer in () if scenario.hears_near else sorted(self._fleet - {self._robot}):
-            self._know(peer)
-        self._subscribe(self.readers)
+        if not scenario.hears_near:
+            self.hear(scenario.ids)
 
-    def on_roster(self, roster: Roster, *, hears_all: bool) -> None:
-        """Add robots that joined the fleet, and subscribe to them if all peers are received."""
-        for member in roster.members:
-            peer = member.robot
-            if peer == self._robot or peer in self._fleet:
-                continue
-            self._fleet |= {peer}
-            if hears_all:
-                self._subscribe((self._know(peer),))
+    def hear(self, robots: Iterable[int]) -> None:
+        """Subscribe to all of some robots that are peers."""
+        self._subscribe([self._know(robot) for robot in robots if robot != self._robot])
 
     def attend(self, near: Iterable[int]) -> None:
         """Set the peers that are near now or soon; `apply` applies it."""
@@ -63,15 +51,14 @@ class Subscriptions:
         """Once a tick, when no peer waits for this robot: subscribe to near peers; in later ticks, which
         differ by robot, withdraw from others."""
         if self._kept is not None:
-            self._hear({self._key(peer) for peer in self._kept})
+            self._hear_near({self._key(peer) for peer in self._kept})
             self._kept = None
         elif self._dropped and (tick + self._robot) % _TURNS == 0:
             self._withdraw()
 
-    def _hear(self, kept: set[str]) -> None:
-        for peer in sorted(self._near):  # an intersection would copy the fleet: a robot among 1000 notices
-            if peer != self._robot and peer in self._fleet and self._key(peer) not in self.readers:
-                self._know(peer)
+    def _hear_near(self, kept: set[str]) -> None:
+        for peer in sorted(self._near):
+            self._know(peer)
         self._subscribe([key for key in self.readers if key in kept])
         self._dropped = self._heard - kept
 
@@ -87,7 +74,8 @@ class Subscriptions:
 
     def _know(self, peer: int) -> str:
         key = self._key(peer)
-        self.readers[key] = PeerReader(self._robot, peer, self._epoch, self._limits)
+        if key not in self.readers:
+            self.readers[key] = PeerReader(self._robot, peer, self._epoch, self._limits)
         return key
 
     def _subscribe(self, keys: Iterable[str]) -> None:
