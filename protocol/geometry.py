@@ -47,11 +47,6 @@ class Disk:
         return self
 
     @property
-    def area(self) -> float:
-        """m^2."""
-        return math.pi * self.radius * self.radius
-
-    @property
     def box(self) -> tuple[Point, Point]:
         """Lower left and upper right corner of its bounding box, m."""
         return (self.x - self.radius, self.y - self.radius), (self.x + self.radius, self.y + self.radius)
@@ -114,11 +109,6 @@ class ConvexPolygon:
 
     def __hash__(self) -> int:
         return hash(self.points)
-
-    @property
-    def area(self) -> float:
-        """m^2."""
-        return signed_area(self.points)
 
     @property
     def box(self) -> tuple[Point, Point]:

@@ -23,7 +23,7 @@ import numpy as np
 from agents.law.obstacles import Attraction
 from agents.law.passages import OUTSIDE, Gap, crosses, gaps
 from deploy.theory.function import Array
-from protocol.geometry import Disk, Shape
+from protocol.geometry import Disk, Shape, signed_area
 from protocol.messages import Vector
 from protocol.scenario.model import RobotSpec, Scenario
 
@@ -114,7 +114,7 @@ def crowd(scenario: Scenario) -> tuple[Array, float]:
 
 
 def _round(shape: Shape) -> float:
-    return shape.radius if isinstance(shape, Disk) else math.sqrt(shape.area / math.pi)
+    return shape.radius if isinstance(shape, Disk) else math.sqrt(signed_area(shape.points) / math.pi)
 
 
 def automatic_k(radii: Array, workspace: float) -> float:

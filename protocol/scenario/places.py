@@ -13,6 +13,7 @@ from math import isfinite
 from typing import Final
 
 from protocol.geometry import ConvexPolygon, Disk, Shape
+from protocol.region import distance
 from protocol.scenario.model import CELLS, MOST_CELLS, Obstacle, Point, Scenario, Workspace
 from protocol.scenario.tables import Finding, Steps
 
@@ -141,19 +142,12 @@ def _overlaps(shape: Shape, others: Iterable[_Named], steps: Steps) -> Iterator[
         (name, depth)
         for name, other in others
         if abs(around.x - (near := other.around).x) <= around.radius + near.radius
-        and (depth := _depth(shape, other)) >= 0.0
+        and (depth := -distance(other, shape)) >= 0.0
     ]
     texts = [f"overlaps {name} by {by:.3g} m" if by else f"touches {name}" for name, by in depths[:_NAMED]]
     if texts:
         more = f" and {len(depths) - _NAMED} more" if len(depths) > _NAMED else ""
         yield steps, ", ".join(texts) + more
-
-
-def _depth(one: Shape, other: Shape) -> float:
-    """How deep two shapes overlap, m, one of which is a disk; negative if they do not."""
-    disk, shape = (one, other) if isinstance(one, Disk) else (other, one)
-    assert isinstance(disk, Disk)
-    return disk.radius - shape.distance(disk.x, disk.y)
 
 
 def _cells(scenario: Scenario, room: Shape | None) -> Iterator[Finding]:
