@@ -179,7 +179,9 @@ class MeasuredBounds(NamedTuple):
 
 def bounds(log: Log) -> MeasuredBounds:
     """Measured properties, from the log of a square."""
-    rests = [begin + move.duration for begin, move in log.moves if move.told and _stands(move)]  # their ends
+    rests = [
+        begin + move.duration for begin, move in log.moves if move.told and move.ahead == move.rate == 0.0
+    ]  # their ends
     places = [(_mean(log.odometry, rest), _mean(log.poses, rest)) for rest in rests]
     noise = max(_farthest(log.poses, pose, rest) for (_, pose), rest in zip(places, rests, strict=True))
     heading = max(_widest(log.poses, pose, rest) for (_, pose), rest in zip(places, rests, strict=True))
@@ -202,39 +204,27 @@ def statements(found: MeasuredBounds) -> str:
         (
             "[sensing]",
             "noise = 1e-3  # above 0; add a constant error of the poses to the bound",
-            f"noise_bound = {_up(MARGIN * found.noise_bound)}",
-            f"heading = {_up(MARGIN * found.heading)}",
+            f"noise_bound = {_stated(MARGIN * found.noise_bound)}",
+            f"heading = {_stated(MARGIN * found.heading)}",
             "",
             "[base]",
-            f"timeout = {_up(MARGIN * found.timeout)}",
-            f"age = {_up(MARGIN * found.interval)}",
+            f"timeout = {_stated(MARGIN * found.timeout)}",
+            f"age = {_stated(MARGIN * found.interval)}",
             "",
             "[body]  # besides kind, radius, offset, track and speed, which are measured with a ruler",
-            f"acceleration = {_down(found.acceleration / MARGIN)}",
-            f"error = {_up(MARGIN * found.error)}",
-            f"lag = {_up(MARGIN * found.lag)}",
-            f"odometry = {_up(MARGIN * found.odometry)}",
+            f"acceleration = {_stated(found.acceleration / MARGIN, math.floor)}",
+            f"error = {_stated(MARGIN * found.error)}",
+            f"lag = {_stated(MARGIN * found.lag)}",
+            f"odometry = {_stated(MARGIN * found.odometry)}",
         )
     )
 
 
-def _up(value: float) -> str:
-    return _digits(value, math.ceil)
-
-
-def _down(value: float) -> str:
-    return _digits(value, math.floor)
-
-
-def _digits(value: float, rounded: Callable[[float], int]) -> str:
+def _stated(value: float, rounded: Callable[[float], int] = math.ceil) -> str:
     if value <= 1e-6:
         return "0.0"
     unit = 10.0 ** (math.floor(math.log10(value)) - 1)
     return f"{rounded(value / unit - 1e-9) * unit:.6g}"
-
-
-def _stands(move: Manoeuvre) -> bool:
-    return move.ahead == move.rate == 0.0
 
 
 def _within(rows: Sequence[Row], end: float) -> list[Row]:

@@ -82,14 +82,11 @@ def code_digest(folders: tuple[str, ...] = _CODE) -> str:
     depend on.
     """
     digest = hashlib.sha256()
-    for path in _sources(folders):
-        digest.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()
-
-
-def _sources(folders: tuple[str, ...]) -> Iterator[Path]:
     for folder in folders:
-        yield from sorted(path for path in (ROOT / folder).rglob("*") if path.suffix in (".py", ".toml"))
+        for path in sorted((ROOT / folder).rglob("*")):
+            if path.suffix in (".py", ".toml"):
+                digest.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
 
 
 def _version(package: str) -> str | None:

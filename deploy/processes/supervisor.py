@@ -27,20 +27,6 @@ _FIRST = 0.25  # s, after the second failure in a row
 _LONGEST = 10.0  # s, well below the time that a world waits for a robot
 
 
-@dataclass
-class Backoff:
-    """Delays before the restarts of one process."""
-
-    _in_a_row: int = 0
-
-    def wait(self, lived: float) -> float:
-        """Delay before the next restart, s, after a failure at the age of `lived` s."""
-        if lived >= STEADY:
-            self._in_a_row = 0
-        self._in_a_row += 1
-        return 0.0 if self._in_a_row == 1 else min(_LONGEST, _FIRST * 2.0 ** min(self._in_a_row - 2, 16))
-
-
 _MOST = 1000  # unread reports
 _UNHEARD = 2 * MAX_NEWS  # characters of unread reports
 
@@ -94,7 +80,7 @@ class ProcessLife:
     again: bool = False  # restart it as soon as it has ended
     began: float = 0.0  # s, monotonic: start of the latest process
     due: float | None = None  # s, monotonic: start of the next process, if one is scheduled
-    backoff: Backoff = field(default_factory=Backoff)
+    in_a_row: int = 0  # failures without a steady life between them
     restarts: int = 0
     failures: int = 0
     report: str | None = None  # the first of the latest process
@@ -111,6 +97,11 @@ class ProcessLife:
         self.unheard.append(text)
         while len(self.unheard) > _MOST or sum(map(len, self.unheard)) > _UNHEARD:
             del self.unheard[0]
+
+    def wait(self, lived: float) -> float:
+        """Delay before the next restart, s, after a failure at the age of `lived` s."""
+        self.in_a_row = 1 if lived >= STEADY else self.in_a_row + 1
+        return 0.0 if self.in_a_row == 1 else min(_LONGEST, _FIRST * 2.0 ** min(self.in_a_row - 2, 16))
 
     @property
     def over(self) -> bool:
@@ -389,4 +380,4 @@ class Supervisor:
         if life.again:
             self._again(life)
         elif again:
-            life.due = time.monotonic() + life.backoff.wait(time.monotonic() - life.began)
+            life.due = time.monotonic() + life.wait(time.monotonic() - life.began)

@@ -27,12 +27,6 @@ from protocol.process.signals import STOP, Stopped
 from protocol.scenario.model import Scenario
 
 
-def linger(link: str) -> None:
-    """Keep the live page after the run until Ctrl-C."""
-    print(f"{link} stays available until Ctrl-C", file=sys.stderr, flush=True)
-    STOP.wait()
-
-
 @contextmanager
 def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[str]:
     """Serve a page that shows `fleet`, and print its address, which permits steering, to standard error.
@@ -127,7 +121,8 @@ def execute(
             with suppress(Stopped):
                 draw(Path(recordings[first]), plot, lambda _: STOP.check())
         if page is not None and sys.stdin.isatty():
-            linger(page)
+            print(f"{page} stays available until Ctrl-C", file=sys.stderr, flush=True)
+            STOP.wait()
     return result
 
 

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 from deploy.processes import table
-from deploy.processes.spawn import Process
 from deploy.processes.supervisor import Exit, Usage
 from deploy.run.assembly import Assembly, Topology, places
 from deploy.run.launcher import Launcher
@@ -52,6 +51,7 @@ class Fleet:
         record: file to record to.
 
     Attributes:
+        supervisor: of all processes.
         rejected: number of invalid messages, by reason.
 
     Raises:
@@ -79,14 +79,11 @@ class Fleet:
     def __enter__(self) -> Fleet:
         with ExitStack() as stack:
             self._assembly = Assembly(self._scenario, self._options, self._record, stack)
-            self._supervisor = self._assembly.supervisor
+            self.supervisor = self._assembly.supervisor
             self._listen(stack)  # before the robots start, so that no Clock of a short run is missed
-            self._supervisor.start(self._robots())
+            self.supervisor.start(self._assembly.robots())
             self._stack = stack.pop_all()
         return self
-
-    def _robots(self) -> list[Process]:
-        return self._assembly.robots()
 
     def __exit__(self, *details: object) -> None:
         self._stack.close()
@@ -130,34 +127,26 @@ class Fleet:
             return "", ""
         return "interrupted", INTERRUPTED if STOP.requested else ENOUGH
 
-    def signal(self, name: str, number: int) -> None:
-        """Send a signal to one process, for example `robot-2`, without the supervisor's bookkeeping."""
-        self._supervisor.signal(name, number)
-
-    def pids(self) -> dict[str, int]:
-        """Process ids of the running processes, by name."""
-        return self._supervisor.pids()
-
     def processes(self) -> list[dict[str, Any]]:
         """Wait for the processes, stop the rest except the recorder, and return the resources of each."""
         deadline = time.monotonic() + self._leaving
-        while not all(map(table.outlasts, self._supervisor.running())) and time.monotonic() < deadline:
-            self._supervisor.poll(_POLL)
-        self._supervisor.stop(spare=(table.RECORDER,))
+        while not all(map(table.outlasts, self.supervisor.running())) and time.monotonic() < deadline:
+            self.supervisor.poll(_POLL)
+        self.supervisor.stop(spare=(table.RECORDER,))
         hosts = places(self._options.hosts)
-        return [_row(usage, hosts.get(usage.name)) for usage in self._supervisor.usage()]
+        return [_row(usage, hosts.get(usage.name)) for usage in self.supervisor.usage()]
 
     def recordings(self) -> list[str]:
         """Files of the recording: several if it rotates, or its recorder was restarted."""
-        return [] if self._assembly.result is None else self._supervisor.heard(table.RECORDER)
+        return [] if self._assembly.result is None else self.supervisor.heard(table.RECORDER)
 
     def record(self, result: Mapping[str, Any]) -> None:
         """Finish the recording, if any, with the result; raises RecordingError if the recorder failed."""
         if self._assembly.result is None:
             return
         self._assembly.result.write_text(json.dumps(result), encoding="utf-8")
-        self._supervisor.stop()
-        (code,) = (usage.exit_code for usage in self._supervisor.usage() if usage.name == table.RECORDER)
+        self.supervisor.stop()
+        (code,) = (usage.exit_code for usage in self.supervisor.usage() if usage.name == table.RECORDER)
         if code != 0:
             raise RecordingError(f"{self._record} is incomplete: its recorder ended with status {code}")
 
@@ -176,8 +165,8 @@ class Fleet:
         """Ended processes. The world reports over its pipe here: a published result may be lost, or arrive
         after its end. A restarted world may report again.
         """
-        exits = self._supervisor.poll()
-        for text in self._supervisor.heard(WORLD):
+        exits = self.supervisor.poll()
+        for text in self.supervisor.heard(WORLD):
             try:
                 report = read_report(text)
             except MessageError as error:  # from a host that an attacker controls
@@ -191,7 +180,7 @@ class Fleet:
 
     def _follow(self, clock: Clock) -> None:
         self._clock = clock
-        self._supervisor.up((WORLD, *map(robot_role, clock.active)))
+        self.supervisor.up((WORLD, *map(robot_role, clock.active)))
         self._launcher.follow(clock)
         if self._watch is not None:
             self._watch(clock)
@@ -199,13 +188,13 @@ class Fleet:
     # -- RobotProcesses
 
     def knows(self, robot: int) -> bool:
-        return robot_role(robot) in self._supervisor.names
+        return robot_role(robot) in self.supervisor.names
 
     def runs(self, robot: int) -> bool:
-        return robot_role(robot) in self._supervisor.running()
+        return robot_role(robot) in self.supervisor.running()
 
     def act(self, robot: int, event: ProcessEvent) -> None:
-        getattr(self._supervisor, event)(robot_role(robot))
+        getattr(self.supervisor, event)(robot_role(robot))
 
     def welcome(self, robot: int) -> bool:
         self._assembly.start_newcomer(robot)
@@ -224,25 +213,19 @@ class Fleet:
                 continue
             if exit_.process.name == table.RECORDER and not exit_.expected:
                 LOG.error(f"{exit_}; the recording ends there")
-            tolerable = exit_.expected or self._has_begun
+            tolerable = exit_.expected or (self._clock is not None and self._clock.tick > 0)
             if (exit_.process.vital and not self._report) or not tolerable:
                 raise FleetLostError(f"{exit_}{self._assembly.expired}")
-
-    @property
-    def _has_begun(self) -> bool:
-        return self._clock is not None and self._clock.tick > 0
 
     def _await_last_words(self) -> None:
         self._poll()
         if self._options.restarts:
             self._leaving = 0.0  # robots would wait for a restarted world
-        if WORLD in self._supervisor.running():
-            self._supervisor.signal(WORLD, signal.SIGTERM)
+        if WORLD in self.supervisor.running():
+            self.supervisor.signal(WORLD, signal.SIGTERM)
             deadline = time.monotonic() + _LAST_WORDS
             while (
-                WORLD in self._supervisor.running()
-                and time.monotonic() < deadline
-                and STOP.count < _IMPATIENT
+                WORLD in self.supervisor.running() and time.monotonic() < deadline and STOP.count < _IMPATIENT
             ):
                 self._take(self._bus.receive(_POLL))
                 self._poll()

@@ -5,9 +5,9 @@ from __future__ import annotations
 import datetime
 import os
 from collections.abc import Sequence
+from inspect import signature
 from ipaddress import ip_address
 from pathlib import Path
-from typing import NamedTuple
 
 from deploy.output import whole_folder
 from deploy.security.roster import ROSTER, ROUTER, KeyRoster, encoded, router_role
@@ -25,29 +25,11 @@ try:
 except ModuleNotFoundError as error:
     raise missing_library("a certificate", "cryptography", "secure") from error
 
-_USES = [
-    "digital_signature",
-    "content_commitment",
-    "key_encipherment",
-    "data_encipherment",
-    "key_agreement",
-    "key_cert_sign",
-    "crl_sign",
-    "encipher_only",
-    "decipher_only",
-]
 _SKEW = datetime.timedelta(minutes=10)  # tolerated lag of a host's clock
 
 
-class KeyPair(NamedTuple):
-    """A certificate and its private key, PEM."""
-
-    certificate: bytes
-    key: bytes
-
-
 class Authority:
-    """Signs the certificates of one run, valid for `days` from now, as is its own.
+    """Signs the certificates of one run, valid for `days` from now, as is its own `certificate` (PEM).
 
     Its private key is never written, so no member can be added later.
     """
@@ -59,20 +41,16 @@ class Authority:
         self._key = ec.generate_private_key(ec.SECP256R1())
         self._name = _name(run, "authority")
         usage = _usage("key_cert_sign", "crl_sign")
-        self._certificate = (
+        self.certificate = (
             self._builder(self._name, self._key)
             .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
             .add_extension(usage, critical=True)
             .sign(self._key, hashes.SHA256())
+            .public_bytes(serialization.Encoding.PEM)
         )
 
-    @property
-    def certificate(self) -> bytes:
-        """Certificate of the authority, PEM."""
-        return self._certificate.public_bytes(serialization.Encoding.PEM)
-
-    def issue(self, role: str, *, hosts: Sequence[str] = ()) -> KeyPair:
-        """A certificate with common name `role`.
+    def issue(self, role: str, hosts: Sequence[str]) -> tuple[bytes, bytes]:
+        """A certificate with common name `role`, and its private key, PEM.
 
         Only a certificate with `hosts` (names or addresses) is valid for a listener, so no robot can pose as
         a router.
@@ -90,7 +68,7 @@ class Authority:
             .add_extension(x509.SubjectAlternativeName(names), critical=False)
             .sign(self._key, hashes.SHA256())
         )
-        return KeyPair(
+        return (
             certificate.public_bytes(serialization.Encoding.PEM),
             key.private_bytes(
                 serialization.Encoding.PEM,
@@ -132,7 +110,7 @@ def _host(host: str) -> x509.GeneralName:
 
 
 def _usage(*granted: str) -> x509.KeyUsage:
-    return x509.KeyUsage(**{name: name in granted for name in _USES})
+    return x509.KeyUsage(**{name: name in granted for name in signature(x509.KeyUsage).parameters})
 
 
 _LONGEST = 36_500.0  # days
@@ -180,9 +158,9 @@ def _fill(directory: Path, roster: KeyRoster, hosts: Sequence[str], days: float)
     } or {ROUTER: hosts}
     names = {role: tuple(dict.fromkeys((*LOOPBACK, *reached))) for role, reached in homes.items()}
     for role in roster.roles:
-        pair = authority.issue(role, hosts=names.get(role, ()))
-        _write(directory / certificate_file(role), pair.certificate, 0o644)
-        _write(directory / key_file(role), pair.key, 0o600)
+        certificate, key = authority.issue(role, names.get(role, ()))
+        _write(directory / certificate_file(role), certificate, 0o644)
+        _write(directory / key_file(role), key, 0o600)
     _write(directory / ROSTER, encoded(roster), 0o644)
     return authority.end
 

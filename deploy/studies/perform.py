@@ -123,7 +123,8 @@ def perform(
     check_json(target)
     study.cells[0].build(study.cells[0].seeds[0])  # an invalid setting is found before any run
     quiet = quiet or is_standard_output(target)
-    with RunLog(_log_path(file), fresh=fresh) as log:
+    runs_file = None if file is None else file.with_name(f"{file.name}.runs.jsonl")
+    with RunLog(runs_file, fresh=fresh) as log:
         outcome = execute(study, bus, log, jobs=jobs, quiet=quiet, shard=shard)
     told = {"shard": str(shard), "settings": list(settings), "complete": outcome.complete}
     document = {
@@ -135,10 +136,6 @@ def perform(
     if not quiet:
         Console(width=None if sys.stdout.isatty() else _PAPER).print(table(study, outcome.rows))
     return _status(study, outcome, file)
-
-
-def _log_path(file: Path | None) -> Path | None:
-    return None if file is None else file.with_name(file.name + ".runs.jsonl")
 
 
 def _status(study: Study, outcome: StudyOutcome, file: Path | None) -> int:

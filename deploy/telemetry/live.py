@@ -317,8 +317,10 @@ class FleetView:
         self._recast(truth)
         elapsed = (truth.tick - known) * step if known or truth.tick == 1 else 0.0
         for robot, position in zip(truth.robots, truth.positions, strict=False):
-            if robot in self.robots:
-                self._moved(self.robots[robot], position, elapsed, truth.tick, now)
+            if (view := self.robots.get(robot)) is not None:
+                view.moved(position, elapsed)
+                if self.lockstep and view.active and view.alive is not False:
+                    view.said(truth.tick - 1, now)  # the tick ended once all active robots had sent States
         self.smallest = truth.clearance if self.smallest is None else min(self.smallest, truth.clearance)
         self.history.append((truth.tick * step, truth.clearance, truth.log_potential))
         self.recent.append(truth)
@@ -351,13 +353,6 @@ class FleetView:
         view = RobotView(RobotSpec(robot, size, place, goal), self._trail, None, aims=spec is not None)
         view.alive = self._tokens.get(robot)
         return view
-
-    def _moved(
-        self, robot: RobotView, position: tuple[float, float], elapsed: float, tick: int, now: float
-    ) -> None:
-        robot.moved(position, elapsed)
-        if self.lockstep and robot.active and robot.alive is not False:
-            robot.said(tick - 1, now)  # a lock-step tick ends once all active robots have sent their States
 
     def _on_health(self, health: Health, now: float) -> None:
         if health.robot in self.robots:

@@ -110,11 +110,6 @@ def _laplacian(weights: Array) -> Array:
     return np.asarray(out)
 
 
-def _flat(blocks: Array) -> Array:
-    p = len(blocks)
-    return np.asarray(blocks.transpose(0, 2, 1, 3).reshape(2 * p, 2 * p))
-
-
 def obstacle_curvature(problem: FleetProblem, b: Array) -> Array:
     """Sum over Q0 of D^2 beta_ij / beta_ij = 2 (L1 L1^T - L0 L0^T), Lemma E.10, (2p, 2p) 1/m^2."""
     scalar = _laplacian(1.0 / beta_pairs(problem, b)) - np.diag(1.0 / beta_boundary(problem, b))
@@ -128,7 +123,7 @@ def obstacle_outer(problem: FleetProblem, b: Array) -> Array:
     own = b / beta_boundary(problem, b)[:, None]
     index = np.arange(problem.p)
     blocks[index, index] += own[:, :, None] * own[:, None, :]
-    return 4.0 * _flat(blocks)
+    return np.asarray(4.0 * blocks.transpose(0, 2, 1, 3).reshape(2 * problem.p, 2 * problem.p))
 
 
 def reduced_jacobian(problem: FleetProblem, b: Array) -> Array:

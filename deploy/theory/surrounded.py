@@ -36,7 +36,8 @@ def theorem_for(scenario: Scenario) -> tuple[Theorem | None, tuple[str, ...]]:
     shapes = scenario.shapes
     polygons = [number for number, shape in shapes.items() if not isinstance(shape, Disk)]
     if polygons:
-        reasons.append(f"{_counted(len(polygons), 'obstacle')} {_are(polygons)} not round")
+        count = len(polygons)
+        reasons.append(f"{count} obstacles are not round" if count > 1 else "1 obstacle is not round")
     if scenario.parts:
         reasons.append("no theorem covers carried parts")
     if shapes and len(scenario.robots) > 1:
@@ -53,14 +54,6 @@ def _not_apart(scenario: Scenario) -> Iterator[str]:
     for one, other in pairs:
         between = f"obstacle {other} and the boundary" if one == ROOM else f"obstacles {one} and {other}"
         yield f"the robot cannot pass between {between}"
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
-
-
-def _are(items: list[int]) -> str:
-    return "is" if len(items) == 1 else "are"
 
 
 _SAYS: dict[Theorem | None, str] = {

@@ -63,13 +63,13 @@ def run(
 
         def enough() -> bool:
             now = time.monotonic() - began
-            pids = {**fleet.pids(), _LAUNCHER: os.getpid()}
+            pids = {**fleet.supervisor.pids(), _LAUNCHER: os.getpid()}
             if now >= _PERIOD * sum(len(life) for (name, _), life in lives.items() if name == _LAUNCHER):
                 for name, pid in pids.items():
                     lives[name, pid] += _sampled(pid, now)
             if kills and now >= kill_every * (len(killed) + 1) and now < seconds - kill_every:
                 killed.append(random.choice(sorted(pids.keys() - {_LAUNCHER})))
-                fleet.signal(killed[-1], signal.SIGKILL)
+                fleet.supervisor.signal(killed[-1], signal.SIGKILL)
             return now >= seconds
 
         report = fleet.execute(enough)

@@ -46,11 +46,8 @@ def table(frame: dict[str, Any]) -> RenderableType:
     for row in frame["robots"]:
         style = "bold red" if row["alarm"] else "green" if row["status"] == "at goal" else ""
         listing.add_row(*_cells(row), style=style)
-    return Group(_headline(frame), *_reason(frame), listing)
-
-
-def _reason(frame: dict[str, Any]) -> list[Text]:
-    return [Text(frame["reason"])] if frame["reason"] else []
+    reason = [Text(frame["reason"])] if frame["reason"] else []
+    return Group(_headline(frame), *reason, listing)
 
 
 def _headline(frame: dict[str, Any]) -> Text:

@@ -81,12 +81,6 @@ def state_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray, float]:
     return np.array(ticks), ages, sum(link.lost for link in links.values()) / max(1, sent)
 
 
-def delayed_sensing(recording: Recording) -> bool:
-    """Whether measurements of any robot are late or dropped."""
-    entries = map(recording.scenario.sensing_of, recording.scenario.ids)
-    return any(entry.dropout > 0.0 or entry.delay not in (0.0, (0.0, 0.0)) for entry in entries)
-
-
 _COLUMNS = 2000  # of ages; more than pixels
 _INFINITE = 300.0  # bound of `Truth.log_potential`
 
@@ -150,7 +144,8 @@ _PANEL = 1.2  # inches, height of one curve
 def figure(recording: Recording) -> Figure:
     """The workspace, and curves over time in a column beside it."""
     panels: list[Panel] = [draw_clearance, draw_potential]
-    if delayed_sensing(recording):
+    sensing = map(recording.scenario.sensing_of, recording.scenario.ids)
+    if any(each.dropout > 0.0 or each.delay not in (0.0, (0.0, 0.0)) for each in sensing):
         panels.append(draw_measurement_ages)
     if recording.scenario.link != LinkFaults():
         panels.append(draw_heard_ages)

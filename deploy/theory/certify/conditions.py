@@ -26,11 +26,6 @@ Ends = tuple[arb, arb]
 ZERO, INFINITE = arb(0), arb("+inf")
 
 
-def exact(x: float) -> Ends:
-    """Interval of a double."""
-    return arb(x), arb(x)
-
-
 def add(a: Ends, b: Ends) -> Ends:
     """a + b."""
     return a[0] + b[0], a[1] + b[1]
@@ -325,7 +320,7 @@ def whole(goals: GoalSet, kappa: Ends) -> Rows:
     """Every free configuration, every lambda, these kappa."""
     rows: Rows = []
     for radius in goals.radii:
-        reach = exact(goals.workspace)[0] - arb(radius)
+        reach = arb(goals.workspace) - arb(radius)
         rows += [[-reach, reach], [-reach, reach]]
     p = len(goals.radii)
     rows += [[ZERO, INFINITE] for _ in range(p * (p + 1) // 2)]

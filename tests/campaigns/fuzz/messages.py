@@ -231,7 +231,7 @@ def _take_part(drawn: list[_Drawn]) -> None:
     watcher = watch_local(network, _RUN)
     watcher.wake(0.0)
     launcher = Fleet(_participants_of(), RunOptions())
-    launcher._supervisor = Mock(spec=Supervisor, names=(), **{"running.return_value": ()})  # of no processes
+    launcher.supervisor = Mock(spec=Supervisor, names=(), **{"running.return_value": ()})  # of no processes
     launcher._assembly = Mock(spec=Assembly)
     handlers: list[Callable[[Event], object]] = [robot.handle, watcher.handle, launcher._take, world.handle]
     for happens, key, payload in drawn:

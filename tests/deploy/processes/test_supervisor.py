@@ -3,11 +3,12 @@
 import signal
 import time
 from collections.abc import Iterator
+from unittest.mock import Mock
 
 import pytest
 
-from deploy.processes.spawn import Process
-from deploy.processes.supervisor import STEADY, Backoff, Exit, Supervisor
+from deploy.processes.spawn import Process, Spawner
+from deploy.processes.supervisor import STEADY, Exit, ProcessLife, Supervisor
 from protocol.errors import ProcessError, StartError
 from tests.deploy.processes.children import (
     die_while_reporting,
@@ -150,12 +151,12 @@ def test_a_process_that_dies_in_the_middle_of_a_report_dies_alone(supervisor: Su
 
 
 def test_waits_grow_to_a_cap_and_begin_anew_after_a_steady_life() -> None:
-    backoff = Backoff()
-    waits = [backoff.wait(1.0) for _ in range(10)]
+    life = ProcessLife(Process("sick", "module:main"), Mock(spec=Spawner))
+    waits = [life.wait(1.0) for _ in range(10)]
     assert waits == [0.0, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 10.0, 10.0, 10.0]
-    assert backoff.wait(STEADY) == 0.0
-    assert backoff.wait(STEADY - 0.1) == 0.25
-    assert [backoff.wait(0.0) for _ in range(5000)][-1] == 10.0
+    assert life.wait(STEADY) == 0.0
+    assert life.wait(STEADY - 0.1) == 0.25
+    assert [life.wait(0.0) for _ in range(5000)][-1] == 10.0
 
 
 def test_one_that_keeps_dying_starves_no_other(supervisor: Supervisor) -> None:

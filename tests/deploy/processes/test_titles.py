@@ -47,7 +47,7 @@ def test_a_fleet_is_told_apart_and_the_one_that_is_meant_is_killed(tmp_path: Pat
     def look(clock: Clock) -> None:
         if clock.tick < 2 or seen:
             return
-        seen.update(fleet.pids())
+        seen.update(fleet.supervisor.pids())
         assert {name: title(pid) for name, pid in seen.items()} == {
             name: f"disknav {name.replace('-', ' ')} (run {run})" for name in seen
         }
@@ -61,7 +61,7 @@ def test_a_fleet_is_told_apart_and_the_one_that_is_meant_is_killed(tmp_path: Pat
 
     options = RunOptions(mode="realtime", run=run)
     with Fleet(scenario, options, watch=look, record=tmp_path / "run.mcap") as fleet:
-        fleet.execute(enough=lambda: bool(seen) and "robot-1" not in fleet.pids())
+        fleet.execute(enough=lambda: bool(seen) and "robot-1" not in fleet.supervisor.pids())
         ends = {each["name"]: each["exit_code"] for each in fleet.processes()}
     assert ends.pop("recorder") is None, "it waits for the result"
     assert ends == {name: -signal.SIGKILL if name == "robot-1" else 0 for name in ends}

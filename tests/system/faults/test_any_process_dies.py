@@ -45,11 +45,11 @@ class Killer:
 
     def __call__(self, fleet: Fleet, clock: Clock) -> None:
         while self.due and clock.tick >= self.due[0][0]:
-            pid = fleet.pids().get(self.due[0][1])
+            pid = fleet.supervisor.pids().get(self.due[0][1])
             if pid is None or pid in self._killed:
                 return  # its next life has not begun
             self._killed.add(pid)
-            fleet.signal(self.due.pop(0)[1], signal.SIGKILL)
+            fleet.supervisor.signal(self.due.pop(0)[1], signal.SIGKILL)
 
 
 def run(
@@ -142,7 +142,7 @@ def test_no_world_begins_without_its_checkpoint(
     def act(fleet: Fleet, clock: Clock) -> None:
         if clock.tick >= 10 and checkpoints[0].exists():
             checkpoints[0].unlink()
-            fleet.signal(table.WORLD, signal.SIGKILL)
+            fleet.supervisor.signal(table.WORLD, signal.SIGKILL)
 
     report, _ = run(QUICK, RunOptions(restarts=1, speed=1.0), act)
     assert report["verdict"] == "aborted"

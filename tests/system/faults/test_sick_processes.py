@@ -53,7 +53,7 @@ def test_one_that_hangs_is_given_up_alone(
     monkeypatch.setattr(table, "robot", sick)
     with Fleet(load("swap-4", ["time.fence=0.3", "time.limit=30.0"]), RunOptions()) as fleet:
         report = fleet.execute()
-        fleet.signal(table.robot_role(2), signal.SIGKILL)  # which a fleet does after a while
+        fleet.supervisor.signal(table.robot_role(2), signal.SIGKILL)  # which a fleet does after a while
         ends = {row["name"]: row["exit_code"] for row in fleet.processes()}
     assert report["arrived"] == [1, 3, 4], (report["verdict"], report["reason"])
     assert report["collisions"] == 0

@@ -1,7 +1,7 @@
 """Messages of strangers under a run's name end no process: they are counted and dropped."""
 
 import json
-from typing import Any
+from contextlib import ExitStack
 
 import pytest
 
@@ -33,7 +33,8 @@ class Disturbed(Fleet):
         super().__init__(scenario, options, watch=self._disturb)
         self.replies: list[object] = []
 
-    def _robots(self) -> list[Any]:
+    def _listen(self, stack: ExitStack) -> None:
+        super()._listen(stack)
         assert self._options.router is not None
         stranger = ZenohBus(Connection(connect=(self._options.router,)))
         self.close = stranger.close
@@ -49,7 +50,6 @@ class Disturbed(Fleet):
         keys += ("world/scenario", "world/result", "robot/1/2/3/4/5/state", "robot/0/state")
         self._say = [stranger.publisher(STREAMS["clock"], f"{prefix}/{key}") for key in keys]
         self._judge = stranger.publisher(STREAMS["result"], f"{prefix}/world/result")
-        return super()._robots()
 
     def _disturb(self, clock: Clock) -> None:
         for say in self._say:

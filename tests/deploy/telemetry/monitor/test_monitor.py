@@ -144,8 +144,8 @@ def test_endpoint_and_run_name_are_enough() -> None:
                     frame = watcher.snapshot()
                     robot = frame["robots"][1] if frame["robots"] else {"alive": False, "status": ""}
                     begun = watcher.overview()["epoch"] == epoch and frame["tick"] > 3
-                    if begun and robot["alive"] and "robot-2" in fleet.pids():
-                        fleet.signal("robot-2", signal.SIGKILL)
+                    if begun and robot["alive"] and "robot-2" in fleet.supervisor.pids():
+                        fleet.supervisor.signal("robot-2", signal.SIGKILL)
                     return begun and robot["status"] in ("dead", "fenced")
 
                 fleet.execute(over)

@@ -109,7 +109,7 @@ def test_a_fleet_whose_recorder_is_killed_goes_on(restarts, tmp_path, caplog):
     def kill(clock: Clock) -> None:
         if clock.tick > 25 and not killed:
             killed.append(clock.tick)
-            fleet.signal(table.RECORDER, signal.SIGKILL)
+            fleet.supervisor.signal(table.RECORDER, signal.SIGKILL)
 
     options = RunOptions(speed=0.7 if restarts else 1.4, restarts=restarts)  # the next one takes a while
     with Fleet(scenario(), options, watch=kill, record=path) as fleet:
