@@ -15,7 +15,7 @@ from agents.law import GuardedLaw, View
 from agents.law.pace import may_move
 from agents.parts.carrier import PartCarrier
 from agents.peers.neighbours import PeerInbox
-from agents.peers.roster import KnownRoster, has_ended
+from agents.peers.roster import KnownRoster
 from agents.peers.state import plausible
 from agents.safety_filter import SafetyFilter
 from protocol.crowd import period
@@ -250,9 +250,11 @@ class Robot:
     # -- about itself
 
     def has_ended(self, tick: Tick) -> bool:
-        """Whether the Tick's roster ends this incarnation."""
-        roster = tick.roster
-        return roster is not None and has_ended(roster, self.robot, self.incarnation)
+        """Whether the Tick's roster ends this life: its disk is static, or the robot has a newer one."""
+        for member in () if tick.roster is None else tick.roster.members:
+            if member.robot == self.robot and member.incarnation >= self.incarnation:
+                return member.incarnation > self.incarnation or member.status != "live"
+        return False
 
     @property
     def radius(self) -> float:

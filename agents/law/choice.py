@@ -22,7 +22,7 @@ from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 
 
-class ExternalLaw:
+class ExternalLaw(Law):
     """The newest wish, limited to the speed limit; zero once it is older than `control.lifetime`."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
@@ -39,10 +39,6 @@ class ExternalLaw:
 
     def velocity(self, view: View) -> Vector:
         return self._wish if view.tick <= self._until else (0.0, 0.0)
-
-    def slice_norm(self, position: Vector, goal: Vector) -> float:
-        """|D_i| of the attraction alone, m."""
-        return attraction(position, goal)
 
 
 MOST: Final = 1e3  # largest slice sent to peers, radii of the workspace

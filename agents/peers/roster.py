@@ -66,14 +66,6 @@ class KnownRoster:
         ]
 
 
-def has_ended(roster: Roster, robot: int, incarnation: int) -> bool:
-    """Whether a roster ends this incarnation: its disk is static, or the robot has a newer one."""
-    for member in roster.members:
-        if member.robot == robot and member.incarnation >= incarnation:
-            return member.incarnation > incarnation or member.status != "live"
-    return False
-
-
 @keeps_newest
 def radii_of(robots: tuple[RobotSpec, ...]) -> dict[int, float]:
     """Radii of the robots of a fleet, m, by id. Immutable: robots of one process share them."""

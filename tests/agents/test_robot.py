@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from agents.peers.state import PeerState, addressed_to, plausible
 from agents.robot import Robot
 from deploy.library.load import load
-from protocol.messages import Command, Proposal, Sense, State, Tick
+from protocol.messages import Command, Member, Proposal, Roster, Sense, State, Tick
 from world.world import WorldCore
 
 SCENARIO = load("swap-4")
@@ -124,3 +124,17 @@ def test_a_robot_that_cannot_be_where_it_is_told_to_be_does_not_know_where_it_is
     far = Sense((2.0 * plausible(SCENARIO).place, 0.0), 0, 0.0, (0.0, 0.0))
     for sense, place in ((far, None), (replace(far, position=(0.1, 0.1)), (0.1, 0.1))):
         assert Robot(SCENARIO, OWN, 1).begin(Tick(OWN, 1, 0, (OWN,), sense=sense)).position == place
+
+
+def test_a_life_is_over_once_its_disk_stands_or_a_newer_one_is_there() -> None:
+    def has_ended(robot: int, life: int, *members: Member) -> bool:
+        told = Tick(robot, life, 0, IDS, roster=Roster(1, members))
+        return Robot(SCENARIO, robot, life).has_ended(told)
+
+    live, standing = Member(1, 1, "live", 0.1), Member(2, 1, "standing", 0.1, (0.5, 0.0))
+    assert not has_ended(1, 1, live, standing)
+    assert has_ended(2, 1, live, standing)
+    assert not has_ended(2, 2, live, standing)  # a roster from before this life
+    assert has_ended(2, 1, Member(2, 2, "live", 0.1))
+    assert not has_ended(2, 2, Member(2, 2, "live", 0.1))
+    assert not has_ended(3, 1, Member(2, 2, "live", 0.1))

@@ -1,6 +1,6 @@
-"""The roster as one robot knows it: what is news, which obstacles are there, and when a life is over."""
+"""The roster as one robot knows it: what is news, and which obstacles are there."""
 
-from agents.peers.roster import KnownRoster, has_ended
+from agents.peers.roster import KnownRoster
 from protocol.geometry import Disk
 from protocol.messages import Member, PlacedObstacle, Roster
 
@@ -28,13 +28,3 @@ def test_obstacles_are_those_of_the_scenario_but_for_what_came_and_went() -> Non
     assert known.shapes == tuple(listed.values())
     known.update(Roster(2, (), (PlacedObstacle(1, "gone"), came)))
     assert known.shapes == (listed[2], came.shape)
-
-
-def test_a_life_is_over_once_its_disk_stands_or_a_newer_one_is_there() -> None:
-    assert not has_ended(FIRST, 1, 1)
-    assert has_ended(LATER, 2, 1)
-    assert not has_ended(LATER, 2, 2)  # a roster from before this life
-    newer = Roster(4, (Member(2, 2, "live", 0.1),))
-    assert has_ended(newer, 2, 1)
-    assert not has_ended(newer, 2, 2)
-    assert not has_ended(newer, 3, 1)
