@@ -73,8 +73,10 @@ class ZenohBus:
         self._declared: list[object] = []  # zenoh withdraws unreferenced declarations
         self._subscribed: dict[str, zenoh.Subscriber[None]] = {}  # by key expression
         self._connection, self._awaited = connection, False
-        if connection.mode == "router":
-            _prepare_router(connection)
+        if connection.mode == "router":  # settings that precede the first session of a process
+            zenoh.init_log_from_env_or(_ROUTER_LOG)
+            if connection.linked:
+                os.environ["ZENOH_RUNTIME"] = _LINKED
         self._session = _open(connection)
         STOP.call(self._wake)
         self._capacity = capacity
@@ -277,13 +279,6 @@ def _request(query: zenoh.Query) -> Query:
 def _reply(query: zenoh.Query, payload: bytes) -> None:
     with query:  # its end ends the wait of the requester
         query.reply(query.key_expr, payload)
-
-
-def _prepare_router(connection: Connection) -> None:
-    """Settings that precede the first session of a process."""
-    zenoh.init_log_from_env_or(_ROUTER_LOG)
-    if connection.linked:
-        os.environ["ZENOH_RUNTIME"] = _LINKED
 
 
 def _open(connection: Connection) -> zenoh.Session:
