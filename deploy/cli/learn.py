@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -119,7 +120,7 @@ def certify(
 
         goals = None if read_scenario is None else GoalSet.of(read_scenario)
         checked = replay(fetch(verify, goals), _MINUTES if minutes is None else minutes, silent)
-        _say(_verified(checked), checked.to_json(), json_file, silent)
+        _say(_verified(checked), asdict(checked), json_file, silent)
         raise typer.Exit(_status(checked.enough(k)))
     if scenario is None or read_scenario is None:
         raise UsageError("certify needs a SCENARIO, or --verify FILE")
@@ -157,9 +158,9 @@ def _found(found: Certificate) -> str:
 
 
 def _verified(checked: Replay) -> str:
-    if checked.proven is None:
+    if checked.verified is None:
         return f"{checked.scenario}: nothing verified"
-    return f"{checked.scenario}: verified for every k >= {checked.proven:g} ({checked.boxes:,} boxes)"
+    return f"{checked.scenario}: verified for every k >= {checked.verified:g} ({checked.boxes:,} boxes)"
 
 
 def study(

@@ -135,7 +135,7 @@ def deploy(
     Example: disknav setup deploy compose figure-1 -o fleet && cd fleet && docker compose up
     """
     from deploy.library.load import load
-    from deploy.manifests import Plan, installation, write
+    from deploy.manifests import IMAGE, Plan, installation, write
     from deploy.security.roster import KeyRoster
     from protocol.scenario.file import write_toml
 
@@ -155,18 +155,9 @@ def deploy(
     run_name = fresh_run_name() if run is None else checked_run(run)
     roster = KeyRoster(run_name, tuple(sorted({*loaded.ids, *added})))
     command = str(Path(sys.executable).parent / "disknav")
-    endpoint = None if router is None else str(KeyRing(out).endpoint(router))
-    chosen = {"image": image, "router": endpoint}
-    named = {name: value for name, value in chosen.items() if value is not None}
-    plan = Plan(
-        roster,
-        write_toml(loaded),
-        mode,
-        command=command,
-        software=installation(),
-        wait=wait,
-        **named,
-    )
+    ring = KeyRing(out)
+    endpoint = str(ring.default_router if router is None else ring.endpoint(router))
+    plan = Plan(roster, write_toml(loaded), mode, image or IMAGE, command, installation(), endpoint, wait)
     write(out, orchestrator, plan, days)
     print(f"{out}: the run {roster.run} for {orchestrator}")
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime
-import os
 from collections.abc import Sequence
 from inspect import signature
 from ipaddress import ip_address
@@ -166,10 +165,9 @@ def _fill(directory: Path, roster: KeyRoster, hosts: Sequence[str], days: float)
 
 
 def _write(path: Path, content: bytes, mode: int) -> None:
-    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
-    with os.fdopen(descriptor, "wb") as file:
-        os.fchmod(descriptor, mode)
-        file.write(content)
+    path.touch(mode, exist_ok=False)
+    path.chmod(mode)  # whatever the umask
+    path.write_bytes(content)
 
 
 def inspect(credentials: Credentials, role: str) -> None:

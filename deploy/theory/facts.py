@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Self
 
+import msgspec
 import numpy as np
 from rich.table import Table
 
@@ -65,13 +65,5 @@ class Facts:
 
 def plain(report: Any) -> dict[str, Any]:
     """A report, which has `facts`, as plain data, with None for numbers that are not finite."""
-    found = _finite(asdict(report))
+    found = msgspec.json.decode(msgspec.json.encode(report))
     return {**found.pop("facts"), **found}
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -48,9 +48,8 @@ def _store(folder: Path, file: Store) -> None:
     path = folder / Path(file.name).name
     if path.exists():
         return
-    descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-    with os.fdopen(descriptor, "wb") as stream:
-        stream.write(file.content)
+    path.touch(0o600, exist_ok=False)
+    path.write_bytes(file.content)
 
 
 if __name__ == "__main__":

@@ -85,11 +85,8 @@ def places() -> list[Venue]:
 
 
 def _crowd(count: int, density: float, delay: float = 0.0) -> Venue:
-    return Venue(f"random {count}, density {density:.2f}", partial(_random, count, density), delay)
-
-
-def _random(count: int, density: float, seed: int) -> Scenario:
-    return random_instance(count, seed, density=density)
+    build = partial(random_instance, count, density=density)
+    return Venue(f"random {count}, density {density:.2f}", build, delay)
 
 
 def contest(place: Venue, control: Mapping[str, Any], seed: int) -> Scenario:

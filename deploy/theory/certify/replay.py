@@ -27,11 +27,11 @@ _FURTHER = 500  # boxes into which one stored leaf may be halved
 
 @dataclass(frozen=True)
 class Replay:
-    """Result of a verification. proven: the smallest verified K, if any; boxes: number of boxes."""
+    """Result of a verification. verified: the smallest verified K, if any; boxes: number of boxes."""
 
     scenario: str
     claimed: float | None
-    proven: float | None
+    verified: float | None
     boxes: int
     failed: str | None
     interrupted: bool
@@ -39,17 +39,7 @@ class Replay:
     def enough(self, k: float | None) -> bool:
         """Whether `k`, or without one the whole claim of the file, is verified."""
         wanted = self.claimed if k is None else k
-        return self.proven is not None and wanted is not None and self.proven <= wanted
-
-    def to_json(self) -> dict[str, object]:
-        return {
-            "scenario": self.scenario,
-            "claimed": self.claimed,
-            "verified": self.proven,
-            "boxes": self.boxes,
-            "failed": self.failed,
-            "interrupted": self.interrupted,
-        }
+        return self.verified is not None and wanted is not None and self.verified <= wanted
 
 
 class _StoppedError(Exception):

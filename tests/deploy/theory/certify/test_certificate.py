@@ -37,7 +37,7 @@ def test_what_is_stored_has_a_second_opinion(goals: GoalSet, k: float, tmp_path:
     back = fetch(tmp_path / "kept.json", goals)
     assert back == certificate
     checked = replay(back, 3.0)
-    assert checked.proven == certificate.proven == k
+    assert checked.verified == certificate.proven == k
     assert checked.enough(None)
     assert checked.enough(1.5 * k)
     assert not checked.enough(0.5 * k)
@@ -92,12 +92,12 @@ def test_forged_claims_do_not_survive_a_second_opinion(pair: Certificate) -> Non
     empty = Slab(2.2, 1, 0.0, "eJz7DwABAAEA")  # one node: nothing there
     assert empty.nodes == b"\xff"
     checked = replay(Certificate(goals=TRIPLE, slabs=[empty]), 3.0)
-    assert (checked.proven, checked.enough(None)) == (None, False)
+    assert (checked.verified, checked.enough(None)) == (None, False)
     assert "not verified" in str(checked.failed)
     slab = pair.slabs[1]
     for nodes in (slab.nodes[:-1], slab.nodes + b"\xff"):
         checked = replay(_with(pair, nodes), 3.0)
-        assert (checked.proven, checked.enough(None)) == (1000.0, False)
+        assert (checked.verified, checked.enough(None)) == (1000.0, False)
         assert "damaged" in str(checked.failed)
 
 
