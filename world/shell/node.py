@@ -89,7 +89,7 @@ class WorldNode:
         waits = returning(gathering, restarts, lockstep=lockstep)
         before = SavedRun() if checkpoint is None else checkpoint.progress
         self._run = JudgedRun(scenario, before.past, returning=waits)
-        lives, epoch = self._run.world.lives, drawn_epoch()
+        lives, epoch = self._run.world.lives, drawn_epoch(continues=bool(before.epochs))
         self._epoch, self._epochs, self._session = epoch, (*before.epochs, epoch), session_of(epoch)
         self._own = {session_of(each) for each in self._epochs}  # tokens of dead worlds may still disappear
         self._admissions = Admissions(
@@ -189,8 +189,7 @@ class WorldNode:
     def _on_world(self, session: str, alive: bool) -> None:
         """Another world appeared or disappeared. Of two with runs that have not begun one leaves."""
         self._operations.on_world(session, alive)
-        begun = self._run.world.lives.founded or len(self._epochs) > 1
-        if alive and not begun and session < self._session:
+        if alive and not self._run.world.lives.founded and session < self._session:
             self._give_way()
 
     def _give_way(self) -> None:

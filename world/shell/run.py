@@ -10,7 +10,7 @@ import secrets
 import time
 from collections import Counter
 from enum import Enum
-from typing import Any
+from typing import Any, Final
 
 from protocol import joining
 from protocol.messages import Clock, Tick
@@ -20,10 +20,13 @@ from world.shell.admission import Admissions
 from world.shell.pacing import Pacing
 from world.world import Past, WorldCore
 
+_HALF: Final = 2**31  # half of all epochs
 
-def drawn_epoch() -> int:
-    """A unique number of a coordinator (`protocol.messages.Epoch`)."""
-    return 1 + secrets.randbelow(2**32 - 1)
+
+def drawn_epoch(*, continues: bool = False) -> int:
+    """A unique number of a coordinator (`protocol.messages.Epoch`), in the lower half if it continues a run:
+    of two with runs that have not begun, the one with the lower number stays."""
+    return 1 + secrets.randbelow(_HALF - 1) + (0 if continues else _HALF)
 
 
 class Phase(Enum):

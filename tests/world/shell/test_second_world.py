@@ -23,6 +23,7 @@ from world.shell import node as shell
 from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
 from world.shell.operations import OTHER_WORLD
+from world.shell.run import drawn_epoch
 
 SWAP = load("swap-4")
 
@@ -30,7 +31,8 @@ SWAP = load("swap-4")
 @pytest.fixture(autouse=True)
 def epochs(monkeypatch: pytest.MonkeyPatch) -> None:
     """Coordinators are numbered in the order in which they begin."""
-    monkeypatch.setattr(shell, "drawn_epoch", itertools.count(1).__next__)
+    numbers = itertools.count(1)
+    monkeypatch.setattr(shell, "drawn_epoch", lambda **_: next(numbers))
 
 
 def asked(world: WorldNode, halt: bool | None = None) -> Reply:
@@ -80,22 +82,32 @@ def test_a_world_without_robots_leaves_the_run_to_the_world_that_has_them() -> N
     go(fleet, 3)
 
 
-@pytest.mark.parametrize("continues", [False, True])
-def test_a_world_that_continues_a_run_does_not_leave_it(continues: bool, tmp_path: Path) -> None:
-    network, path = LocalNetwork(), tmp_path / "checkpoint"
-    if continues:
-        Checkpoint.create(path)
-        checkpoint, bus = Checkpoint(path, "local", SWAP), network.connect()
-        before = WorldNode(bus, "local", SWAP, checkpoint=checkpoint)
-        before.handle(Query(world_key("local", "operation"), b"", lambda _: None))  # is written
-        bus.close()
-        checkpoint.close()
-    bus = network.connect()
-    kept = Checkpoint(path, "local", SWAP) if continues else None
-    world = bus.node = WorldNode(bus, "local", SWAP, checkpoint=kept)
-    network.connect().announce("disknav/local/world/alive/00000000")
-    bus.drain()
-    assert world.refused is not continues
+@pytest.mark.parametrize("continue_", [(False, False), (True, False), (False, True), (True, True)])
+def test_of_two_worlds_before_their_first_tick_one_leaves_and_not_the_one_that_continues(
+    continue_: tuple[bool, bool], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(shell, "drawn_epoch", drawn_epoch)
+    network = LocalNetwork()
+
+    def world(path: Path | None) -> WorldNode:
+        bus = network.connect()
+        kept = None if path is None else Checkpoint(path, "local", SWAP)
+        bus.node = WorldNode(bus, "local", SWAP, checkpoint=kept)
+        return bus.node
+
+    paths = [tmp_path / str(index) if each else None for index, each in enumerate(continue_)]
+    for path in paths:
+        if path is not None:
+            Checkpoint.create(path)
+            checkpoint, bus = Checkpoint(path, "local", SWAP), network.connect()
+            before = WorldNode(bus, "local", SWAP, checkpoint=checkpoint)
+            before.handle(Query(world_key("local", "operation"), b"", lambda _: None))  # is written
+            bus.close()
+            checkpoint.close()
+    worlds = [world(path) for path in paths]
+    network.run(lambda: any(each.refused for each in worlds))
+    stays = [each for each, leaves in zip(continue_, worlds, strict=True) if not leaves.refused]
+    assert stays == [any(continue_)]
 
 
 def test_an_emergency_stop_outlasts_the_other_world() -> None:
