@@ -118,7 +118,7 @@ def world(
     run_name = membership.named_run(run)
     set_process_title("world", run_name)
     begin("world", run_name, log)
-    if checkpoint is not None and not checkpoint.exists():
+    if checkpoint is not None and not os.path.lexists(checkpoint):
         Checkpoint.create(checkpoint)
     lockstep = mode == "lockstep"
     verdicts: list[int] = []

@@ -119,7 +119,7 @@ class Checkpoint:
         self.path, self.kept = path, True
         self._of, self._say, self._buffer = (run, _digest(scenario), boot()), say, bytearray()
         try:
-            self._file = os.open(path, os.O_RDWR | os.O_CLOEXEC)
+            self._file = os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
         except FileNotFoundError:
             _refuse(path, "is not there: where the run was is not known, so it cannot go on")
         except OSError as error:

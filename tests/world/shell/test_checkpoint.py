@@ -196,6 +196,10 @@ def test_what_is_no_file_is_refused(path: Path, monkeypatch: pytest.MonkeyPatch)
         patch.setattr(module.fcntl, "flock", fail)
         with pytest.raises(CheckpointError, match="No locks available"):
             opened(path)
+    elsewhere = path.rename(path.with_name("elsewhere"))
+    path.symlink_to(elsewhere)  # the file would outlast its removal
+    with pytest.raises(CheckpointError, match="symbolic links"):
+        opened(path)
     path.unlink()
     os.mkfifo(path)
     with pytest.raises(CheckpointError, match="not a regular file"):
