@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterable
 
 from agents.bases import dialects as ros
 from agents.bases.dialects import Topic
@@ -89,8 +88,9 @@ class Ros2Base:
         self._blind = sense is None
         return sense
 
-    def obey(self, command: Command, now: float) -> Iterable[bytes]:
-        """Execute the Command of the newest tick, before it is sent; returns payloads to publish at once."""
+    def obey(self, command: Command, now: float) -> bytes:
+        """Execute the Command of the newest tick, before it is sent; returns the payload to publish at
+        once."""
         if command.may_move:  # otherwise the coordinator may declare its robot static at once
             self._lease.sent(command.tick, now)
         late = self.senses.is_late(now) or now - self._begun > DECISION
@@ -104,25 +104,23 @@ class Ros2Base:
         if shared:
             self.senses.doubt(f"another process drives {self.tells.name}, of this or another run")
 
-    def stand(self, now: float) -> Iterable[bytes]:
-        """Brake, outside of a tick; returns payloads to publish at once."""
+    def stand(self, now: float) -> bytes:
+        """Brake, outside of a tick; returns the payload to publish at once."""
         self._drive.command(_STILL, self._heading, now, now)
         return self._advance(now)
 
-    def wake(self, now: float) -> Iterable[bytes]:
-        """Payloads to publish by now."""
+    def wake(self, now: float) -> bytes:
+        """The payload to publish by now."""
         self.senses.look(now)
         if not self.senses.sound and self._drive.told != _STILL and not self._blind:
             self._blind = True
             return self.stand(now)
         return self._advance(now)
 
-    def _advance(self, now: float) -> Iterable[bytes]:
+    def _advance(self, now: float) -> bytes:
+        """The velocity for the base by now."""
         self._drive.advance(now)
         self.due = min(now + self._every, self._drive.due)
-        return (self._message(),)
-
-    def _message(self) -> bytes:
         ahead, aside = self._drive.told
         if self._offset > 0.0:
             velocity = Velocity([ahead, 0.0, 0.0], [0.0, 0.0, aside / self._offset])

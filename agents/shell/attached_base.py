@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
 from agents.bases.base import misplaced
@@ -90,21 +90,21 @@ class AttachedBase:
 
     def obey(self, command: Command) -> None:
         """Execute the Command of the newest tick, before it is sent."""
-        self._publish(self._base.obey(command, self._clock()))
+        self._tell(self._base.obey(command, self._clock()))
 
     def stand(self, core: Robot, *, founded: bool) -> None:
         """Brake at once, outside of a tick. The parameters are those of `wake`."""
-        self._publish(self._base.stand(self._clock()))
+        self._tell(self._base.stand(self._clock()))
         self.wake(core, founded=founded)
 
     def wake(self, core: Robot, *, founded: bool) -> None:
-        """Publish the velocities that are due, and report faults of the base.
+        """Publish the velocity that is due, and report faults of the base.
 
         Args:
             core: the robot that it moves.
             founded: whether the run had begun when the robot was admitted: then it starts at its disk.
         """
-        self._publish(self._base.wake(self._clock()))
+        self._tell(self._base.wake(self._clock()))
         trouble = self._base.senses.note
         if not self.in_place and not trouble:
             known = self._base.senses.place()
@@ -115,7 +115,3 @@ class AttachedBase:
         self.trouble = trouble
         if is_news:
             self._say(f"{trouble}; stands" if trouble else "its base and its localisation are sound")
-
-    def _publish(self, payloads: Iterable[bytes]) -> None:
-        for payload in payloads:
-            self._tell(payload)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import heapq
 import math
 import random
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import count
@@ -191,14 +191,10 @@ class Floor:
                 crew.notes.append(crew.base.senses.note)
         self._later(0.005, lambda: self._wake(robot))
 
-    def _publish(self, crew: Crew, payloads: Iterable[bytes]) -> None:
+    def _publish(self, crew: Crew, payload: bytes) -> None:
         table = self.scenario.base_of(crew.core.robot)
         assert table is not None
-        for payload in payloads:
-            self._later(
-                self.rng.uniform(0.0, table.latency),
-                lambda payload=payload: crew.wheels.hear(payload, self.now),
-            )
+        self._later(self.rng.uniform(0.0, table.latency), lambda: crew.wheels.hear(payload, self.now))
 
     # -- the fleet
 

@@ -26,7 +26,7 @@ class Told:
 
     def wake(self, now):
         self.now, self.due = now, now + 0.1
-        return ()
+        return b""
 
     stand = wake
 
