@@ -110,11 +110,7 @@ class Slice:
         others = far.gamma
         for peer in peers:
             others += peer.gamma
-        self._others = others
-
-    def gamma(self, x: float, y: float) -> float:
-        """gamma = sum of all squared distances to the goals, m^2, with this robot at (x, y)."""
-        return self._others + (x - self.goal[0]) ** 2 + (y - self.goal[1]) ** 2
+        self._others = others  # gamma without the own share
 
     def __call__(self, x: float, y: float) -> Vector:
         """D_i at (x, y), m."""

@@ -93,9 +93,11 @@ class RobotNode:
     # -- joining
 
     def _join(self) -> None:
+        core = self.core
+        begun = self._founded or (core is not None and core.tick >= 0)  # by all that this process knows
         try:
-            health = self._health() if self.core is not None and self._ended else None
-            reply = self._world.ask(health, begun=self._has_begun)
+            health = self._health() if core is not None and self._ended else None
+            reply = self._world.ask(health, begun=begun)
         except BusError:
             if not self._over:
                 raise
@@ -113,11 +115,6 @@ class RobotNode:
             self._note(f"the run is over: {reply.verdict}")
         elif isinstance(reply, joining.Admission):
             self._begin(reply)
-
-    @property
-    def _has_begun(self) -> bool:
-        """Whether the run had begun by all that this process knows."""
-        return self._founded or (self.core is not None and self.core.tick >= 0)
 
     def _goes_on(self, reply: joining.Reply) -> bool:
         core = self.core
@@ -206,7 +203,7 @@ class RobotNode:
             self._rejected["key"] += 1
             return
         alive, world = event.alive, self._world
-        if not alive and self._over and world.is_own(session) and not world.may_return:
+        if not alive and self._over and world.is_own(session) and world.away == 0.0:
             self.finished = True
             return
         world.on_token(session, alive)

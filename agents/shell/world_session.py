@@ -38,6 +38,7 @@ class WorldSession:
     Attributes:
         session: of this process.
         epoch: of the coordinator that admitted this process last, 0 for none.
+        away: s after which the world may still return, as it announced; 0 if it never does.
         heard: when the last message of the world arrived, s, monotonic.
         back: whether it, or another one, has come back, so that this life may have ended meanwhile.
     """
@@ -47,12 +48,12 @@ class WorldSession:
     ) -> None:
         self.session = os.urandom(8).hex()
         self.epoch = 0
+        self.away = 0.0
         self.heard = time.monotonic()
         self.back = False
         self._bus, self._run, self._robot, self._say, self._read = bus, run, robot, say, read
         self._present: set[str] = set()  # sessions of the worlds whose tokens are there
         self._bearable, self._timeout = wait, _TIMEOUT  # s without an answer; s, timeout of a request
-        self._away = 0.0  # s after which the world may still return, as it announced
         self._gone = inf  # s, monotonic: loss of its token
         self._told_gone = False  # whether the operator was warned
         self._refused = 0
@@ -119,17 +120,12 @@ class WorldSession:
     def admitted(self, admission: joining.Admission) -> None:
         """Note the admission of an incarnation."""
         self.epoch, self._gone, self._told_gone = admission.epoch, inf, False
-        self._away, self._refused, self.back = admission.away, 0, False
+        self.away, self._refused, self.back = admission.away, 0, False
         self._bearable, self._timeout = max(PATIENCE, admission.away), _TIMEOUT
 
     def over(self) -> None:
         """The run is over: a world that leaves is awaited only if it may be back."""
-        self._bearable, self._timeout = max(_TIMEOUT, self._away), _BRIEF
-
-    @property
-    def may_return(self) -> bool:
-        """Whether the world announced that it may be lost and return."""
-        return self._away > 0.0
+        self._bearable, self._timeout = max(_TIMEOUT, self.away), _BRIEF
 
     def is_own(self, session: str) -> bool:
         """Whether a token is that of the coordinator which admitted this process."""

@@ -151,11 +151,6 @@ class Connection:
         object.__setattr__(self, "connect", tuple(map(Endpoint, self.connect)))
         object.__setattr__(self, "listen", tuple(map(Endpoint, self.listen)))
 
-    @property
-    def linked(self) -> bool:
-        """Whether, as a router, it may have links to other hosts, which do not reach the loopback."""
-        return bool(self.connect) or not all(each.is_loopback for each in self.listen)
-
 
 def configuration(connection: Connection, attempt: float | None = None) -> Mapping[str, Any]:
     """zenoh's configuration for `connection`: the settings that differ from its defaults, with reasons.

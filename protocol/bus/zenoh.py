@@ -75,8 +75,8 @@ class ZenohBus:
         self._connection, self._awaited = connection, False
         if connection.mode == "router":  # settings that precede the first session of a process
             zenoh.init_log_from_env_or(_ROUTER_LOG)
-            if connection.linked:
-                os.environ["ZENOH_RUNTIME"] = _LINKED
+            if connection.connect or not all(each.is_loopback for each in connection.listen):
+                os.environ["ZENOH_RUNTIME"] = _LINKED  # other hosts do not reach the loopback
         self._session = _open(connection)
         STOP.call(self._wake)
         self._capacity = capacity
