@@ -18,7 +18,6 @@ from protocol.process.signals import STOP
 
 if TYPE_CHECKING:
     from deploy.telemetry.monitor.foxglove import FoxgloveServer
-    from deploy.telemetry.monitor.snapshot import Source
     from deploy.telemetry.monitor.watcher import Watcher
 
 _TIMEOUT = 5.0  # s to reach the fleet
@@ -82,7 +81,9 @@ def monitor(
         if foxglove:
             stack.enter_context(closing(_foxglove(source, name, None if web else port)))
         if metrics is not None:
-            _export(source, metrics)
+            from deploy.telemetry.monitor.metrics import export
+
+            print(f"{export(source, metrics)}  (Ctrl-C ends it)", flush=True)
         if web:
             _serve(source, port)
         elif metrics is not None or foxglove:
@@ -108,12 +109,6 @@ def _foxglove(source: Watcher, run: str, port: int | None) -> FoxgloveServer:
     server = FoxgloveServer(source, run, port)
     print(f"{server.address}  (open it in Foxglove)", flush=True)
     return server
-
-
-def _export(source: Source, where: str) -> None:
-    from deploy.telemetry.monitor.metrics import export
-
-    print(f"{export(source, where)}  (Ctrl-C ends it)", flush=True)
 
 
 def _serve(source: Watcher, port: int | None) -> None:

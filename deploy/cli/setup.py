@@ -20,7 +20,6 @@ from protocol.process.signals import STOP
 from protocol.scenario.body import Base
 
 if TYPE_CHECKING:
-    from deploy.processes.hosts.table import Host
     from deploy.software import Finding
 
 app = typer.Typer(
@@ -94,10 +93,18 @@ def hosts(
 
     Exit status: 0 all are fit for a run, 1 one is not, 2 the table is invalid.
     """
+    from concurrent.futures import ThreadPoolExecutor
+
+    from deploy.processes.hosts.prepare import check
     from deploy.processes.hosts.table import read_hosts
 
-    found = read_hosts(table).hosts
-    raise typer.Exit(EXIT_ARRIVED if _are_fit(found) else EXIT_OTHERWISE)
+    listed = read_hosts(table).hosts
+    with ThreadPoolExecutor(len(listed)) as pool:
+        about = zip(listed, pool.map(check, listed), strict=True)
+        found = [(host.name, each) for host, findings in about for each in findings]
+    _print(found)
+    fit = all(each.level != "bad" for _, each in found)
+    raise typer.Exit(EXIT_ARRIVED if fit else EXIT_OTHERWISE)
 
 
 @app.command()
@@ -226,17 +233,6 @@ def doctor(json_file: options.Json = None) -> None:
     if not is_standard_output(json_file):
         _print([("", each) for each in found])
     raise typer.Exit(EXIT_OTHERWISE if any(each.level == "bad" for each in found) else EXIT_ARRIVED)
-
-
-def _are_fit(hosts: Sequence[Host]) -> bool:
-    from concurrent.futures import ThreadPoolExecutor
-
-    from deploy.processes.hosts.prepare import check
-
-    with ThreadPoolExecutor(len(hosts)) as pool:
-        findings = list(pool.map(check, hosts))
-    _print([(host.name, each) for host, about in zip(hosts, findings, strict=True) for each in about])
-    return all(each.level != "bad" for about in findings for each in about)
 
 
 def _trial() -> Finding:

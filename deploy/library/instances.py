@@ -156,16 +156,13 @@ def _thrown(random: np.random.Generator, radii: Array, workspace: float) -> Arra
     for i in np.argsort(-radii, kind="stable"):
         apart = (radii[placed] + radii[i]) * (1.0 + _GAP)
         for _ in range(_DARTS):
-            points[i] = _uniform(random, workspace - radii[i] * (1.0 + _GAP))
+            angle = random.uniform(0.0, 2.0 * np.pi)
+            reach = (workspace - radii[i] * (1.0 + _GAP)) * np.sqrt(random.uniform())
+            points[i] = reach * np.cos(angle), reach * np.sin(angle)
             if (((points[placed] - points[i]) ** 2).sum(axis=1) > apart**2).all():
                 break
         placed.append(int(i))
     return points
-
-
-def _uniform(random: np.random.Generator, radius: float) -> Array:
-    angle, reach = random.uniform(0.0, 2.0 * np.pi), radius * np.sqrt(random.uniform())
-    return np.array([reach * np.cos(angle), reach * np.sin(angle)])
 
 
 def _relaxed(points: Array, radii: Array, workspace: float) -> Array | None:

@@ -51,15 +51,12 @@ class Thinned(Generic[T]):
         if self._count % self._stride:
             self.items[-1] = self._merge(self.items[-1], item)
         else:
-            self._make_room()
+            if len(self.items) == self._limit:
+                pairs = zip(self.items[::2], self.items[1::2], strict=True)
+                self.items = [self._merge(earlier, later) for earlier, later in pairs]
+                self._stride *= 2
             self.items.append(item)
         self._count += 1
-
-    def _make_room(self) -> None:
-        if len(self.items) == self._limit:
-            pairs = zip(self.items[::2], self.items[1::2], strict=True)
-            self.items = [self._merge(earlier, later) for earlier, later in pairs]
-            self._stride *= 2
 
 
 class RobotView:

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from contextlib import suppress
 from functools import partial
-from queue import Empty, SimpleQueue
+from queue import SimpleQueue
 
 import msgspec
 
@@ -90,14 +90,12 @@ class Watcher(Source):
     def wake(self, now: float) -> None:
         """Query the scenario if it is unknown, and forward requests of viewers."""
         self.deadline = now + PERIOD
-        if self._there and not self._known and now >= self._ask_at:
-            self._learn()
+        unknown = self._view.strangers if self._known else self._there
+        if unknown and now >= self._ask_at:
+            (self._meet if self._known else self._learn)()
             self._ask_at = time.monotonic() + RETRY
-        if self._known and self._view.strangers and now >= self._ask_at:
-            self._meet()
-            self._ask_at = time.monotonic() + RETRY
-        if self._known:
-            self._pass_on()
+        while self._known and not self._wishes.empty():
+            self._wishes.get()()
 
     def _on_presence(self, event: Presence) -> None:
         try:
@@ -143,14 +141,6 @@ class Watcher(Source):
             self._known = False
             return
         self.change(lambda view, _: view.meet(reply.scenario, reply.goals))
-
-    def _pass_on(self) -> None:
-        while True:
-            try:
-                wish = self._wishes.get_nowait()
-            except Empty:
-                return
-            wish()
 
     def _request(self, operation: Operation) -> Outcome:
         """Outcome of an operation; a refusal if one of several worlds refuses."""

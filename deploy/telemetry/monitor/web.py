@@ -113,7 +113,7 @@ def application(source: Steerable, hosts: list[str], token: str) -> Starlette:
             await socket.close(1008)
             return
         await socket.accept()
-        may_steer = _knows(socket, token)
+        may_steer = compare_digest(socket.query_params.get("token", "").encode(), token.encode())
         await _tell(socket, "welcome", may_steer=may_steer)
         try:
             async with asyncio.TaskGroup() as tasks:
@@ -136,10 +136,6 @@ def _same_origin(socket: WebSocket) -> bool:
     """Whether the page is this server's, so that another site in the same browser cannot steer a fleet."""
     origin = socket.headers.get("origin")
     return origin is None or urlsplit(origin).netloc == socket.headers.get("host")
-
-
-def _knows(socket: WebSocket, token: str) -> bool:
-    return compare_digest(socket.query_params.get("token", "").encode(), token.encode())
 
 
 async def _send(socket: WebSocket, stream: FrameStream) -> None:

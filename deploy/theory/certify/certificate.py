@@ -72,7 +72,7 @@ class Slab(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     @property
     def nodes(self) -> bytes:
         """One byte per node."""
-        return _unpacked(self.branching)
+        return zlib.decompress(base64.b64decode(self.branching, validate=True))
 
 
 class Trial(NamedTuple):
@@ -115,7 +115,8 @@ class Certificate(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
     def add(self, k: float, branching: bytes, seconds: float) -> None:
         """Add the next proven slab, down to k."""
         self.trial = msgspec.UNSET
-        self.slabs.append(Slab(k, len(branching), round(seconds, 3), _packed(branching)))
+        packed = base64.b64encode(zlib.compress(branching, 9)).decode()
+        self.slabs.append(Slab(k, len(branching), round(seconds, 3), packed))
 
     def kappa(self, k: float) -> tuple[float, float]:
         """Range of 1/k from the previous slab down to k, rounded outward."""
@@ -188,11 +189,3 @@ def _check(certificate: Certificate) -> None:
         raise ValueError("k does not decrease from slab to slab")
     if not goals.goals or len(goals.goals) != len(goals.radii):
         raise ValueError("the numbers of goals and radii differ")
-
-
-def _packed(data: bytes) -> str:
-    return base64.b64encode(zlib.compress(data, 9)).decode()
-
-
-def _unpacked(text: str) -> bytes:
-    return zlib.decompress(base64.b64decode(text, validate=True))

@@ -61,8 +61,10 @@ def prove(
     Raises:
         UsageError: goals overlap, touch or are not inside the workspace; or `target` is not positive.
     """
-    require_free(certificate.goals)
-    scene = scene_of(certificate.goals.problem)
+    problem = certificate.goals.problem
+    if not (obstacle_functions(problem, problem.goals) > 0.0).all():
+        raise UsageError("goals that touch, overlap or are not inside the workspace have no certificate")
+    scene = scene_of(problem)
     Search(scene, (0.0, _TRIAL)).advance(1)  # compile outside of the measured time
     proven = certificate.proven
     if target is not None and proven is not None and proven <= target:
@@ -78,13 +80,6 @@ def prove(
         certificate.add(k, search.branching, time.process_time() - began)
         if not tell(certificate):
             return
-
-
-def require_free(goals: GoalSet) -> None:
-    """Raises UsageError unless the goals are in the interior of free space."""
-    problem = goals.problem
-    if not (obstacle_functions(problem, problem.goals) > 0.0).all():
-        raise UsageError("goals that touch, overlap or are not inside the workspace have no certificate")
 
 
 def certify(

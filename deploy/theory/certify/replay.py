@@ -93,6 +93,7 @@ class Walk:
         self._further = 0
         self.boxes = 0
         p = len(goals.radii)
+        self._leaf = 2 * p + p * (p + 1) // 2 + 1  # this number and higher ones are no rows
         self._sets = [frozenset(set_) for size in range(1, p + 1) for set_ in combinations(range(p), size)]
         self._unit = goals.radii[0] + goals.radii[1] if p > 1 else goals.workspace - goals.radii[0]
 
@@ -136,11 +137,6 @@ class Walk:
         pending = 0 if advice >= self._leaf else 2
         while pending:
             pending += -1 if self._next() >= self._leaf else 1
-
-    @property
-    def _leaf(self) -> int:
-        p = len(self._goals.radii)
-        return 2 * p + p * (p + 1) // 2 + 1
 
     def settled(self, box: BoxConditions) -> bool:
         """Narrow a box in place; whether it contains no minimum."""
