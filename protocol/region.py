@@ -52,11 +52,7 @@ def distance(one: Shape, other: Shape) -> float:
         return one.distance(other.x, other.y) - other.radius
     if isinstance(one, Disk):
         return distance(other, one)
-    return _gap(one.around, other.around)
-
-
-def _gap(one: Disk, other: Disk) -> float:
-    return math.hypot(one.x - other.x, one.y - other.y) - one.radius - other.radius
+    return one.around.distance(other.around.x, other.around.y) - other.around.radius
 
 
 def support(shape: Shape, nx: float, ny: float) -> float:
@@ -91,7 +87,7 @@ def parting(low: Iterable[Shape], high: Iterable[Shape]) -> Line | None:
 
 def _direction(one: Shape, other: Shape) -> tuple[float, float]:
     """Unit vector from the one to the other; (0, 0) if there is none."""
-    (ax, ay), (bx, by) = _centre(one), _centre(other)
+    (ax, ay, _), (bx, by, _) = _of(one.around), _of(other.around)
     if not isinstance(other, Disk):
         bx, by = other.nearest(ax, ay)
     if not isinstance(one, Disk):
@@ -99,10 +95,6 @@ def _direction(one: Shape, other: Shape) -> tuple[float, float]:
     dx, dy = bx - ax, by - ay
     length = math.hypot(dx, dy)
     return (0.0, 0.0) if length == 0.0 or math.isinf(length) else (dx / length, dy / length)
-
-
-def _centre(shape: Shape) -> tuple[float, float]:
-    return shape.around.x, shape.around.y
 
 
 def _of(around: Disk) -> tuple[float, float, float]:
