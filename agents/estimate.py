@@ -10,25 +10,15 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from typing import Final, final
-
-from mypy_extensions import mypyc_attr
+from typing import Final
 
 from agents.lines.own_set import DIRECTIONS, SIDES, Polygon, around
+from protocol.geometry import Disk
 from protocol.line import ROUNDING, HalfPlane
 from protocol.messages import Sense, Vector
 
 HISTORY: Final = 64  # ticks of odometry that are kept at least; a measurement older than kept is ignored
 _ULP: Final = 4.0 * 2.0**-53  # of |x| + |y|, which a tick's addition loses in truth and estimate
-
-
-@final
-@mypyc_attr(acyclic=True)
-class Move:
-    """A displacement, or a position, with the error bound `spread`, m."""
-
-    def __init__(self, x: float, y: float, spread: float) -> None:
-        self.x, self.y, self.spread = x, y, spread
 
 
 class Estimate:
@@ -64,7 +54,7 @@ class Estimate:
         self._newest = 0  # tick of the measurement behind the initial set
         self._slack = ROUNDING
         self._kept = max(HISTORY, oldest)
-        self._history: deque[Move] = deque(maxlen=self._kept)  # displacement of each past tick, newest last
+        self._history: deque[Disk] = deque(maxlen=self._kept)  # of past ticks' displacements, newest last
 
     @property
     def lost(self) -> bool:
@@ -108,11 +98,11 @@ class Estimate:
     def _move(self, sense: Sense, passed: int) -> None:
         """Apply odometry. Missed ticks had no command but the first: together they led at most `max_step`."""
         if passed > 1:
-            self._history.append(Move(0.0, 0.0, self._max_step))
-            self._history.extend([Move(0.0, 0.0, self._coast)] * min(passed - 2, self._kept))
+            self._history.append(Disk(0.0, 0.0, self._max_step))
+            self._history.extend([Disk(0.0, 0.0, self._coast)] * min(passed - 2, self._kept))
             self._widen(self._max_step)
         dx, dy = sense.displacement
-        self._history.append(Move(dx, dy, sense.displacement_bound))
+        self._history.append(Disk(dx, dy, sense.displacement_bound))
         if sense.displacement_bound > 0.0:
             self._widen(sense.displacement_bound)
         if self.bound == math.inf:
@@ -129,9 +119,9 @@ class Estimate:
         if self.shape is not None:
             self._settle(self.shape.widened(by), "")
         elif self.bound < math.inf:
-            self._begin(Move(self.x, self.y, by), self._newest)
+            self._begin(Disk(self.x, self.y, by), self._newest)
 
-    def _carried(self, position: Vector, bound: float, age: int) -> Move | None:
+    def _carried(self, position: Vector, bound: float, age: int) -> Disk | None:
         """A measurement of `age` ticks ago, carried to the present; None if that is too old."""
         if not 0 <= age <= len(self._history):
             return None
@@ -139,43 +129,43 @@ class Estimate:
         spread = bound
         for back in range(-age, 0):
             move = self._history[back]
-            x, y, spread = x + move.x, y + move.y, spread + move.spread
+            x, y, spread = x + move.x, y + move.y, spread + move.radius
         if spread > 0.0:
             spread += age * _ULP * (abs(x) + abs(y))
-        return Move(x, y, spread)
+        return Disk(x, y, spread)
 
-    def _learn(self, seen: Move, stamp: int) -> None:
-        """Apply that the truth is within `seen.spread` of `seen`."""
+    def _learn(self, seen: Disk, stamp: int) -> None:
+        """Apply that the truth is within `seen.radius` of `seen`."""
         if self.bound == math.inf:
             self._begin(seen, stamp)
             return
         dx, dy = seen.x - self.x, seen.y - self.y
-        if self.shape is not None and seen.spread > 0.0:
-            if math.hypot(dx, dy) + self.bound > seen.spread:  # otherwise it contains the set
+        if self.shape is not None and seen.radius > 0.0:
+            if math.hypot(dx, dy) + self.bound > seen.radius:  # otherwise it contains the set
                 self._intersect(seen, dx, dy, stamp)
-        elif self._apart(dx, dy, seen.spread) > self._slack:
+        elif self._apart(dx, dy, seen.radius) > self._slack:
             self._contradict(seen, dx, dy, stamp)
-        elif seen.spread == 0.0:
+        elif seen.radius == 0.0:
             self._begin(seen, stamp)
 
-    def _begin(self, seen: Move, stamp: int) -> None:
+    def _begin(self, seen: Disk, stamp: int) -> None:
         """Start from this alone."""
         self.x, self.y = seen.x, seen.y
         self._newest = stamp
-        if seen.spread == 0.0:
+        if seen.radius == 0.0:
             self.shape, self.bound = None, 0.0
             return
-        self.shape = around(seen.spread, self._slack)
+        self.shape = around(seen.radius, self._slack)
         self.bound = self.shape.radius
         self._extents = self.shape.extents()
         self._sources = [_of(stamp)] * SIDES
 
-    def _intersect(self, seen: Move, dx: float, dy: float, stamp: int) -> None:
+    def _intersect(self, seen: Disk, dx: float, dy: float, stamp: int) -> None:
         """Cut the set with the polygon around a disk whose centre is (dx, dy) away, m."""
         assert self.shape is not None
         left: Polygon | None = self.shape
         for side, (nx, ny) in enumerate(DIRECTIONS):
-            limit = nx * dx + ny * dy + seen.spread
+            limit = nx * dx + ny * dy + seen.radius
             if left is not None and limit + 2.0 * self._slack < self._extents[side]:
                 left = left.cut(nx, ny, limit)
         if left is None:
@@ -209,10 +199,10 @@ class Estimate:
             for side, (nx, ny) in enumerate(DIRECTIONS)
         ]
 
-    def _contradict(self, seen: Move, dx: float, dy: float, stamp: int) -> None:
-        other, gap = _of(self._newest), self._apart(dx, dy, seen.spread)
+    def _contradict(self, seen: Disk, dx: float, dy: float, stamp: int) -> None:
+        other, gap = _of(self._newest), self._apart(dx, dy, seen.radius)
         if self.shape is not None:
-            gaps = self._gaps(dx, dy, seen.spread)
+            gaps = self._gaps(dx, dy, seen.radius)
             other = self._sources[(gaps.index(gap) + SIDES // 2) % SIDES]
         self._note(_of(stamp), other, gap)
         if self._trusting:

@@ -24,7 +24,7 @@ _LINES = "agents.lines.separating_lines"
 _LIVES = "world.coordinator.lives"
 _OWN_SET = "agents.lines.own_set"
 _PLANT = "world.plants.integrator"
-_ROSTER = "agents.peers.roster"
+_ROBOT = "agents.robot"
 _NEGOTIATION = "agents.lines.negotiation"
 
 MUTANTS = (
@@ -61,8 +61,8 @@ MUTANTS = (
         Edit(_ESTIMATE, "self._widen(self._max_step)", "pass"),
         Edit(
             _ESTIMATE,
-            "self._history.append(Move(0.0, 0.0, self._max_step))",
-            "self._history.append(Move(0.0, 0.0, 0.0))",
+            "self._history.append(Disk(0.0, 0.0, self._max_step))",
+            "self._history.append(Disk(0.0, 0.0, 0.0))",
         ),
     ),
     without(
@@ -107,9 +107,9 @@ MUTANTS = (
             "\n    def listeners",
         ),
         Edit(
-            _ROSTER,
-            'return member.incarnation > incarnation or member.status != "live"',
-            "return member.incarnation > incarnation",
+            _ROBOT,
+            'return member.incarnation > self.incarnation or member.status != "live"',
+            "return member.incarnation > self.incarnation",
         ),
     ),
     without(
