@@ -120,6 +120,12 @@ def middle(a: Interval) -> float:
     return min(max(0.5 * (a[0] + a[1]), a[0]), a[1])
 
 
+@compiled
+def ends(array: NDArray[np.float64], row: int) -> Interval:
+    """A row as an interval."""
+    return array[row, 0], array[row, 1]
+
+
 Array = NDArray[np.float64]
 Box = NDArray[np.float64]
 

@@ -24,6 +24,7 @@ from deploy.theory.certify.boxes import (
     compiled,
     divide,
     down,
+    ends,
     inverted,
     lower,
     mul,
@@ -44,10 +45,10 @@ def enclose(scene: Scene, box: Box, out: Derived) -> bool:
     n, last = len(scene.goals), len(box) - 1
     gamma = (0.0, 0.0)
     for row in range(n):
-        y = sub((box[row, 0], box[row, 1]), (scene.goals[row], scene.goals[row]))
+        y = sub(ends(box, row), (scene.goals[row], scene.goals[row]))
         out.pull[row] = y
         gamma = add(gamma, square(y))
-    s = mul((box[last, 0], box[last, 1]), (max(0.0, gamma[0]), gamma[1]))
+    s = mul(ends(box, last), (max(0.0, gamma[0]), gamma[1]))
     out.total[0] = max(0.0, gamma[0]), gamma[1]
     out.total[1] = max(0.0, s[0]), s[1]
     for q in range(len(scene.first)):
@@ -72,13 +73,11 @@ def enclose(scene: Scene, box: Box, out: Derived) -> bool:
 @compiled
 def _separation(scene: Scene, box: Box, out: Derived, q: int) -> None:
     i, j = scene.first[q], scene.second[q]
-    contact = (scene.contact[q, 0], scene.contact[q, 1])
+    contact = ends(scene.contact, q)
     for a in range(2):
-        own = (box[2 * i + a, 0], box[2 * i + a, 1])
-        out.apart[q, a] = own if j < 0 else sub(own, (box[2 * j + a, 0], box[2 * j + a, 1]))
-    far = add(
-        square((out.apart[q, 0, 0], out.apart[q, 0, 1])), square((out.apart[q, 1, 0], out.apart[q, 1, 1]))
-    )
+        own = ends(box, 2 * i + a)
+        out.apart[q, a] = own if j < 0 else sub(own, ends(box, 2 * j + a))
+    far = add(square(ends(out.apart[q], 0)), square(ends(out.apart[q], 1)))
     beta = sub(contact, far) if j < 0 else sub(far, contact)
     out.beta[q] = max(0.0, beta[0]), beta[1]
 
@@ -88,11 +87,11 @@ def contract_distances(scene: Scene, box: Box, out: Derived) -> bool:
     """Contract b to where every beta_q can have the values that it was enclosed in."""
     for q in range(len(scene.first)):
         i, j = scene.first[q], scene.second[q]
-        contact = (scene.contact[q, 0], scene.contact[q, 1])
-        beta = (out.beta[q, 0], out.beta[q, 1])
+        contact = ends(scene.contact, q)
+        beta = ends(out.beta, q)
         far = sub(contact, beta) if j < 0 else add(contact, beta)
         for a in range(2):
-            other = square((out.apart[q, 1 - a, 0], out.apart[q, 1 - a, 1]))
+            other = square(ends(out.apart[q], 1 - a))
             rest = sub(far, other)
             if rest[1] < 0.0:
                 return False
@@ -109,8 +108,8 @@ def contract_distances(scene: Scene, box: Box, out: Derived) -> bool:
             if j < 0:
                 narrow(box, one, (low, high))
             else:
-                narrow(box, one, add((box[two, 0], box[two, 1]), (low, high)))
-                narrow(box, two, sub((box[one, 0], box[one, 1]), (low, high)))
+                narrow(box, one, add(ends(box, two), (low, high)))
+                narrow(box, two, sub(ends(box, one), (low, high)))
     return not inverted(box, len(scene.goals))
 
 
@@ -130,7 +129,7 @@ def _sign(scene: Scene, members: int, q: int) -> int:
 
 @compiled
 def _term(box: Box, out: Derived, n: int, q: int, a: int, sign: int) -> Interval:
-    force = weigh((box[n + q, 0], box[n + q, 1]), (out.apart[q, a, 0], out.apart[q, a, 1]))
+    force = weigh(ends(box, n + q), ends(out.apart[q], a))
     return force if sign > 0 else (-force[1], -force[0])
 
 
@@ -154,7 +153,7 @@ def contract_balance(scene: Scene, box: Box, out: Derived, members: int) -> bool
         pull = (0.0, 0.0)
         for i in range(n // 2):
             if (members >> i) & 1:
-                pull = add(pull, (out.pull[2 * i + a, 0], out.pull[2 * i + a, 1]))
+                pull = add(pull, ends(out.pull, 2 * i + a))
         if force[0] > pull[1] or force[1] < pull[0]:
             return False
         for i in range(n // 2):
@@ -173,11 +172,10 @@ def _place(scene: Scene, box: Box, out: Derived, members: int, force: Interval, 
     rest = force
     for other in range(row % 2, len(scene.goals), 2):
         if other != row and (members >> (other // 2)) & 1:
-            rest = sub(rest, (out.pull[other, 0], out.pull[other, 1]))
+            rest = sub(rest, ends(out.pull, other))
     if not narrow(out.pull, row, rest):
         return False
-    b = add((out.pull[row, 0], out.pull[row, 1]), (scene.goals[row], scene.goals[row]))
-    return narrow(box, row, b)
+    return narrow(box, row, add(ends(out.pull, row), (scene.goals[row], scene.goals[row])))
 
 
 @compiled
@@ -186,16 +184,11 @@ def _weight(
 ) -> bool:
     """Contract one lambda: its force is y minus the other forces."""
     n = len(scene.goals)
-    apart = (out.apart[q, a, 0], out.apart[q, a, 1])
+    apart = ends(out.apart[q], a)
     if apart[0] <= 0.0 <= apart[1]:
         return True
     rest = sub(pull, _force(scene, box, out, members, a, q))
     return narrow(box, n + q, divide(rest if sign > 0 else (-rest[1], -rest[0]), apart))
-
-
-@compiled
-def _row(box: Box, row: int) -> Interval:
-    return box[row, 0], box[row, 1]
 
 
 @compiled
@@ -208,9 +201,9 @@ def contract_torque(scene: Scene, box: Box, members: int) -> bool:
         sign = _sign(scene, members, q)
         if sign != 0:
             cross = sub(
-                mul(_row(box, 2 * i), _row(box, 2 * j + 1)), mul(_row(box, 2 * i + 1), _row(box, 2 * j))
+                mul(ends(box, 2 * i), ends(box, 2 * j + 1)), mul(ends(box, 2 * i + 1), ends(box, 2 * j))
             )
-            turn = weigh(_row(box, n + q), cross)
+            turn = weigh(ends(box, n + q), cross)
             torque = add(torque, turn if sign > 0 else (-turn[1], -turn[0]))
     return _linear(scene, box, members, torque, True)
 
@@ -253,7 +246,7 @@ def _factor(scene: Scene, row: int, cross: bool) -> float:
 @compiled
 def _product(scene: Scene, box: Box, row: int, cross: bool) -> Interval:
     factor = _factor(scene, row, cross)
-    return mul(_row(box, row), (factor, factor))
+    return mul(ends(box, row), (factor, factor))
 
 
 @compiled
@@ -267,7 +260,7 @@ def enclose_work(scene: Scene, out: Derived) -> None:
             if j >= 0:
                 goal = sub(goal, (scene.goals[2 * j + a], scene.goals[2 * j + a]))
             half = (0.5 * goal[0], 0.5 * goal[1])
-            moved = square(sub((out.apart[q, a, 0], out.apart[q, a, 1]), half))
+            moved = square(sub(ends(out.apart[q], a), half))
             total = add(total, sub(moved, square(half)))
         out.work[q] = total if j >= 0 else (-total[1], -total[0])
 
@@ -283,13 +276,12 @@ def contract_work(scene: Scene, box: Box, out: Derived) -> bool:
         k = np.inf if most > 0.0 and beta == 0.0 else up(k + up(most / beta))
     if up(k * box[last, 1]) < 1.0:
         return False
-    gamma = (out.total[0, 0], out.total[0, 1])
     for q in range(factors):
-        rest = gamma
+        rest = ends(out.total, 0)
         for r in range(factors):
             if r != q:
                 rest = sub(rest, _share(box, out, n, r))
-        work = (out.work[q, 0], out.work[q, 1])
+        work = ends(out.work, q)
         if work[0] > 0.0 or work[1] < 0.0:
             if not narrow(box, n + q, divide(rest, work)):
                 return False
@@ -302,4 +294,4 @@ def contract_work(scene: Scene, box: Box, out: Derived) -> bool:
 
 @compiled
 def _share(box: Box, out: Derived, n: int, q: int) -> Interval:
-    return weigh((box[n + q, 0], box[n + q, 1]), (out.work[q, 0], out.work[q, 1]))
+    return weigh(ends(box, n + q), ends(out.work, q))

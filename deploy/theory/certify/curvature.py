@@ -25,6 +25,7 @@ from deploy.theory.certify.boxes import (
     add,
     compiled,
     down,
+    ends,
     lowest,
     middle,
     mul,
@@ -83,7 +84,7 @@ def _width(scene: Scene, box: Box, q: int) -> float:
 
 @compiled
 def _weight(box: Box, row: int) -> float:
-    return middle((box[row, 0], box[row, 1])) if box[row, 1] < np.inf else 2.0 * box[row, 0] + 1.0
+    return middle(ends(box, row)) if box[row, 1] < np.inf else 2.0 * box[row, 0] + 1.0
 
 
 @compiled
@@ -91,11 +92,11 @@ def _gradient(scene: Scene, box: Box, q: int, row: Array) -> None:
     i, j = scene.first[q], scene.second[q]
     row[:] = 0.0
     for a in range(2):
-        own = middle((box[2 * i + a, 0], box[2 * i + a, 1]))
+        own = middle(ends(box, 2 * i + a))
         if j < 0:
             row[2 * i + a] = -own
         else:
-            other = middle((box[2 * j + a, 0], box[2 * j + a, 1]))
+            other = middle(ends(box, 2 * j + a))
             row[2 * i + a] = own - other
             row[2 * j + a] = other - own
 
@@ -123,7 +124,7 @@ def _direction(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v
         if size == 0.0:
             continue
         most = _STIFF * largest / size
-        bend = 2.0 * _weight(box, n + q) / max(middle((out.beta[q, 0], out.beta[q, 1])), 1e-12 * size)
+        bend = 2.0 * _weight(box, n + q) / max(middle(ends(out.beta, q)), 1e-12 * size)
         bend = most if (stiff == q).any() else min(bend, most)
         form += np.outer(bend * row, row)
     return lowest(form, v) < 0.0
@@ -153,7 +154,7 @@ def corrected(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v:
     for row in range(n):
         value = (v[row], v[row])
         for r in range(count):
-            value = sub(value, mul((basis[r, row], basis[r, row]), (spread[r, 0], spread[r, 1])))
+            value = sub(value, mul((basis[r, row], basis[r, row]), ends(spread, r)))
         field[row] = value
     return True
 
@@ -167,7 +168,7 @@ def _along(scene: Scene, out: Derived, q: int, v: Array) -> Interval:
         turn = (v[2 * i + a], v[2 * i + a])
         if j >= 0:
             turn = sub(turn, (v[2 * j + a], v[2 * j + a]))
-        total = add(total, mul((out.apart[q, a, 0], out.apart[q, a, 1]), turn))
+        total = add(total, mul(ends(out.apart[q], a), turn))
     return total if j >= 0 else (-total[1], -total[0])
 
 
@@ -193,10 +194,10 @@ def _enclose_solution(
     for r in range(count):
         value, off = (0.0, 0.0), 0.0
         for c in range(count):
-            value = add(value, mul((inverse[r, c], inverse[r, c]), (right[c, 0], right[c, 1])))
+            value = add(value, mul((inverse[r, c], inverse[r, c]), ends(right, c)))
             entry = (-1.0, -1.0) if r == c else (0.0, 0.0)
             for k in range(count):
-                entry = add(entry, mul((inverse[r, k], inverse[r, k]), (matrix[k, c, 0], matrix[k, c, 1])))
+                entry = add(entry, mul((inverse[r, k], inverse[r, k]), ends(matrix[k], c)))
             off = up(off + max(abs(entry[0]), abs(entry[1])))
         spread[r] = value
         if not off < _FAR:  # also nan
@@ -217,16 +218,16 @@ def form(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], field: 
     n, factors = len(scene.goals), len(scene.first)
     total = 0.0
     for row in range(n):
-        total = up(total + square((field[row, 0], field[row, 1]))[1])
+        total = up(total + square(ends(field, row))[1])
     for q in range(factors):
         i, j = scene.first[q], scene.second[q]
         speed, along = (0.0, 0.0), (0.0, 0.0)
         for a in range(2):
-            turn = (field[2 * i + a, 0], field[2 * i + a, 1])
+            turn = ends(field, 2 * i + a)
             if j >= 0:
-                turn = sub(turn, (field[2 * j + a, 0], field[2 * j + a, 1]))
+                turn = sub(turn, ends(field, 2 * j + a))
             speed = add(speed, square(turn))
-            along = add(along, mul((out.apart[q, a, 0], out.apart[q, a, 1]), turn))
+            along = add(along, mul(ends(out.apart[q], a), turn))
         if j < 0:
             total = up(total + up(box[n + q, 1] * speed[1]))
         else:

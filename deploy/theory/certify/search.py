@@ -24,6 +24,7 @@ from deploy.theory.certify.boxes import (
     compiled,
     derived,
     divide,
+    ends,
     inverted,
     middle,
     mul,
@@ -54,16 +55,16 @@ def _point(x: float) -> Interval:
 
 
 @compiled
-def _accumulate(array: Array, row: int, column: int, value: Interval) -> None:
-    total = add((array[row, column, 0], array[row, column, 1]), value)
-    array[row, column] = total
+def _accumulate(array: Array, row: int, value: Interval) -> None:
+    total = add(ends(array, row), value)
+    array[row] = total
 
 
 @compiled
 def _system(scene: Scene, box: Box, out: Derived, at: Array, value: Array, slope: Array) -> None:
     """F at the midpoint `at`, for every kappa of the box, and S."""
     n, factors = len(scene.goals), len(scene.first)
-    kappa = (box[-1, 0], box[-1, 1])
+    kappa = ends(box, -1)
     slope[:] = 0.0
     gamma = (0.0, 0.0)
     for row in range(n):
@@ -71,7 +72,7 @@ def _system(scene: Scene, box: Box, out: Derived, at: Array, value: Array, slope
         value[row] = y
         gamma = add(gamma, square(y))
         slope[row, row] = 1.0, 1.0
-        both = mul(kappa, add(y, (out.pull[row, 0], out.pull[row, 1])))
+        both = mul(kappa, add(y, ends(out.pull, row)))
         for q in range(factors):
             slope[n + q, row] = -both[1], -both[0]
     target = mul(kappa, gamma)
@@ -83,30 +84,27 @@ def _system(scene: Scene, box: Box, out: Derived, at: Array, value: Array, slope
         for a in range(2):
             one, two = 2 * i + a, 2 * j + a
             there = _point(at[one]) if j < 0 else sub(_point(at[one]), _point(at[two]))
-            here = (out.apart[q, a, 0], out.apart[q, a, 1])
+            here = ends(out.apart[q], a)
             far = add(far, square(there))
             force = mul(weight, there)
             along = mul(weight, add(here, there))
             if j < 0:
-                total = add((value[one, 0], value[one, 1]), force)
-                value[one] = total
-                _accumulate(slope, one, one, weight)
+                _accumulate(value, one, force)
+                _accumulate(slope[one], one, weight)
                 slope[one, n + q] = here
-                _accumulate(slope, n + q, one, (-along[1], -along[0]))
+                _accumulate(slope[n + q], one, (-along[1], -along[0]))
             else:
-                total = sub((value[one, 0], value[one, 1]), force)
-                value[one] = total
-                total = add((value[two, 0], value[two, 1]), force)
-                value[two] = total
-                _accumulate(slope, one, one, opposite)
-                _accumulate(slope, two, two, opposite)
-                _accumulate(slope, one, two, weight)
-                _accumulate(slope, two, one, weight)
+                _accumulate(value, one, (-force[1], -force[0]))
+                _accumulate(value, two, force)
+                _accumulate(slope[one], one, opposite)
+                _accumulate(slope[two], two, opposite)
+                _accumulate(slope[one], two, weight)
+                _accumulate(slope[two], one, weight)
                 slope[one, n + q] = -here[1], -here[0]
                 slope[two, n + q] = here
-                _accumulate(slope, n + q, one, along)
-                _accumulate(slope, n + q, two, (-along[1], -along[0]))
-        contact = (scene.contact[q, 0], scene.contact[q, 1])
+                _accumulate(slope[n + q], one, along)
+                _accumulate(slope[n + q], two, (-along[1], -along[0]))
+        contact = ends(scene.contact, q)
         beta = sub(contact, far) if j < 0 else sub(far, contact)
         total = sub(mul(weight, beta), target)
         value[n + q] = total
@@ -121,7 +119,7 @@ def contract_newton(scene: Scene, box: Box, out: Derived) -> bool:
         return True
     at = np.empty(size)
     for row in range(size):
-        at[row] = middle((box[row, 0], box[row, 1]))
+        at[row] = middle(ends(box, row))
     value, slope = np.empty((size, 2)), np.empty((size, size, 2))
     _system(scene, box, out, at, value, slope)
     inverse = np.empty((size, size))
@@ -139,18 +137,16 @@ def _newton_row(box: Box, at: Array, value: Array, slope: Array, inverse: Array,
     rest = (0.0, 0.0)
     own = (1.0, 1.0)
     for r in range(size):
-        rest = sub(rest, mul((inverse[row, r], inverse[row, r]), (value[r, 0], value[r, 1])))
+        rest = sub(rest, mul((inverse[row, r], inverse[row, r]), ends(value, r)))
     for column in range(size):
         entry = (0.0, 0.0)
         for r in range(size):
             if slope[r, column, 0] != 0.0 or slope[r, column, 1] != 0.0:
-                entry = add(
-                    entry, mul((inverse[row, r], inverse[row, r]), (slope[r, column, 0], slope[r, column, 1]))
-                )
+                entry = add(entry, mul((inverse[row, r], inverse[row, r]), ends(slope[r], column)))
         if column == row:
             own = entry
         else:
-            step = sub((box[column, 0], box[column, 1]), (at[column], at[column]))
+            step = sub(ends(box, column), (at[column], at[column]))
             rest = sub(rest, mul(entry, step))
     if own[0] <= 0.0 <= own[1]:
         return
