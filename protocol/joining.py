@@ -17,7 +17,7 @@ newest admission, and only that coordinator and those that continue from it admi
 
 from __future__ import annotations
 
-from typing import Annotated, NamedTuple
+from typing import Annotated, Any
 
 import msgspec
 from msgspec import Meta
@@ -30,21 +30,13 @@ from protocol.messages import Count, Epoch, GoalStatus, Health, Id, Size
 from protocol.scenario.model import Scenario
 
 
-class JoinRequest(msgspec.Struct, frozen=True):
+class Join(msgspec.Struct, frozen=True):
     """A request under a robot's `join` key. `session` distinguishes two processes with one id."""
 
+    robot: Id  # in the key, not in the payload
     session: Annotated[str, Meta(pattern=f"^{SESSION}$")]
     health: Health | None = None  # of the life that has ended
     epoch: Epoch = 0  # of the newest admission of this process; 0 before the first
-
-
-class Join(NamedTuple):
-    """A robot's request to join: its content, and the robot in its key."""
-
-    robot: Id
-    session: str
-    health: Health | None = None
-    epoch: Epoch = 0
 
 
 class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
@@ -97,13 +89,13 @@ Reply = Admission | Refusal | OtherRun | Wait | Finished | Overview
 LIMIT = 2 * STREAMS["health"].limit  # bytes of a request
 
 _encode = msgspec.msgpack.encode
-_request = msgspec.msgpack.Decoder(JoinRequest)
+_request = msgspec.msgpack.Decoder(dict[str, Any])
 _reply: msgspec.msgpack.Decoder[Reply] = msgspec.msgpack.Decoder(Reply)
 
 
 def encode_request(join: Join) -> bytes:
     """Payload of a request."""
-    return _encode(JoinRequest(join.session, join.health, join.epoch))
+    return _encode({"session": join.session, "health": join.health, "epoch": join.epoch})
 
 
 def decode_request(robot: Id, payload: bytes) -> Join:
@@ -111,12 +103,12 @@ def decode_request(robot: Id, payload: bytes) -> Join:
     if len(payload) > LIMIT:
         raise MessageError("oversize", f"join request: {len(payload)} bytes, at most {LIMIT} are read")
     try:
-        request = _request.decode(payload)
+        join = msgspec.convert(_request.decode(payload) | {"robot": robot}, Join)
     except DAMAGED as error:
         raise MessageError("shape", f"join request: {error}") from None
-    if request.health is not None and request.health.robot != robot:
-        raise MessageError("identity", f"join request of robot {robot}: health of {request.health.robot}")
-    return Join(robot, request.session, request.health, request.epoch)
+    if join.health is not None and join.health.robot != robot:
+        raise MessageError("identity", f"join request of robot {robot}: health of {join.health.robot}")
+    return join
 
 
 @keeps_newest
