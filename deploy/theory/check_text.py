@@ -8,6 +8,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from deploy.theory.bounds import Bounds
 from deploy.theory.check import Assumption, CheckReport, Shortfall
 from protocol.scenario.model import Scenario
 
@@ -52,18 +53,14 @@ def _stated(scenario: Scenario) -> Iterator[str]:
 
 def render(found: CheckReport) -> RenderableType:
     """Tables and sentences for the terminal."""
-    parts: list[RenderableType] = [found.facts.table(), Text()]
-    parts += [
-        Text(line) for line in _assumption_text("Assumption 1 (goals far enough apart)", found.assumption_1)
+    lines = [
+        *_assumption_text("Assumption 1 (goals far enough apart)", found.assumption_1),
+        *_assumption_text("Assumption 2 (goals off the boundary)", found.assumption_2),
     ]
-    parts += [
-        Text(line) for line in _assumption_text("Assumption 2 (goals off the boundary)", found.assumption_2)
-    ]
-    parts += [Text(_method(found), style="dim"), Text()]
-    if found.bounds is not None:
-        parts += [_bounds(found), Text()]
-    parts += [Text(line) for line in (*_verdict(found), CAVEAT, *_certificate(found), "", *_practice(found))]
-    return Group(*parts)
+    bounds: list[RenderableType] = [] if found.bounds is None else [_bounds(found.bounds), Text()]
+    said = (*_verdict(found), CAVEAT, *_certificate(found), "", *_practice(found))
+    method = Text(_method(found), style="dim")
+    return Group(found.facts.table(), Text(), *map(Text, lines), method, Text(), *bounds, *map(Text, said))
 
 
 def _assumption_text(name: str, found: Assumption) -> list[str]:
@@ -91,9 +88,7 @@ def _method(found: CheckReport) -> str:
     return f"All subsets of two or more robots; Lambda' and Lambda'' are {how}."
 
 
-def _bounds(found: CheckReport) -> Table:
-    bounds = found.bounds
-    assert bounds is not None
+def _bounds(bounds: Bounds) -> Table:
     table = Table(title=f"Bounds on k at the best eps = {bounds.eps:.3g} m²", title_justify="left")
     for column in ("bound", "value", "consequence of a larger k"):
         table.add_column(column)

@@ -93,7 +93,10 @@ def integrate(
     arrived = _far(problem, b) <= near
     if arrived and len(path) > 1:
         path[-1] = _cut(problem, path[-2], b, near)
-    return _summary(problem, np.array(path), arrived)
+    way = np.array(path)
+    length = np.linalg.norm(np.diff(way, axis=0), axis=2).sum()
+    straight = np.linalg.norm(start - problem.goals, axis=1).sum()
+    return FlowResult(arrived, way, float(length / straight) if straight > 0.0 else 1.0)
 
 
 def _cut(problem: FleetProblem, begin: Array, end: Array, near: float) -> Array:
@@ -104,12 +107,6 @@ def _cut(problem: FleetProblem, begin: Array, end: Array, near: float) -> Array:
 
 def _far(problem: FleetProblem, b: Array) -> float:
     return float(np.hypot(*(b - problem.goals).T).max())
-
-
-def _summary(problem: FleetProblem, path: Array, arrived: bool) -> FlowResult:
-    length = np.linalg.norm(np.diff(path, axis=0), axis=2).sum()
-    straight = np.linalg.norm(path[0] - problem.goals, axis=1).sum()
-    return FlowResult(arrived, path, float(length / straight) if straight > 0.0 else 1.0)
 
 
 Kind = Literal["minimum", "saddle", "maximum", "degenerate"]

@@ -33,7 +33,8 @@ def check(host: Host) -> list[Finding]:
             look = partial(spawner.look, host.listen or host.address, host.port, _PATIENCE)
             facts = look()
             reach = Finding("reach", "good", f"answers after {time.monotonic() - began:.1f} s")
-            return [reach, *_software(facts), _clock(look), _port(host, facts), _space(facts)]
+            space = _finding("space", f"{facts.free / 2**30:.1f} GiB", fine=facts.free >= _SPACE)
+            return [reach, *_software(facts), _clock(look), _port(host, facts), space]
     except ProcessError as error:
         return [Finding("version" if isinstance(error, OtherVersionError) else "reach", "bad", str(error))]
 
@@ -79,10 +80,6 @@ def _port(host: Host, facts: Facts) -> Finding:
     except OSError as error:
         return Finding("router port", "bad", f"{where} cannot be reached from here: {error}")
     return Finding("router port", "good", f"{where} is free, and can be reached from here")
-
-
-def _space(facts: Facts) -> Finding:
-    return _finding("space", f"{facts.free / 2**30:.1f} GiB", fine=facts.free >= _SPACE)
 
 
 def _finding(what: str, text: str, *, fine: bool) -> Finding:

@@ -83,8 +83,7 @@ class Recorder:
             if event.key == self._result_key:
                 self._on_result(event)
                 return
-            if self._take is None:
-                self._buffer.append((event.key, event.payload))
+            self._buffer.append((event.key, event.payload))
             if len(self._buffer) >= _BATCH and self._ready:
                 self._write(time.monotonic())
         elif isinstance(event, Presence):
