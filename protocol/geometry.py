@@ -64,9 +64,9 @@ class Disk:
         scale = self.radius / distance
         return self.x + scale * dx, self.y + scale * dy
 
-    def limit(self, nx: float, ny: float, clearance: float) -> float:
-        """The largest c so that n.p >= c + clearance for every p of it, n = (nx, ny) a unit vector, m."""
-        return nx * self.x + ny * self.y - (self.radius + clearance)
+    def support(self, nx: float, ny: float) -> float:
+        """The largest n.p of its points p, n = (nx, ny) a unit vector, m."""
+        return nx * self.x + ny * self.y + self.radius
 
     def outline(self, sides: int = SIDES) -> list[Point]:
         """Corners of a regular polygon on its edge, counterclockwise, m."""
@@ -142,11 +142,11 @@ class ConvexPolygon:
             ax, ay = bx, by
         return best
 
-    def limit(self, nx: float, ny: float, clearance: float) -> float:
-        least = math.inf
+    def support(self, nx: float, ny: float) -> float:
+        most = -math.inf
         for x, y in self.points:
-            least = min(least, nx * x + ny * y)
-        return least - clearance
+            most = max(most, nx * x + ny * y)
+        return most
 
     def outline(self) -> list[Point]:
         """Its corners, counterclockwise, m."""

@@ -55,18 +55,11 @@ def distance(one: Shape, other: Shape) -> float:
     return one.around.distance(other.around.x, other.around.y) - other.around.radius
 
 
-def support(shape: Shape, nx: float, ny: float) -> float:
-    """The largest n.p of a shape, m."""
-    if isinstance(shape, Disk):
-        return nx * shape.x + ny * shape.y + shape.radius
-    return -shape.limit(-nx, -ny, 0.0)
-
-
 def is_beside(shape: Shape, line: Line, low: bool) -> bool:
     """Whether all of a shape is on one side of a line, up to rounding."""
     if low:
-        return support(shape, line.nx, line.ny) <= line.offset + SURE
-    return support(shape, -line.nx, -line.ny) <= -line.offset + SURE
+        return shape.support(line.nx, line.ny) <= line.offset + SURE
+    return shape.support(-line.nx, -line.ny) <= -line.offset + SURE
 
 
 def parting(low: Iterable[Shape], high: Iterable[Shape]) -> Line | None:
@@ -78,8 +71,8 @@ def parting(low: Iterable[Shape], high: Iterable[Shape]) -> Line | None:
             nx, ny = _direction(one, other)
             if nx == ny == 0.0:
                 continue
-            edge = max([support(each, nx, ny) for each in ours])
-            gap = -max([support(each, -nx, -ny) for each in theirs]) - edge
+            edge = max([each.support(nx, ny) for each in ours])
+            gap = -max([each.support(-nx, -ny) for each in theirs]) - edge
             if gap > best:
                 best, found = gap, Line(nx, ny, edge + 0.5 * gap)
     return found

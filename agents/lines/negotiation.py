@@ -171,7 +171,7 @@ def tangent(shape: Shape, x: float, y: float, low: bool, near: float) -> Line | 
     if distance == 0.0:
         return None
     nx, ny = dx / distance, dy / distance
-    edge = target.limit(nx, ny, 0.0)
+    edge = -target.support(-nx, -ny)
     return Line(nx, ny, edge) if low else Line(-nx, -ny, -edge)
 
 

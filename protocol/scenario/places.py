@@ -97,7 +97,7 @@ def lies_outside(shape: Shape, room: Shape) -> bool:
     """Whether no part of an obstacle is inside the workspace."""
     if isinstance(room, Disk):
         return shape.distance(room.x, room.y) >= room.radius
-    return any(shape.limit(nx, ny, 0.0) >= offset for nx, ny, offset in room.sides) or (
+    return any(-shape.support(-nx, -ny) >= offset for nx, ny, offset in room.sides) or (
         isinstance(shape, Disk) and room.distance(shape.x, shape.y) >= shape.radius
     )
 

@@ -185,7 +185,7 @@ def beside(shape: Shape, angle: float, more: float) -> Disk:
     """A disk of the size of a metre about as far from a shape as floats can tell."""
     around = shape.around
     nx, ny = math.cos(angle), math.sin(angle)
-    edge = -shape.limit(-nx, -ny, 0.0) - (nx * around.x + ny * around.y)
+    edge = shape.support(nx, ny) - (nx * around.x + ny * around.y)
     reach = edge + 1.0 + more
     return Disk(around.x + reach * nx, around.y + reach * ny, 1.0)
 
@@ -202,7 +202,7 @@ def test_what_is_said_to_be_apart_is(shape: Shape, angle: float, more: float) ->
 @given(shapes, angles, slack, st.booleans())
 def test_what_is_said_to_be_beside_a_line_is(shape: Shape, angle: float, more: float, low: bool) -> None:
     nx, ny = math.cos(angle), math.sin(angle)
-    line = side_of(nx, ny, -shape.limit(-nx, -ny, 0.0) + more, low)
+    line = side_of(nx, ny, shape.support(nx, ny) + more, low)
     if is_beside(shape, line, low):
         assert excess(shape, line, low) <= Fraction(SURE) + LOST
 

@@ -13,7 +13,7 @@ from protocol.geometry import Disk, Shape
 from protocol.kernel import ledger as ledgers
 from protocol.kernel.records import GONE
 from protocol.line import ROUNDING, Line
-from protocol.region import Region, RegionGeometry, support
+from protocol.region import Region, RegionGeometry
 from tests.agents.lines.models.skirmishes.skirmish import Skirmish
 from tests.proof.link import Facts, Watch, broken, record, watched
 from world.world import WorldCore
@@ -42,8 +42,8 @@ class PlaneFacts(Facts):
 
     def fits(self, x: str, body: Shape, line: Line) -> bool:
         if x == "A":
-            return support(body, line.nx, line.ny) <= line.offset + ROUNDING
-        return support(body, -line.nx, -line.ny) <= -line.offset + ROUNDING
+            return body.support(line.nx, line.ny) <= line.offset + ROUNDING
+        return body.support(-line.nx, -line.ny) <= -line.offset + ROUNDING
 
     def disjoint(self, a: Shape, b: Shape) -> bool:
         """Bodies that stand where the run begins; the judge looks at all others."""

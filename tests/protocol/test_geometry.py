@@ -38,16 +38,16 @@ def test_inside_the_distance_is_that_to_the_nearest_side(polygon, point):
         assert math.isclose(polygon.distance(*point), -min(depths), abs_tol=ROUNDING)
 
 
-@given(shapes, st.floats(0.0, math.tau), st.floats(0.0, 0.1))
-def test_a_limit_keeps_its_clearance_and_no_more(shape, angle, clearance):
+@given(shapes, st.floats(0.0, math.tau))
+def test_a_support_is_reached_and_not_exceeded(shape, angle):
     nx, ny = math.cos(angle), math.sin(angle)
-    limit = shape.limit(nx, ny, clearance)
+    support = shape.support(nx, ny)
     along = members(shape) @ (nx, ny)
-    assert limit + clearance <= along.min() + ROUNDING
+    assert support >= along.max() - ROUNDING
     if isinstance(shape, ConvexPolygon):
-        assert limit + clearance >= along.min() - ROUNDING
+        assert support <= along.max() + ROUNDING
     else:
-        assert math.isclose(limit + clearance, nx * shape.x + ny * shape.y - shape.radius, abs_tol=ROUNDING)
+        assert math.isclose(support, nx * shape.x + ny * shape.y + shape.radius, abs_tol=ROUNDING)
 
 
 PENTAGON = [(math.cos(math.tau * n / 5), math.sin(math.tau * n / 5)) for n in range(5)]

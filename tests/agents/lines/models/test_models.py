@@ -136,7 +136,7 @@ MUTANTS = (
     without(
         "nearest-point",
         "a tangent touches the obstacle itself: one through its middle leaves half of it on the own side",
-        Edit(_NEGOTIATION, "edge = target.limit(nx, ny, 0.0)", "edge = nx * around.x + ny * around.y"),
+        Edit(_NEGOTIATION, "edge = -target.support(-nx, -ny)", "edge = nx * around.x + ny * around.y"),
         Edit(_OWN_SET, "return is_beside(place.shape, line, low)", "return True"),
     ),
     without(
