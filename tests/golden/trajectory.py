@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import hashlib
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from deploy.run.local import LocalFleet
-from protocol.bus.bus import Event, Sample
 from protocol.codec import decode
 from protocol.keys import world_key
 from protocol.messages import Truth, Vector
 from protocol.scenario.model import Scenario
+from tests.listening import overhear
 
 EVERY = 10  # ticks between two configurations that are kept
 
@@ -33,31 +33,17 @@ class Trajectory:
 
 
 def run(scenario: Scenario) -> Trajectory:
-    fleet = LocalFleet(scenario)
-    bus = fleet.network.connect()
-    bus.subscribe(world_key(fleet.run, "truth"))
-    listener = bus.node = _Listener()
+    fleet, positions = LocalFleet(scenario), dict[int, tuple[Vector, ...]]()
+
+    def note(key: str, payload: bytes) -> None:
+        truth = decode(key, payload)
+        assert isinstance(truth, Truth)
+        positions[truth.tick] = truth.positions
+
+    overhear(fleet.network, note, world_key(fleet.run, "truth"))
     report = fleet.execute()
     ticks = range(0, report["ticks"] + 1, EVERY)
-    return Trajectory(
-        report["trajectory_sha256"], report["ticks"], tuple(listener.positions[tick] for tick in ticks)
-    )
-
-
-@dataclass
-class _Listener:
-    finished: bool = False
-    deadline: float = math.inf
-    positions: dict[int, tuple[Vector, ...]] = field(default_factory=dict)
-
-    def handle(self, event: Event) -> None:
-        if isinstance(event, Sample):
-            truth = decode(event.key, event.payload)
-            assert isinstance(truth, Truth)
-            self.positions[truth.tick] = truth.positions
-
-    def wake(self, now: float) -> None:
-        """Nothing is due by the wall clock."""
+    return Trajectory(report["trajectory_sha256"], report["ticks"], tuple(positions[tick] for tick in ticks))
 
 
 def rounding() -> str:

@@ -31,6 +31,7 @@ from protocol.scenario.network import Network
 from tests.campaigns.faults import fault_scenario
 from tests.campaigns.fuzz.mutation import Target, damaged_message, damaged_text
 from tests.deploy.telemetry.monitor.watched import watch_local
+from tests.listening import overhear
 from tests.protocol.sample_messages import ONE
 from world.shell.node import WorldNode
 
@@ -43,22 +44,13 @@ def traffic() -> dict[str, list[tuple[str, bytes]]]:
     """Keys and payloads of real runs with faults, by stream."""
     heard: defaultdict[str, list[tuple[str, bytes]]] = defaultdict(list)
 
-    class Ear:
-        finished, deadline = False, float("inf")
-
-        def handle(self, event: Event) -> None:
-            if isinstance(event, Sample):
-                heard[event.key.rpartition("/")[2]].append((event.key, event.payload))
-
-        def wake(self, now: float) -> None:
-            """Nothing is due."""
+    def hear(key: str, payload: bytes) -> None:
+        heard[key.rpartition("/")[2]].append((key, payload))
 
     for scenario in (fault_scenario(1), crash(0), replace(crash(0), network=Network("near"))):
         with patch("world.shell.node.drawn_epoch", return_value=EPOCH):
             fleet = LocalFleet(scenario, speed=0.0)
-        bus = fleet.network.connect()
-        bus.subscribe(everything(fleet.run))
-        bus.node = Ear()
+        overhear(fleet.network, hear, everything(fleet.run))
         fleet.execute()
     for unsaid in ("goalstatus", "wish"):
         heard[unsaid].append((robot_key(fleet.run, 1, unsaid), encode(ONE[unsaid])))
