@@ -11,8 +11,11 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import HealthCheck, settings
 
+from deploy.processes.router import listening
 from deploy.software import check_compiled
+from protocol.bus.connection import Connection
 from protocol.errors import UsageError
+from protocol.process.signals import STOP
 from tests.forks import Forks
 
 if TYPE_CHECKING:
@@ -50,6 +53,21 @@ def disknav() -> Iterator[Forks]:
     """The command, for tests that run it to its end."""
     with closing(Forks()) as forks:
         yield forks
+
+
+@pytest.fixture
+def endpoint() -> Iterator[str]:
+    """Where a router in this process listens."""
+    bus, where = listening(Connection("router"))
+    with closing(bus):
+        yield where
+
+
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """Ctrl-C ends a router that runs in this process."""
+    with STOP.listening():
+        yield
 
 
 @pytest.fixture(scope="module")  # while it is there, asyncio's loop runs in this thread

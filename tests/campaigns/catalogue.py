@@ -11,10 +11,10 @@ CAMPAIGNS = {  # what each searches for, and where it is
     "falsify": ("a scenario in which the filter breaks its promise", "falsify:LOCAL"),
     "falsify-routed": ("the same, each scenario also on real processes and a router", "falsify:ROUTED"),
     "falsify-mesh": ("the same, also on real processes without one", "falsify:MESH"),
+    "falsify-mortal": ("the same while worlds die, at any message", "falsify:MORTAL"),
     "faults": ("a collision under everything that may go wrong at once", "faults:FAULTS"),
     "skirmish": ("a broken invariant of the lines of whole robots", "models:SKIRMISH"),
     "aftermath": ("a broken invariant after a skirmish", "models:AFTERMATH"),
-    "mortal-skirmish": ("the same while worlds die, at any message", "mortal_skirmish:SKIRMISH"),
     "mortal-floor": ("contact of external bases, under worlds and processes that die", "mortal_floor:FLOOR"),
     "bodies": ("a body that leaves its swept disk or its lines", "models:BODIES"),
     "plants": ("contact of wheels in MuJoCo, under late, lost and noisy messages", "models:PLANTS"),
@@ -35,7 +35,7 @@ CAMPAIGNS = {  # what each searches for, and where it is
 
 
 _ROOT = Path(__file__).resolve().parents[2]
-_REPLACING = ("skirmish", "aftermath", "mortal-skirmish", "mortal-floor", "bodies")  # parts of the product
+_REPLACING = ("skirmish", "aftermath", "mortal-floor", "bodies")  # parts of the product
 
 
 def find(name: str) -> Campaign:

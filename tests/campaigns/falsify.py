@@ -32,6 +32,19 @@ def run(dice: Dice, transport: Transport = "local") -> Outcome:
     return Outcome(seen.report["verdict"], figures={"ticks": len(scenario.robots) * seen.report["ticks"]})
 
 
+def run_mortal(dice: Dice) -> Outcome:
+    """One scenario whose world dies a few times, at any operation by which it tells what it did."""
+    busy = dice.pick((0, dice.seed + 1))
+    scenario = drawn(dice)
+    if scenario is None:
+        return Outcome("refused")
+    last = (len(scenario.robots) + 6) * scenario.ticks(scenario.time.limit)
+    seen = observe(scenario, busy=busy, deaths=[dice.whole(0, last) for _ in range(dice.whole(1, 6))])
+    if found := next(iter(seen.violations), None):
+        return Outcome(found.kind, found.text, write_toml(scenario))
+    return Outcome(seen.report["verdict"], figures={"deaths": len(seen.report["worlds"])})
+
+
 def violations_of(
     scenario: Scenario, seen: Observation, transport: Transport, *, repeated: bool
 ) -> Iterator[Violation]:
@@ -61,5 +74,6 @@ def on_processes(scenario: Scenario, transport: Transport, trajectory: str) -> I
 
 
 LOCAL = Campaign(run, 20_000)
+MORTAL = Campaign(run_mortal, 5_000)
 ROUTED = Campaign(partial(run, transport="routed"), 200, patience=2.0 * PATIENCE, alone=True)
 MESH = Campaign(partial(run, transport="mesh"), 200, patience=2.0 * PATIENCE, alone=True)

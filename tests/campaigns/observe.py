@@ -4,17 +4,20 @@ import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from random import Random
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 from deploy.run.local import LocalFleet
-from protocol.bus.bus import Event, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.codec import decode
 from protocol.keys import every_robot
 from protocol.messages import Command, Health, State
 from protocol.scenario.model import Scenario
 from tests.drawn_order import DrawnNetwork, ReorderedFleet
+from tests.listening import overhear
+from tests.mortal import Doom, DoomedFleet
 from tests.skipped_waits import skipped_waits
 
 PATIENCE = 120.0  # s, skipped waits included, that a run may take; the world itself gives up sooner
@@ -55,21 +58,27 @@ class Observation:
         return [*violations(self.report), *(Violation("contradiction", each) for each in told[:1])]
 
 
-def observe(scenario: Scenario, joining: Sequence[int] | None = None, *, busy: int = 0) -> Observation:
+def observe(
+    scenario: Scenario, joining: Sequence[int] = (), *, busy: int = 0, deaths: Sequence[int] = ()
+) -> Observation:
     """Run a scenario (k a number).
 
     Args:
         joining: the order in which robots join; by id unless given.
+        deaths: operations of the world at which it dies; none if robots join in another order.
         busy: seeds the moments at which the machine is so busy that the world has the open tick said again,
             and the order in which messages arrive; 0: never, and as they were published.
     """
-    with skipped_waits():
+    doom = Doom(deaths)
+    with skipped_waits(), doom.in_force(), TemporaryDirectory() as folder:
         network = DrawnNetwork(Random(busy)) if busy else LocalNetwork()
-        fleet = (
-            ReorderedFleet(scenario, joining, network=network)
-            if joining
-            else LocalFleet(scenario, network=network)
-        )
+        fleet: LocalFleet
+        if joining:
+            fleet = ReorderedFleet(scenario, joining, network=network)
+        elif deaths:
+            fleet = DoomedFleet(scenario, Path(folder) / "checkpoint", doom, network=network)
+        else:
+            fleet = LocalFleet(scenario, network=network)
         watch, deadline = Watch(fleet, busy), time.monotonic() + PATIENCE
         network.run(lambda: fleet.world.finished or time.monotonic() > deadline)
         fleet.world.interrupt(_CUT, f"has not ended within {PATIENCE:g} s")
@@ -110,19 +119,16 @@ class Watch:
         busy: see `observe`.
     """
 
-    finished, deadline = False, math.inf
-
     def __init__(self, fleet: LocalFleet, busy: int) -> None:
         self.notes: dict[int, str] = {}
         self._fleet, self._moments = fleet, Random(busy) if busy else None
         self._holdups, self._held_up = _HOLDUPS, -1
-        bus = self.bus = fleet.network.connect()
-        for stream in ("health", "state", "command") if busy else ("health",):
-            bus.subscribe(every_robot(fleet.run, stream))
-        bus.node = self
+        streams = ("health", "state", "command") if busy else ("health",)
+        keys = [every_robot(fleet.run, stream) for stream in streams]
+        self.bus = overhear(fleet.network, self._hear, *keys)
 
-    def handle(self, event: Event) -> None:
-        message = decode(event.key, event.payload) if isinstance(event, Sample) else None
+    def _hear(self, key: str, payload: bytes) -> None:
+        message = decode(key, payload)
         if isinstance(message, Health) and message.note:
             self.notes[message.robot] = message.note
         if self._moments is not None and isinstance(message, State | Command):
@@ -134,7 +140,4 @@ class Watch:
         if tick > self._held_up and self._holdups and moments.random() < _OFTEN:
             self._held_up, self._holdups = tick, self._holdups - 1
             time.sleep(_HOLDUP)
-            self._fleet.world.wake(time.monotonic())
-
-    def wake(self, now: float) -> None:
-        """Nothing is due by the wall clock."""
+            self._fleet.world_bus.node.wake(time.monotonic())

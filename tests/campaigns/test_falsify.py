@@ -49,6 +49,11 @@ def _lossy() -> Scenario:
     return load("swap-4", ["link.loss=0.9", "time.limit=10"], 18)
 
 
+def _crowd() -> Scenario:
+    near = ["network.interest=near", "network.reach=0.1"]
+    return load("random-14", [*near, "link.delay=[0.0, 0.2]", "link.loss=0.1", "time.limit=4"])
+
+
 def _fenced() -> Scenario:
     scenario = load("swap-4", ["time.limit=2", "time.fence=0.2", "link.loss=0.3", "link.delay=[0.0, 0.2]"], 1)
     faults = (ProcessFault(2, 0.4, "pause"), ProcessFault(2, 0.9, "resume"))
@@ -62,10 +67,15 @@ BUSY = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("made", [_lossy, *(made for made, _ in BUSY.values())], ids=["lossy", *BUSY])
-def test_nothing_follows_from_what_is_heard_first_or_again(made: Callable[[], Scenario]) -> None:
-    calm = observe(made()).trajectory
-    assert {observe(made(), busy=seed).trajectory for seed in (1, 2)} == {calm}
+@pytest.mark.parametrize(
+    "made", [_lossy, _crowd, *(made for made, _ in BUSY.values())], ids=["lossy", "near", *BUSY]
+)
+def test_nothing_follows_from_what_is_heard_first_or_again_or_who_joins_first(
+    made: Callable[[], Scenario],
+) -> None:
+    scenario = made()
+    calm = observe(scenario).trajectory
+    assert {observe(scenario, scenario.ids[::-1], busy=seed).trajectory for seed in (0, 1)} == {calm}
 
 
 @pytest.mark.slow

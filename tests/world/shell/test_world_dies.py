@@ -1,31 +1,25 @@
 """The world dies at any moment, another one goes on, and nothing touches, jumps or is forgotten."""
 
-import itertools
 import math
-import os
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
-from typing import Any, cast
+from typing import Any
 
 import pytest
 
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from protocol.bus.bus import Bus, Event, Publish, Sample
 from protocol.codec import decode
-from protocol.keys import Stream, robot_key, world_key
+from protocol.keys import robot_key, world_key
 from protocol.messages import Grants, Tick, Truth, Vector
 from protocol.scenario.model import ProcessFault, Scenario
-from tests.mortal import MortalFleet
-from tests.proxy import Proxy
+from tests.listening import overhear
+from tests.mortal import Doom, DoomedFleet
 from tests.skipped_waits import skipped_waits
 from tests.system.orders.test_scheduled_orders import EVERYTHING
-from world.shell.checkpoint import Checkpoint
-from world.shell.node import WorldNode
 
 FAULTS = ((2, 0.2, "pause"), (2, 0.9, "resume"), (4, 0.3, "restart"), (3, 0.25, "pause"), (3, 0.5, "resume"))
 FAULTY = replace(
@@ -47,98 +41,19 @@ COURSES = {
 }
 
 
-class Death(BaseException):
-    """kill -9, at this very operation."""
-
-
-class Doom:
-    """Counts the operations by which any process can tell what a world did, and dies at some of them.
-
-    A write of the checkpoint is three: before it, in the middle of it, after it; a publication is one.
-    """
-
-    def __init__(self, at: list[int]) -> None:
-        self.at = set(at)
-        self.count = itertools.count()
-        self.deaths = 0
-
-    def pass_by(self) -> None:
-        if next(self.count) in self.at:
-            self.deaths += 1
-            raise Death
-
-    def write(self, file: int, content: bytes, place: int) -> int:
-        self.pass_by()
-        half = len(content) // 2
-        _pwrite(file, content[:half], place)
-        self.pass_by()
-        written = _pwrite(file, content[half:], place + half)
-        self.pass_by()
-        return half + written
-
-
-_pwrite = os.pwrite
-
-
-class DoomedFleet(MortalFleet):
-    """A world that dies by its doom, and has a successor at once."""
-
-    def __init__(self, scenario: Scenario, checkpoint: Path, doom: Doom, *, lockstep: bool = True) -> None:
-        self.doom = doom
-        super().__init__(scenario, checkpoint, lockstep=lockstep)
-
-    def start_world(self) -> None:
-        try:
-            super().start_world()
-            node = self.world
-            self.world_bus.node = Proxy(node, handle=self._mortal(node.handle), wake=self._mortal(node.wake))
-        except Death:
-            self.kill_world()
-            self.start_world()
-
-    def _world(self, bus: Bus, checkpoint: Checkpoint | None = None) -> WorldNode:
-        def publisher(stream: Stream, key: str) -> Publish:
-            publish = bus.publisher(stream, key)
-
-            def doomed(payload: bytes) -> None:
-                self.doom.pass_by()
-                publish(payload)
-
-            return doomed
-
-        return super()._world(cast(Bus, Proxy(bus, publisher=publisher)), checkpoint)
-
-    def _mortal(self, act: Callable[..., None]) -> Callable[..., None]:
-        def live(*told: Any) -> None:
-            try:
-                act(*told)
-            except Death:
-                self.kill_world()
-                self.start_world()
-
-        return live
-
-
 class Witness:
-    """Hears what all worlds of a run say, and holds them to it.
-
-    Attributes:
-        ways: length of the way of each robot, m, by what was said of where it is.
-    """
-
-    finished, deadline = False, math.inf
+    """Hears what all worlds of a run say, and holds them to it."""
 
     def __init__(self, fleet: LocalFleet, scenario: Scenario) -> None:
         self._scenario = scenario
         self._places: dict[tuple[int, int], Vector] = {}
         self._grants: dict[tuple[int, int], tuple[int, Grants]] = {}
-        bus = fleet.network.connect()
         ids = {*scenario.ids, *(spec.id for spec in scenario.newcomers)}
-        bus.subscribe(world_key("local", "truth"), *[robot_key("local", robot, "tick") for robot in ids])
-        bus.node = self
+        keys = [world_key("local", "truth"), *(robot_key("local", robot, "tick") for robot in ids)]
+        overhear(fleet.network, self._hear, *keys)
 
-    def handle(self, event: Event) -> None:
-        message = decode(event.key, event.payload) if isinstance(event, Sample) else None
+    def _hear(self, key: str, payload: bytes) -> None:
+        message = decode(key, payload)
         if isinstance(message, Truth):
             for robot, place in zip(message.robots, message.positions, strict=True):
                 assert self._places.setdefault((message.tick, robot), place) == place
@@ -155,15 +70,11 @@ class Witness:
     def _longest(self) -> float:
         return self._scenario.control.speed * self._scenario.time.step
 
-    def wake(self, now: float) -> None:
-        """Nothing is due by the wall clock."""
-
 
 def run(name: str, folder: Path, deaths: list[int], *, lockstep: bool = True) -> tuple[Doom, dict[str, Any]]:
     """The report of a course whose world dies at these operations."""
     doom = Doom(deaths)
-    with skipped_waits(), pytest.MonkeyPatch.context() as patch:
-        patch.setattr(os, "pwrite", doom.write)
+    with skipped_waits(), doom.in_force():
         fleet = DoomedFleet(COURSES[name], folder / "checkpoint", doom, lockstep=lockstep)
         Witness(fleet, COURSES[name])
         return doom, fleet.execute()
