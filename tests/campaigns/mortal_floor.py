@@ -13,20 +13,18 @@ import msgspec
 
 from agents.bases.ros2 import Ros2Base
 from agents.robot import Robot
-from deploy.library.load import load
 from protocol.errors import JoinError
 from protocol.messages import Command, Tick
 from protocol.scenario.model import Obstacle, Operation, Scenario
 from tests.agents.bases.floor import Crew, Event, Floor
+from tests.agents.bases.test_senses import fleet
+from tests.agents.lines.models.skirmishes.arena import Staying
 from tests.campaigns.campaign import Campaign, Dice, Outcome
 from world.world import Past, WorldCore
 
 SECONDS = 20.0
 _ROUNDING = 1e-9  # m
-_SETTINGS = (
-    *("world.plant=external", "time.step=0.1", "time.limit=120", "time.deadlock=1000", "time.endless=true"),
-    *("sensing.noise=0.003", "sensing.noise_bound=0.006", "sensing.heading=0.03", "time.tolerance=0.03"),
-)
+_SETTINGS = ("time.deadlock=1000", "time.endless=true")
 
 
 def drawn(draw: Random) -> Scenario:
@@ -35,13 +33,11 @@ def drawn(draw: Random) -> Scenario:
         f"world.lease={draw.choice((0.31, 0.5, 0.8))}",
         f"time.fence={draw.choice((0.2, 1.0))}",
     )
-    return load(f"turtlebots-{draw.choice((2, 3, 4))}", [*_SETTINGS, *settings], 1)
+    return fleet(draw.choice((2, 3, 4)), *_SETTINGS, *settings)
 
 
-class _Attack:
-    """A law that drives at where another robot truly is, and changes its mind now and then."""
-
-    failure = ""
+class _Attack(Staying):
+    """Drives at where another robot truly is, and changes its mind now and then."""
 
     def __init__(self, floor: MortalFloor, robot: int) -> None:
         self._floor, self._robot, self._target = floor, robot, robot
@@ -55,12 +51,6 @@ class _Attack:
         scale = scenario.control.speed / (math.hypot(dx, dy) or 1.0)
         return scale * dx, scale * dy
 
-    def slice_norm(self, *_: object) -> float:
-        return 0.0
-
-    def tell(self, *_: object) -> None:
-        """It has nothing to learn."""
-
 
 class MortalFloor(Floor):
     """A floor on which all that happens is drawn from a seed.
@@ -72,7 +62,7 @@ class MortalFloor(Floor):
 
     def __init__(self, seed: int) -> None:
         self.draw = draw = Random(f"floor {seed}")
-        self.epoch, self.gap = 1, math.inf
+        self.epoch, self.gap = 0, math.inf
         self._dead, self._saved = False, b""  # whether no world lives, and its checkpoint
         self._gone: set[int] = set()  # robots without a process
         self._mute: dict[int, float] = {}  # robot -> until when its odometry is lost
@@ -88,7 +78,7 @@ class MortalFloor(Floor):
         return None if now < self._mute.get(robot, 0.0) else message
 
     def _begin_life(self, crew: Crew, core: Robot) -> None:
-        core.epoch, core._law = self.epoch, _Attack(self, core.robot)
+        core._law = _Attack(self, core.robot)
         crew.core = core
 
     # -- what happens
@@ -147,7 +137,7 @@ class MortalFloor(Floor):
         self._come(crew)
 
     def _come(self, crew: Crew) -> None:
-        if not self._dead and crew.alive and crew.base.senses.place() is not None and self._join(crew):
+        if crew.alive and crew.base.senses.place() is not None and self._join(crew):
             self._gone.discard(crew.core.robot)
         else:
             self._later(0.2, partial(self._come, crew))
@@ -184,7 +174,7 @@ class MortalFloor(Floor):
 
     def _rejoin(self, robot: int, epoch: int) -> None:
         crew = self.crews[robot]
-        if epoch != self.epoch or self._dead or robot in self._gone:
+        if epoch != self.epoch or robot in self._gone:
             return
         if not crew.alive:
             crew.frozen.append(partial(self._rejoin, robot, epoch))
@@ -193,53 +183,35 @@ class MortalFloor(Floor):
         self._join(crew)
 
     def _join(self, crew: Crew) -> bool:
-        """Begin another life, if the world admits it now."""
         robot, world = crew.core.robot, self.world
+        if self._dead:
+            return False
         world.lost(robot)
         try:
             incarnation = world.join(robot)
         except JoinError:
             return False
-        core = Robot(self.scenario, robot, incarnation, lockstep=False, epoch=self.epoch)
-        self._begin_life(crew, core)
+        self._begin_life(crew, Robot(self.scenario, robot, incarnation, lockstep=False, epoch=self.epoch))
         return True
 
-    def _tick(self) -> None:
-        if not self._dead:
-            told = self._opened()
-            self._save()
-            for robot, tick in told.items():
-                crew = self.crews[robot]
-                if not self.cut:
-                    self._send(
-                        partial(self._if_alive, crew, partial(self._hear_tick, crew, tick, self.epoch))
-                    )
-        self._later(self.scenario.time.step, self._tick)
-
-    def _opened(self) -> dict[int, Tick]:
-        if self.world.is_open:
-            self.world.close_tick()
-        told = self.world.open_tick()
+    def _open(self) -> dict[int, Tick]:
+        if self._dead:
+            return {}
+        told = super()._open()
         if not self.world.is_open:
             for robot in self.world.lives.awaited:
                 self.world.give_up_waiting(robot)
-            told = self.world.open_tick()
-        return told
+            told = super()._open()
+        self._save()
+        return {robot: msgspec.structs.replace(tick, epoch=self.epoch) for robot, tick in told.items()}
 
-    def _hear_tick(self, crew: Crew, tick: Tick, epoch: int) -> None:
-        core = crew.core
-        if core.robot in self._gone or core.epoch != epoch:
-            return
-        if not core.has_ended(tick) and tick.incarnation <= core.incarnation:
-            self._begin(crew, tick)
-            return
-        self._publish(crew, crew.base.stand(self.now))
-        if epoch == self.epoch and not self._dead:
-            self._join(crew)
+    def _begin(self, crew: Crew, tick: Tick) -> None:
+        if crew.core.robot not in self._gone and tick.epoch == crew.core.epoch:
+            super()._begin(crew, tick)
 
     def _accept(self, command: Command) -> None:
-        if not self.cut and not self._dead and command.epoch == self.epoch:
-            self.world.accept(command)
+        if not self._dead and command.epoch == self.epoch:
+            super()._accept(command)
 
     def _send(self, event: Event) -> None:
         if self.rng.random() >= self.loss:
@@ -248,9 +220,6 @@ class MortalFloor(Floor):
             self._later(delay, event)
             if self.draw.random() < 0.02:
                 self._later(delay + self.draw.uniform(0.0, 2.0), event)
-
-    def _stray(self, crew: Crew) -> None:
-        """Of a life that ended with its world nothing is known."""
 
     def _roll(self) -> None:
         super()._roll()
@@ -271,7 +240,7 @@ def _run(dice: Dice) -> Outcome:
         (floor.gap < -_ROUNDING, f"a disk overlaps an obstacle or the wall by {-floor.gap:.3g} m"),
         (floor.excess > 0.0, f"a true place is {floor.excess:.3g} m outside what its robot knows"),
     )
-    figures = {"worlds": float(floor.epoch), "clearance, m": floor.closest, "to others, m": floor.gap}
+    figures = {"worlds": floor.epoch + 1.0, "clearance, m": floor.closest, "to others, m": floor.gap}
     violation = "; ".join(text for wrong, text in faults if wrong)
     return Outcome("violated" if violation else "held", violation, figures=figures)
 

@@ -203,23 +203,31 @@ class Floor:
             self._later(self.rng.uniform(0.0, self.delay), event)
 
     def _tick(self) -> None:
+        for robot, tick in self._open().items():
+            crew = self.crews[robot]
+            begin = partial(self._if_alive, crew, partial(self._begin, crew, tick))
+            if robot == self.late:
+                self.held.append(begin)
+            elif not self.cut:
+                self._send(begin)
+        self._later(self.scenario.time.step, self._tick)
+
+    def _open(self) -> dict[int, Tick]:
+        """What the coordinator tells as the next tick opens."""
         if self.world.is_open:
             self.world.close_tick()
-        if not self.world.verdict:
-            for robot, tick in self.world.open_tick().items():
-                crew = self.crews[robot]
-                begin = partial(self._if_alive, crew, partial(self._begin, crew, tick))
-                if robot == self.late:
-                    self.held.append(begin)
-                elif not self.cut:
-                    self._send(begin)
-        self._later(self.scenario.time.step, self._tick)
+        return {} if self.world.verdict else self.world.open_tick()
+
+    def _join(self, crew: Crew) -> bool:
+        """Begin another life, if the coordinator admits it now."""
+        crew.core = Robot(self.scenario, crew.core.robot, self.world.join(crew.core.robot))
+        return True
 
     def _begin(self, crew: Crew, tick: Tick) -> None:
         core, base = crew.core, crew.base
-        if core.has_ended(tick):  # begin another life
+        if core.has_ended(tick):
             self._publish(crew, base.stand(self.now))
-            crew.core = Robot(self.scenario, core.robot, self.world.join(core.robot))
+            self._join(crew)
             return
         if tick.tick <= core.tick or tick.incarnation != core.incarnation:
             return

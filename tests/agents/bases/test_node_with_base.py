@@ -15,19 +15,12 @@ from agents.bases.base import topics_of
 from deploy.library.load import load
 from protocol.bus.bus import Event, Foreign
 from protocol.errors import BusError, JoinError, UsageError
+from tests.agents.bases.test_senses import fleet
 from tests.agents.bases.wheels import STEP, Wheels
 from tests.mortal import MortalFleet
 from tests.skipped_waits import skipped_waits
 from world.report import result_of
 from world.world import WorldCore
-
-SETTINGS = (
-    "world.plant=external",
-    "time.step=0.1",
-    "sensing.noise=0.003",
-    "sensing.noise_bound=0.006",
-    "time.endless=true",
-)
 
 
 @pytest.fixture(autouse=True)
@@ -76,7 +69,7 @@ class Stage:
     """A world, two robots and their floor."""
 
     def __init__(self, caplog, checkpoint: Path | None = None) -> None:
-        self.scenario = load("turtlebots-2", SETTINGS, 1)
+        self.scenario = fleet(2, "time.endless=true")
         self.fleet, self._log = MortalFleet(self.scenario, checkpoint), caplog
         bus = self.fleet.network.connect()
         self.floor = bus.node = Floor(bus, self.scenario)

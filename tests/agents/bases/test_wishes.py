@@ -8,33 +8,18 @@ import pytest
 
 from agents.bases.ros2 import Ros2Base
 from agents.bases.ros_messages import StampedVelocity, Velocity, header_at
-from deploy.library.load import load
 from protocol.errors import MessageError
 from protocol.scenario.model import Scenario
 from tests.agents.bases.crossing import CROSSING
 from tests.agents.bases.floor import Floor
+from tests.agents.bases.test_senses import fleet
 from world.report import result_of
 
 SPEED = 0.12  # m/s
 
 
 def crossing(*settings: str) -> Scenario:
-    return load(
-        "turtlebots-3",
-        [
-            *CROSSING,
-            "world.plant=external",
-            "time.step=0.1",
-            "sensing.noise=0.003",
-            "sensing.noise_bound=0.006",
-            "sensing.heading=0.03",
-            "time.limit=90",
-            "time.tolerance=0.03",
-            "control.law=external",
-            *settings,
-        ],
-        1,
-    )
+    return fleet(3, *CROSSING, "time.limit=90", "control.law=external", *settings)
 
 
 def straight(floor: Floor, robot: int) -> bytes:

@@ -17,7 +17,8 @@ import pytest
 from protocol.scenario.model import Scenario
 from tests.agents.bases.crossing import CROSSING
 from tests.agents.bases.ros import environment
-from tests.agents.bases.ros.yard import HERE, NOISE, START, Yard, until, yard
+from tests.agents.bases.ros.yard import HERE, NOISE, START, Yard, yard
+from tests.until import until
 
 # Odometry every 20 ms has to arrive in time, beside real physics.
 pytestmark = [pytest.mark.slow, pytest.mark.process, pytest.mark.alone, pytest.mark.timeout(600)]

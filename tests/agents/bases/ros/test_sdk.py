@@ -14,7 +14,8 @@ import pytest
 
 from agents.bases.dialects import BOOL, HASHES, MARKERS, ODOMETRY, STAMPED_POSE, TF, TWIST
 from tests.agents.bases.crossing import CROSSING
-from tests.agents.bases.ros.yard import HERE, START, Yard, until, yard
+from tests.agents.bases.ros.yard import HERE, START, Yard, yard
+from tests.until import until
 
 pytest.importorskip("zenoh_ros2_sdk")
 pytestmark = [

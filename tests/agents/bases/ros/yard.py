@@ -6,7 +6,6 @@ import math
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from itertools import combinations
@@ -16,6 +15,7 @@ from deploy.library.load import load
 from deploy.run.options import fresh_run_name
 from protocol.scenario.file import parse_document, read_document, write_toml
 from tests.deploy.processes.ports import free_ports
+from tests.until import until
 
 HERE = Path(__file__).parent
 NOISE = 0.008  # m, of poses
@@ -67,13 +67,6 @@ class Processes:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
-
-
-def until(condition: Callable[[], bool], seconds: float, what: str) -> None:
-    deadline = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < deadline, what
-        time.sleep(0.05)
 
 
 class Yard:
