@@ -11,7 +11,6 @@ import pytest
 
 from deploy.processes import table
 from deploy.processes.supervisor import Supervisor
-from deploy.security.keystore import create
 from deploy.security.membership import KeyRing
 from deploy.security.roster import Home, KeyRoster
 from protocol.bus.bus import Presence, Query, Sample
@@ -29,13 +28,6 @@ HOMES = {"a": Home((HERE,), (1,)), "b": Home((HERE,), (2,)), "c": Home((HERE,), 
 ROSTER = KeyRoster(RUN, (1, 2, 3, 4), HOMES, "a")
 STATES, ALL = f"disknav/{RUN}/robot/*/state", everything(RUN)
 OWN = {"robot/3", "robot/4"}
-
-
-@pytest.fixture(scope="module")
-def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    directory = tmp_path_factory.mktemp("apart") / "keys"
-    create(directory, ROSTER)
-    return directory
 
 
 def keys_of(name: str) -> list[str]:

@@ -120,10 +120,3 @@ def test_expired_certificates_are_named(tmp_path: Path) -> None:
     create(tmp_path / "keys", ROSTER, days=1e-9)
     with pytest.raises(CertificateError, match=r"valid from .* to .* UTC"):
         KeyRing(tmp_path / "keys").client("robot-1", ["tls/127.0.0.1:7447"])
-
-
-def test_keys_are_for_one_run(keys: Path) -> None:
-    membership = KeyRing(keys)
-    assert membership.run(None) == membership.run("demo") == "demo"
-    with pytest.raises(CertificateError, match="for the run demo, not other"):
-        membership.run("other")

@@ -17,25 +17,10 @@ from deploy.security.roster import KeyRoster
 from protocol.bus.connection import Connection, Credentials, credentials
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import CertificateError
-from protocol.process.signals import STOP
 
-pytestmark = [pytest.mark.process, pytest.mark.timeout(90)]
+pytestmark = [pytest.mark.usefixtures("interruptible"), pytest.mark.process, pytest.mark.timeout(90)]
 
 ROSTER = KeyRoster("guarded", (1, 2, 3, 4, 5, 6))
-
-
-@pytest.fixture(autouse=True)
-def interruptible() -> Iterator[None]:
-    """Ctrl-C ends a router that runs in this process."""
-    with STOP.listening():
-        yield
-
-
-@pytest.fixture(scope="module")
-def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    directory = tmp_path_factory.mktemp("security") / "keys"
-    create(directory, ROSTER)
-    return directory
 
 
 @pytest.fixture(scope="module")
