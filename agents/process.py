@@ -63,4 +63,5 @@ if __name__ == "__main__":
         status = main(router, run_name, int(identity), wait=float(waits), beat=sign, namespace=namespace)
     except Stopped:
         STOP.exit()
+    STOP.ignore()
     sys.exit(STOP.status or status)

@@ -21,8 +21,10 @@ import psutil
 import pytest
 from mcap.reader import make_reader
 
+from agents.process import FAULT
 from tests.deploy.processes.ports import free_ports
 from tests.scripts import ROOT, ended
+from tests.until import until
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
 
@@ -77,8 +79,7 @@ class Victim:
 
     def await_begin(self) -> None:
         """Wait until its own first line has run: before that the process is Python's."""
-        while self.process.poll() is None and not minds(self.process.pid, signal.SIGTERM):
-            time.sleep(0.001)
+        until(lambda: self.process.poll() is not None or minds(self.process.pid, signal.SIGTERM), _END)
 
     def await_life(self, seconds: float) -> None:
         self.await_begin()
@@ -251,14 +252,13 @@ def test_single_processes_end_whatever_they_are_doing(seed: int, folder: Path) -
         for victim in dice.sample(victims, len(victims)):
             victim.await_life(dice.uniform(0.0, 1.5))
             number = dice.choice((signal.SIGINT, signal.SIGTERM))
-            over = victim.process.poll()  # a run that is over ends its robots and monitors
-            if over is None:
-                victim.signal(number)
+            victim.signal(number)  # if it still runs
             outcome = victim.left(number, quiet=False)
-            _, world, *robots, _ = victims
-            lone = victim is world and any(each.process.poll() is not None for each in robots)
-            by_itself = over == 3 or (lone and outcome.status == 1)  # a world without robots ends its run
-            assert outcome.faults == [] or by_itself, (seed, victim.process.args, outcome)
+            router, world, *robots, _ = victims
+            others = robots if victim is world else {router, world} - {victim}
+            lone = any(each.process.poll() is not None for each in others)
+            by_itself = [f"exit status {1 if victim is world else FAULT}"] if lone else []
+            assert outcome.faults in ([], by_itself), (seed, victim.process.args, outcome)
 
 
 PROGRAM = """
@@ -301,9 +301,21 @@ def test_a_signal_while_the_command_is_imported_ends_it_without_a_word() -> None
         stderr=subprocess.PIPE,
         text=True,
     )
-    while not minds(process.pid, signal.SIGTERM):
-        assert process.poll() is None
-        time.sleep(0.005)
+    until(lambda: process.poll() is not None or minds(process.pid, signal.SIGTERM))
     process.send_signal(signal.SIGTERM)
     _, said = process.communicate(timeout=60.0)
     assert (process.returncode, said) == (143, "")
+
+
+ROBOT = """
+import os, runpy, signal, sys
+class Last:
+    def __del__(self, kill=os.kill, own=os.getpid(), number=signal.SIGTERM): kill(own, number)
+sys.last = Last()  # goes when the interpreter itself does
+sys.argv[1:] = ["tcp/127.0.0.1:9", "yard", "1", "0.1", *5 * [""]]
+runpy.run_module("agents.process", run_name="__main__")
+"""
+
+
+def test_a_robot_that_ends_by_itself_says_why_whatever_comes_meanwhile() -> None:
+    assert ended(ROBOT).returncode == FAULT
