@@ -10,16 +10,20 @@ from pathlib import Path
 ROOT = Path(__file__).parent.parent
 
 
-def ended(script: str, *arguments: object, timeout: float = 30.0) -> subprocess.CompletedProcess[str]:
-    """Outcome of a program after it and all processes that it started have ended; all are killed in any case.
+def ended(
+    script: str | Path, *arguments: object, timeout: float = 30.0, cwd: Path = ROOT
+) -> subprocess.CompletedProcess[str]:
+    """Outcome of a program, its text or file, in a folder, after it and all processes that it started have
+    ended; all are killed in any case.
 
     Raises:
         subprocess.TimeoutExpired: one of them has not ended within `timeout` s.
     """
-    command = [sys.executable, "-c", script, *map(str, arguments)]
+    program = ["-c", script] if isinstance(script, str) else [str(script)]
+    command = [sys.executable, *program, *map(str, arguments)]
     with subprocess.Popen(
         command,
-        cwd=ROOT,
+        cwd=cwd,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         stdout=subprocess.PIPE,  # which all of them hold
         stderr=subprocess.PIPE,

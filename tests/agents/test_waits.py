@@ -93,17 +93,6 @@ def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_tak
     assert world.report["verdict"] == "arrived"
 
 
-def test_a_life_that_goes_on_does_not_notice_that_it_asked() -> None:
-    fleet = LocalFleet(SCENARIO)
-    fleet.network.run(lambda: fleet.world.world.tick > 10)
-    for there in (False, True):  # the router was gone for a moment
-        for bus in fleet.robots.values():
-            bus.node.handle(Presence(token(fleet.network), there))
-    report = fleet.execute()
-    assert report["trajectory_sha256"] == LocalFleet(SCENARIO).execute()["trajectory_sha256"]
-    assert set(fleet.world.world.lives.incarnations.values()) == {1}
-
-
 def test_a_tick_of_an_earlier_life_leaves_the_awaited_peers_as_they_are() -> None:
     fleet = LocalFleet(load("swap-4"))
     fleet.step()

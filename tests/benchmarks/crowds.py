@@ -19,6 +19,7 @@ import argparse
 import gc
 import os
 import time
+from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
 from dataclasses import replace
 from math import inf
@@ -33,7 +34,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, fresh_run_name
 from protocol.bus.local import LocalNetwork
 from protocol.messages import Clock
-from protocol.scenario.model import Journey, Order, Scenario
+from protocol.scenario.model import Journey, Order, Point, Scenario
 from protocol.scenario.network import Network
 
 _LEGS = 6  # goals of each robot, which it goes to in turn for ever
@@ -53,13 +54,15 @@ def restless(
     instance = random_instance(robots, 0)
     radii, room = [spec.radius for spec in instance.robots], instance.workspace.disk_radius
     legs = [random_starts(radii, room, 0, 10 + leg) for leg in range(_LEGS)]
-    orders = tuple(
-        Order(0.0, goal=Journey(spec.id, tuple(leg[index] for leg in legs), patrol=True))
-        for index, spec in enumerate(instance.robots)
-    )
     clock = replace(instance.time, step=1.0 / rate, limit=seconds)
     control = replace(instance.control, filter=safety)
+    orders = patrols({spec.id: [leg[index] for leg in legs] for index, spec in enumerate(instance.robots)})
     return resolved(replace(instance, time=clock, control=control, orders=orders, network=network))
+
+
+def patrols(places: Mapping[int, Iterable[Point]]) -> tuple[Order, ...]:
+    """Of each robot between its places, for ever."""
+    return tuple(Order(0.0, goal=Journey(robot, tuple(at), patrol=True)) for robot, at in places.items())
 
 
 class Measured(NamedTuple):

@@ -17,8 +17,9 @@ from typing import Literal, NamedTuple
 from deploy.library.instances import random_instance
 from deploy.library.load import resolved
 from protocol.draws import Purpose, generator
-from protocol.scenario.model import Journey, Order, Point, Scenario
+from protocol.scenario.model import Point, Scenario
 from protocol.scenario.network import Network
+from tests.benchmarks.crowds import patrols
 from tests.system.hosts.testbed.network import Hosts, unable
 
 _LEGS = 6  # goals of each robot, which it goes to in turn for ever
@@ -57,11 +58,8 @@ def in_blocks(robots: int, hosts: int, seconds: float, network: Network) -> Scen
         for _ in range(_LEGS):
             for spec, other in zip(block, random.permutation(len(block)), strict=True):
                 legs[spec.id].append(block[other].start)
-    orders = tuple(
-        Order(0.0, goal=Journey(robot, tuple(points), patrol=True)) for robot, points in legs.items()
-    )
     clock = replace(instance.time, limit=seconds)
-    return resolved(replace(instance, time=clock, orders=orders, network=network))
+    return resolved(replace(instance, time=clock, orders=patrols(legs), network=network))
 
 
 class Row(NamedTuple):

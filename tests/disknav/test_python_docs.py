@@ -1,15 +1,13 @@
 """The Python of the documentation and the notebook runs, from top to bottom."""
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import matplotlib as mpl
 import pytest
 
-ROOT = Path(__file__).parents[2]
+from tests.scripts import ROOT, ended
+
 PAGES = [
     "../README.md",
     "index.md",
@@ -33,16 +31,7 @@ def test_a_page(page: str, tmp_path: Path) -> None:
     script = tmp_path / "page.py"
     script.write_text("\n".join(blocks(page)))
     assert script.stat().st_size > 0
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    done = subprocess.run(
-        [sys.executable, script],
-        cwd=tmp_path,
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=110,
-        check=False,
-    )
+    done = ended(script, timeout=110.0, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
 
 

@@ -5,22 +5,19 @@
 
 import json
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from tests.deploy.processes.ports import free_ports
+from tests.scripts import ROOT, ended
 
-ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "docs/examples"
 
 
 def run(folder: str, script: str, *words: str, cwd: Path) -> str:
     shutil.copytree(EXAMPLES / folder, cwd, dirs_exist_ok=True)
-    call = [sys.executable, script, *words]
-    done = subprocess.run(call, cwd=cwd, capture_output=True, text=True, timeout=120, check=False)
+    done = ended(Path(script), *words, timeout=120.0, cwd=cwd)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

@@ -11,7 +11,6 @@ from pathlib import Path
 import msgpack
 import pytest
 
-from deploy.processes.router import listening
 from docs.reference.streams import PAGE, page
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
@@ -25,12 +24,11 @@ def test_page_is_current():
 
 
 @pytest.mark.process
-def test_a_stock_subscriber_reads_every_stream(tmp_path: Path):
+def test_a_stock_subscriber_reads_every_stream(tmp_path: Path, endpoint: str):
     """The program on the page, as it stands there, against real zenoh."""
     code = re.search(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
     program = tmp_path / "subscriber.py"
     program.write_text(code[1])
-    router, endpoint = listening(Connection("router"))
     publisher = ZenohBus(Connection(connect=(endpoint,)))
     reader = subprocess.Popen([sys.executable, program, endpoint, "page"], stdout=subprocess.PIPE, text=True)
     try:
@@ -40,7 +38,6 @@ def test_a_stock_subscriber_reads_every_stream(tmp_path: Path):
         reader.wait()
         reader.stdout.close()
         publisher.close()
-        router.close()
     assert heard == {key: msgpack.unpackb(payload) for key, payload in _payloads().items()}
 
 

@@ -20,14 +20,10 @@ runs = st.from_regex(r"[A-Za-z0-9_-]{1,30}", fullmatch=True)
 ids = st.integers(1, 999_999_999)
 
 
-@given(runs, ids, st.sampled_from(ROBOT_STREAMS))
-def test_robot_keys_parse_back(run: str, robot: int, stream: str) -> None:
-    assert parse(robot_key(run, robot, stream)) == Address(run, robot, stream)
-
-
-@given(runs, st.sampled_from(WORLD_STREAMS))
-def test_world_keys_parse_back(run: str, stream: str) -> None:
-    assert parse(world_key(run, stream)) == Address(run, None, stream)
+@given(runs, ids, st.sampled_from(ROBOT_STREAMS), st.sampled_from(WORLD_STREAMS))
+def test_keys_parse_back(run: str, robot: int, its: str, worlds: str) -> None:
+    assert parse(robot_key(run, robot, its)) == Address(run, robot, its)
+    assert parse(world_key(run, worlds)) == Address(run, None, worlds)
 
 
 @pytest.mark.parametrize(

@@ -26,32 +26,21 @@ SETTING = Scenario(
 LATE = BODY.lag + Base().lateness.age  # s
 
 
-def test_a_robot_that_was_not_heard_stands_within_all_that_its_body_may_have_done() -> None:
+@pytest.mark.parametrize("heard", [4, 20])
+def test_a_robot_that_was_not_heard_stands_within_all_that_its_body_may_have_done(heard: int) -> None:
+    """A lease runs from when its command was sent, which may be a moment before it is heard."""
     outside, body = External(SETTING), SETTING.body_of(1)
+    outside.sense(heard)
     outside.hear(Command(1, 1, 4, (0.1, 0.0), report=Report((0.05, 0.0), 2e-3)))
     leased = 0.5 + body.hold + 0.2 / 0.5  # then it has braked
-    last = 6 + int(leased / 0.1)
-    for tick in range(last):
+    last = heard + 2 + int(leased / 0.1)
+    for tick in range(heard + 1, last):
         outside.sense(tick)
         assert outside.resting() == {}
     outside.sense(last + 1)
     assert outside.resting() == {1: (0.05, 0.0)}
-    way = 0.2 * (0.2 + leased + LATE)
+    way = 0.2 * ((heard - 4) * 0.1 + 0.2 + leased + LATE)  # ever since it was where it says
     assert outside.bounds[1] == pytest.approx(2e-3 + 1.1 * way + body.play)
-
-
-def test_a_command_that_comes_late_was_sent_late() -> None:
-    """Its lease runs from when it was sent, which may be a moment ago."""
-    outside, body = External(SETTING), SETTING.body_of(1)
-    outside.sense(20)
-    outside.hear(Command(1, 1, 4, (0.1, 0.0), report=Report((0.05, 0.0), 2e-3)))
-    last = 22 + int((0.5 + body.hold + 0.2 / 0.5) / 0.1)
-    for tick in range(21, last):
-        outside.sense(tick)
-        assert outside.resting() == {}
-    outside.sense(last + 1)
-    assert outside.resting() == {1: (0.05, 0.0)}
-    assert outside.bounds[1] > 0.2 * (20 - 4) * 0.1  # it may have moved ever since it was where it says
 
 
 def test_an_emergency_stop_has_succeeded_once_every_base_had_the_time_to_brake() -> None:

@@ -10,8 +10,8 @@ little: without the hold time, and without the way to the place where the body s
 
 import math
 from collections.abc import Sequence
+from importlib import import_module
 from random import Random
-from types import ModuleType
 from typing import Any
 
 import pytest
@@ -57,20 +57,14 @@ class Product:
     """
 
     def __init__(self, edits: Sequence[Edit] = ()) -> None:
-        if edits:
-            loaded = dict(zip(_MODULES, interpreted(*_MODULES, edits=edits), strict=True))
-        else:
-            loaded = {name: _imported(name) for name in _MODULES}
+        modules = interpreted(*_MODULES, edits=edits) if edits else map(import_module, _MODULES)
+        loaded = dict(zip(_MODULES, modules, strict=True))
         self.lines: Any = loaded["agents.lines.separating_lines"]
         self.boundary: Any = loaded["agents.lines.boundary"]
         self.inertial: Any = loaded["agents.bodies"]
         self.sweep: Any = loaded["protocol.bodies.sweep"]
         self.kinematics: Any = loaded["protocol.bodies.kinematics"]
         self.plant: Any = loaded["world.plants.integrator"]
-
-
-def _imported(name: str) -> ModuleType:
-    return __import__(name, fromlist=["*"])
 
 
 def excess_of(seed: int, kind: str, product: Product, period: float | None = None) -> float:

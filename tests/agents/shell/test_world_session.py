@@ -23,23 +23,21 @@ def session() -> WorldSession:
     return made
 
 
-def test_a_world_that_died_before_its_token_was_seen_is_replaced(session: WorldSession) -> None:
-    session.on_token(session_of(NEXT), alive=True)
-    assert session.back
-
-
-def test_another_world_beside_its_own_is_not_asked(session: WorldSession) -> None:
-    session.on_token(session_of(OWN), alive=True)
-    session.on_token(session_of(NEXT), alive=True)
-    assert not session.back
-
-
-def test_its_own_disappears_and_returns(session: WorldSession) -> None:
-    session.on_token(session_of(OWN), alive=True)
-    session.on_token(session_of(OWN), alive=False)
-    assert not session.back
-    session.on_token(session_of(OWN), alive=True)
-    assert session.back
+@pytest.mark.parametrize(
+    ("tokens", "back"),
+    [
+        pytest.param([(NEXT, True)], True, id="its own died before its token was seen"),
+        pytest.param([(OWN, True), (NEXT, True)], False, id="another is beside its own"),
+        pytest.param([(OWN, True), (OWN, False)], False, id="its own disappears"),
+        pytest.param([(OWN, True), (OWN, False), (OWN, True)], True, id="and returns"),
+    ],
+)
+def test_a_world_that_takes_the_place_of_its_own_is_asked(
+    session: WorldSession, tokens: list[tuple[int, bool]], back: bool
+) -> None:
+    for epoch, alive in tokens:
+        session.on_token(session_of(epoch), alive=alive)
+    assert session.back is back
 
 
 @pytest.mark.parametrize("gone", [False, True])

@@ -22,20 +22,16 @@ from protocol.errors import UsageError
 Array = NDArray[np.float64]
 
 
-def random_radii(draw: np.random.Generator, p: int, ratio: float) -> Array:
-    """(p,) radii, log-uniform between 1 and `ratio`, largest first."""
-    return np.asarray(np.sort(ratio ** draw.uniform(0.0, 1.0, p))[::-1])
-
-
 def instance(draw: np.random.Generator, p: int, density: float, ratio: float) -> tuple[FleetProblem, Array]:
     """A problem, its k set by the automatic rule, and a start (p, 2).
 
     density: area of the disks over area of the workspace; ratio: largest over smallest possible radius.
+    Radii are log-uniform between, largest first.
 
     Raises:
         UsageError: no free configuration was found at this density.
     """
-    radii = random_radii(draw, p, ratio)
+    radii: Array = np.sort(ratio ** draw.uniform(0.0, 1.0, p))[::-1]
     workspace = float(np.sqrt((radii**2).sum() / density))
     goals = random_configuration(draw, radii, workspace)
     start = random_configuration(draw, radii, workspace)

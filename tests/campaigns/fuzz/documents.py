@@ -20,7 +20,7 @@ from protocol.scenario.file import (
 )
 from protocol.scenario.model import Scenario
 from tests.campaigns.faults import fault_scenario
-from tests.campaigns.fuzz.kept import folder
+from tests.campaigns.fuzz.kept import written
 from tests.campaigns.fuzz.mutation import (
     WRITTEN,
     Target,
@@ -90,12 +90,7 @@ def _read_settings(settings: list[str]) -> None:
 
 
 def _read_file(content: bytes) -> None:
-    path = folder() / "scenario.toml"
-    try:
-        path.write_bytes(content)
-        _same_again(parse_document(read_document(path)))
-    finally:
-        path.unlink()
+    _same_again(parse_document(read_document(written("scenario.toml", content))))
 
 
 SCENARIOS = {

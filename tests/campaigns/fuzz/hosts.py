@@ -3,11 +3,8 @@
 import io
 import os
 import struct
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import cache
 from math import inf
-from pathlib import Path
 from random import Random
 
 import msgspec
@@ -17,7 +14,7 @@ from deploy.processes.hosts.table import read_hosts
 from deploy.processes.spawn import MAX_NEWS, Exited, Facts, ProcessReport, Started, encode_news
 from deploy.security.roster import Home, KeyRoster, encoded, read
 from protocol.errors import CertificateError, HostsError, KeyGrammarError, ProcessError
-from tests.campaigns.fuzz.kept import folder
+from tests.campaigns.fuzz.kept import written
 from tests.campaigns.fuzz.mutation import Target, damaged_bytes, damaged_message, damaged_text, damaged_tree
 from tests.deploy.processes.hosts.test_table import GOOD
 
@@ -104,26 +101,15 @@ def _read_line(drawn: bytes) -> None:
 # -- files about hosts
 
 
-@contextmanager
-def _as_file(name: str, content: bytes) -> Iterator[Path]:
-    path = folder() / name
-    path.write_bytes(content)
-    yield path
-    path.unlink()
-
-
 def _read_table(drawn: str) -> None:
-    with _as_file("hosts.toml", drawn.encode(errors="surrogatepass")) as path:
-        read_hosts(path)
+    read_hosts(written("hosts.toml", drawn.encode(errors="surrogatepass")))
 
 
 def _read_roster(drawn: bytes) -> None:
-    with _as_file("roster.json", drawn) as path:
-        try:
-            roster = read(path.parent)
-        except KeyGrammarError as error:  # of a run that cannot have this name
-            raise CertificateError(str(error)) from error
-        assert roster.roles
+    try:
+        assert read(written("roster.json", drawn).parent).roles
+    except KeyGrammarError as error:  # of a run that cannot have this name
+        raise CertificateError(str(error)) from error
 
 
 def _draw_roster(rng: Random) -> bytes:

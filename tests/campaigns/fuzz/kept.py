@@ -37,6 +37,13 @@ def folder() -> Path:
     return Path(_temporary().name)
 
 
+def written(name: str, content: bytes) -> Path:
+    """A file in it."""
+    path = folder() / name
+    path.write_bytes(content)
+    return path
+
+
 @cache
 def _checkpoint() -> bytes:
     """That of a run in its first ticks."""
@@ -68,10 +75,8 @@ def _draw_checkpoint(rng: Random) -> bytes:
 
 
 def _read_checkpoint(drawn: bytes) -> None:
-    path = folder() / "checkpoint"
-    path.write_bytes(drawn)
     with patch.object(checkpoint, "_STATE", _STATE):
-        Checkpoint(path, "local", _SCENARIO).remove()
+        Checkpoint(written("checkpoint", drawn), "local", _SCENARIO).remove()
 
 
 @cache
@@ -88,10 +93,8 @@ def _draw_recording(rng: Random) -> bytes:
 
 
 def _read_recording(drawn: bytes) -> None:
-    path = folder() / "damaged.mcap"
-    path.write_bytes(drawn)
     try:
-        list(read(path).entries)
+        list(read(written("damaged.mcap", drawn)).entries)
     except UsageError as error:
         raise RecordingError(str(error)) from error
 

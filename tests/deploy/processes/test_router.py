@@ -1,29 +1,18 @@
 """The router's process: which port it takes, and what it says when it cannot."""
 
 import os
-from collections.abc import Iterator
-from contextlib import closing
 
 import pytest
 
 from deploy.processes.router import listening, reserved
 from protocol.bus.connection import Connection
 from protocol.errors import EndpointTakenError
-from protocol.process.signals import STOP
 
-pytestmark = pytest.mark.timeout(60)
-
-
-@pytest.fixture(autouse=True)
-def interruptible() -> Iterator[None]:
-    """Ctrl-C ends a router that runs in this process."""
-    with STOP.listening():
-        yield
+pytestmark = [pytest.mark.usefixtures("interruptible"), pytest.mark.timeout(60)]
 
 
-def test_a_port_that_was_asked_for_and_is_taken_names_its_holder() -> None:
-    bus, endpoint = listening(Connection("router"))
-    with closing(bus), pytest.raises(EndpointTakenError, match=rf"{endpoint}: .*process {os.getpid()}\)"):
+def test_a_port_that_was_asked_for_and_is_taken_names_its_holder(endpoint: str) -> None:
+    with pytest.raises(EndpointTakenError, match=rf"{endpoint}: .*process {os.getpid()}\)"):
         listening(Connection("router", listen=(endpoint,)))
 
 

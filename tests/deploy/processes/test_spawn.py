@@ -1,11 +1,10 @@
 """The fork server: what becomes of a process, what it says, and that none is left behind."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Iterator
 from contextlib import closing
 from pathlib import Path
 
@@ -23,23 +22,10 @@ pytestmark = [pytest.mark.process, pytest.mark.timeout(60)]
 PATIENCE = 20.0  # s
 
 
-@pytest.fixture
-def spawner() -> Iterator[Spawner]:
-    with closing(children.spawner()) as spawner:
-        yield spawner
-
-
 def until_exit(spawner: Spawner) -> list[News]:
     heard: list[News] = []
-    deadline = time.monotonic() + PATIENCE
-    while not any(isinstance(news, Exited) for news in heard):
-        assert time.monotonic() < deadline
-        heard += spawner.news(1.0)
+    until(lambda: heard.extend(spawner.news(1.0)) or (heard and isinstance(heard[-1], Exited)), PATIENCE)
     return heard
-
-
-def exit_code(spawner: Spawner) -> int:
-    return until_exit(spawner)[-1].code
 
 
 def gone(pid: int) -> bool:
@@ -50,36 +36,33 @@ def gone(pid: int) -> bool:
         return True
 
 
-def test_the_exit_status_is_what_the_function_returns(spawner: Spawner) -> None:
-    life = spawner.start(Process("one", "tests.deploy.processes.children:give", (7,)))
-    started, exited = until_exit(spawner)
+def test_the_exit_status_is_what_the_function_returns() -> None:
+    with closing(children.spawner()) as spawner:
+        life = spawner.start(Process("one", "tests.deploy.processes.children:give", (7,)))
+        started, exited = until_exit(spawner)
     assert (started.life, exited.life, exited.code) == (life, life, 7)
     assert exited.max_rss_mb > 1.0
 
 
-def test_a_failure_leaves_its_traceback(capfd: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("function", "code", "reports", "said"),
+    [
+        ("divide_by_zero", FAULT, [], r"calculator: failed:\nTraceback .*return 1 / 0.*"),
+        ("fail_politely", FAULT, [], r"calculator: the cable is unplugged\n"),
+        ("print_and_report", 0, ["reported"], r"printed\n"),
+    ],
+)
+def test_what_a_process_prints_goes_to_standard_error(
+    function: str, code: int, reports: list[str], said: str, capfd: pytest.CaptureFixture[str]
+) -> None:
     with closing(children.spawner()) as spawner:  # whose standard error is that of this test
-        spawner.start(Process("calculator", "tests.deploy.processes.children:divide_by_zero"))
-        assert exit_code(spawner) == FAULT
-        printed = capfd.readouterr().err
-        assert "calculator: failed:\nTraceback" in printed
-        assert "return 1 / 0" in printed
-
-
-def test_an_error_of_our_own_is_one_line(capfd: pytest.CaptureFixture[str]) -> None:
-    with closing(children.spawner()) as spawner:  # whose standard error is that of this test
-        spawner.start(Process("radio", "tests.deploy.processes.children:fail_politely"))
-        assert exit_code(spawner) == FAULT
-        assert capfd.readouterr().err == "radio: the cable is unplugged\n"
-
-
-def test_a_process_reports_and_its_output_goes_to_standard_error(capfd: pytest.CaptureFixture[str]) -> None:
-    with closing(children.spawner()) as spawner:  # whose standard error is that of this test
-        spawner.start(Process("one", "tests.deploy.processes.children:print_and_report", reports=True))
-        texts = [news.text for news in until_exit(spawner) if isinstance(news, ProcessReport)]
-        assert texts == ["reported"]
+        spawner.start(Process("calculator", f"{children.__name__}:{function}", reports=bool(reports)))
+        heard = until_exit(spawner)
+        assert [news.text for news in heard if isinstance(news, ProcessReport)] == reports
+        assert heard[-1].code == code
         printed = capfd.readouterr()
-        assert (printed.out, printed.err) == ("", "printed\n")
+        assert printed.out == ""
+        assert re.fullmatch(said, printed.err, re.DOTALL)
 
 
 def test_a_dead_fork_server_takes_all_with_it_and_is_named() -> None:

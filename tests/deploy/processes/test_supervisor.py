@@ -1,7 +1,6 @@
 """A supervisor and its processes: what each end means, waits between failures, and nothing left behind."""
 
 import signal
-import time
 from collections.abc import Iterator
 from unittest.mock import Mock
 
@@ -19,6 +18,7 @@ from tests.deploy.processes.children import (
     wait,
     wait_stubbornly,
 )
+from tests.until import until
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(60)]
 
@@ -37,10 +37,7 @@ def waiting(name: str) -> Process:
 
 def exits(supervisor: Supervisor, number: int) -> list[Exit]:
     heard: list[Exit] = []
-    deadline = time.monotonic() + PATIENCE
-    while len(heard) < number:
-        assert time.monotonic() < deadline
-        heard += supervisor.poll(0.1)
+    until(lambda: heard.extend(supervisor.poll(0.1)) or len(heard) >= number, PATIENCE)
     return heard
 
 
@@ -78,10 +75,7 @@ def test_a_host_that_reports_what_it_was_not_asked_for_is_lost() -> None:
         there.start(row("foreign", give, 0))
         supervisor.start([waiting("near")])
         supervisor.report("near", PATIENCE)
-        deadline = time.monotonic() + PATIENCE
-        while not there.gone:
-            assert time.monotonic() < deadline
-            supervisor.poll(0.1)
+        until(lambda: supervisor.poll(0.1) or there.gone, PATIENCE)
         assert supervisor.running() == ["near"]
 
 

@@ -1,8 +1,6 @@
 """Real processes on real zenoh: the trajectory of a run in one process, and what is refused."""
 
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -26,12 +24,6 @@ from tests.forks import Forks
 pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
 
 
-@contextmanager
-def router(supervisor: Supervisor) -> Iterator[Connection]:
-    supervisor.start([table.router(Connection("router"))])
-    yield Connection(connect=(supervisor.report("router", 20.0),))
-
-
 def test_faults_among_robots_that_hear_those_near_them_are_the_same_on_real_processes() -> None:
     scenario = load("figure-3b", ["link.delay=[0.0, 0.2]", "link.loss=0.3", "sensing.noise=0.001"], 5)
     events = ((2, 0.5, "pause"), (2, 2.5, "resume"), (4, 0.7, "restart"), (5, 0.4, "pause"))
@@ -48,9 +40,9 @@ def test_faults_among_robots_that_hear_those_near_them_are_the_same_on_real_proc
     assert {row["exit_code"] for row in rows.values()} == {0}
 
 
-def test_a_second_robot_with_the_same_id_is_refused() -> None:
-    scenario, run = load("figure-2"), fresh_run_name()
-    with Supervisor() as supervisor, router(supervisor) as connection:
+def test_a_second_robot_with_the_same_id_is_refused(endpoint: str) -> None:
+    scenario, run, connection = load("figure-2"), fresh_run_name(), Connection(connect=(endpoint,))
+    with Supervisor() as supervisor:
         supervisor.start([table.world(connection, run, scenario, True), table.robot(connection, run, 1)])
         twin = table.Process("twin", "agents.process:main", (connection, run, 1))
         deadline = time.monotonic() + 30.0

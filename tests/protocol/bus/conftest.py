@@ -1,22 +1,14 @@
-"""A router in this process, and its clients."""
+"""Clients of a router in this process."""
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing
 
 import pytest
 
-from deploy.processes.router import listening
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 
 Connect = Callable[..., ZenohBus]
-
-
-@pytest.fixture
-def endpoint() -> Iterator[str]:
-    bus, where = listening(Connection("router"))
-    with closing(bus):
-        yield where
 
 
 @pytest.fixture

@@ -3,8 +3,6 @@
 import json
 import logging
 import re
-import subprocess
-import sys
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -13,6 +11,7 @@ import pytest
 
 from protocol.errors import UsageError
 from protocol.process import log
+from tests.scripts import ended
 
 SAYS = """
 import sys
@@ -30,9 +29,8 @@ except ZeroDivisionError:
 
 
 def said(folder: Path | str, *, wired: bool = False) -> str:
-    call = [sys.executable, "-c", SAYS, str(folder), "yes" if wired else ""]
-    done = subprocess.run(call, capture_output=True, text=True, timeout=60, check=True)
-    assert done.stdout == ""
+    done = ended(SAYS, folder, "yes" if wired else "", timeout=60.0)
+    assert (done.returncode, done.stdout) == (0, "")
     return done.stderr
 
 

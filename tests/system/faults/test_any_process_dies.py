@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any
 
@@ -180,10 +180,10 @@ def test_a_checkpoint_that_cannot_be_created_is_named(tmp_path: Path) -> None:
 
 def _steer(connection: Connection, run: str, steer: Steer) -> None:
     with closing(ZenohBus(connection)) as bus:
-        for _ in range(60):
-            try:
-                bus.ask(world_key(run, "steering"), msgspec.msgpack.encode(steer), 1.0)
-            except BusError:  # it is not there yet
-                continue
-            return
-    raise AssertionError("no world answers")
+
+        def answered() -> list[bytes]:
+            with suppress(BusError):  # it is not there yet
+                return bus.ask(world_key(run, "steering"), msgspec.msgpack.encode(steer), 1.0)
+            return []
+
+        until(answered, 60.0, "no world answers")

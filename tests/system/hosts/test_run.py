@@ -4,7 +4,6 @@ import json
 import signal
 import subprocess
 import sys
-import time
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, contextmanager
@@ -97,19 +96,17 @@ def port_of(folder: Path) -> int:
 
 
 def await_ticks(port: int, condition: Callable[[Clock], bool] = lambda _: True, more: int = 2) -> None:
-    bus = ZenohBus(Connection(connect=(f"tcp/127.0.0.1:{port}",), timeout=40.0))
-    with closing(bus):
-        bus.subscribe(world_key("long", "clock"))
-        deadline, since = time.monotonic() + 40.0, None
-        while time.monotonic() < deadline:
+    ticks = list[int]()  # that met the condition
+    with closing(ZenohBus(Connection(connect=(f"tcp/127.0.0.1:{port}",), timeout=40.0))) as bus:
+
+        def goes_on() -> bool:
             event = bus.receive(1.0)
-            if isinstance(event, Sample):
-                clock = decode(event.key, event.payload)
-                if condition(clock):
-                    since = clock.tick if since is None else since
-                    if clock.tick > since + more:
-                        return
-    raise AssertionError("the fleet did not start")
+            if isinstance(event, Sample) and condition(clock := decode(event.key, event.payload)):
+                ticks.append(clock.tick)
+            return bool(ticks) and ticks[-1] > ticks[0] + more
+
+        bus.subscribe(world_key("long", "clock"))
+        until(goes_on, 40.0, "the fleet did not start")
 
 
 def result(folder: Path) -> dict[str, Any]:

@@ -6,17 +6,11 @@ from typing import Any
 
 import pytest
 
-from deploy.library.load import load, resolved
-from deploy.run.fleet import Fleet
+from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
-from deploy.run.operator import operating
-from deploy.run.options import RunOptions
-from protocol.bus.connection import Connection
-from protocol.messages import Clock
-from protocol.operations import Reply
 from protocol.scenario.body import Body
 from protocol.scenario.file import parse_toml
-from protocol.scenario.model import Operation, Order, ProcessFault
+from protocol.scenario.model import Order, ProcessFault
 from tests.campaigns.observe import observe
 from tests.skipped_waits import skipped_waits
 from tests.system.orders.turnover import GUEST, GUESTED, SWAP, Turnover, asked, status, step, to_be
@@ -73,41 +67,6 @@ def test_the_last_one_stays() -> None:
         assert asked(fleet, {"remove": robot}).accepted
         step(fleet, 2)
     assert "is the last one" in asked(fleet, {"remove": 4}).text
-
-
-class Guests:
-    """Takes a guest in at tick 10, and out again once it has been live for a while."""
-
-    def __init__(self) -> None:
-        self.told: list[Reply] = []
-        # To those of the beginning: the guest may not be there yet.
-        self._connection: Connection | None = None
-
-    def __call__(self, fleet: Fleet, clock: Clock) -> None:
-        self._connection = self._connection or fleet.topology.observer()
-        comes, goes = clock.tick >= 10 and not self.told, len(self.told) == 1 and 7 in clock.active
-        if comes or goes:
-            with operating(fleet._options.run, self._connection.connect[0]) as operator:
-                self.told.append(operator.operate(Operation(add=GUEST) if comes else Operation(remove=7)))
-
-
-@pytest.mark.process
-@pytest.mark.timeout(120)
-def test_processes_come_and_go() -> None:
-    guests, clocks = Guests(), list[Clock]()
-    scenario = replace(load("swap-6"), time=replace(SWAP.time, limit=60.0))
-    with Fleet(scenario, RunOptions(speed=4.0), watch=clocks.append) as fleet:
-
-        def enough() -> bool:
-            while clocks:
-                guests(fleet, clocks.pop(0))
-            return False
-
-        report = fleet.execute(enough)
-        rows = {row["name"]: row for row in fleet.processes()}
-    assert [reply.accepted for reply in guests.told] == [True, True]
-    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
-    assert rows["robot-7"]["exit_code"] == 0
 
 
 @skipped_waits()

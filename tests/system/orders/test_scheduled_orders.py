@@ -71,8 +71,11 @@ def test_a_run_is_not_over_while_orders_are_to_come() -> None:
 def test_real_processes_drive_the_same_trajectory(report: dict[str, Any]) -> None:
     with Fleet(EVERYTHING, RunOptions("mesh")) as fleet:
         found = fleet.execute()
+        rows = fleet.processes()
     assert found["trajectory_sha256"] == report["trajectory_sha256"]
     assert found["faults"]["given_up"] == []
+    assert {row["name"] for row in rows} == {"world", "robot-1", "robot-2", "robot-3"}
+    assert {row["exit_code"] for row in rows} == {0}
 
 
 @pytest.mark.slow

@@ -17,8 +17,8 @@ from protocol.codec import decode, encode
 from protocol.errors import BusError
 from protocol.keys import robot_key, world_key
 from protocol.messages import Command, Tick
-from protocol.operations import Reply, decode_reply
-from protocol.scenario.model import Operation
+from protocol.operations import Reply
+from tests.system.orders.turnover import asked, step
 from world.shell import node as shell
 from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
@@ -35,35 +35,23 @@ def epochs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(shell, "drawn_epoch", lambda **_: next(numbers))
 
 
-def asked(world: WorldNode, halt: bool | None = None) -> Reply:
-    replies: list[bytes] = []
-    payload = b"" if halt is None else msgspec.msgpack.encode(Operation(halt=halt))
-    world.handle(Query(world_key("local", "operation"), payload, replies.append))
-    return decode_reply(replies[0], Reply)
-
-
-def go(fleet: LocalFleet, ticks: int) -> None:
-    tick = fleet.world.world.tick + ticks
-    fleet.network.run(lambda: fleet.world.world.tick >= tick)
-
-
 def test_a_running_world_stands_while_another_is_there_and_goes_on_after_that() -> None:
     fleet, said = LocalFleet(SWAP), list[str]()
     fleet.world._operations._say = said.append
-    go(fleet, 10)
+    step(fleet, 10)
     bus = fleet.network.connect()
     other = bus.node = WorldNode(bus, "local", SWAP)
-    go(fleet, 3)
+    step(fleet, 3)
     assert other.refused, "it has not begun, and came later"
     assert fleet.world.world.halted
     assert said == [f"tick 10: {OTHER_WORLD}"]
     before = fleet.world.world.simulation.places
-    released = asked(fleet.world, halt=False)
+    released = asked(fleet, {"halt": False})
     assert (released.accepted, released.halted, released.text) == (False, True, OTHER_WORLD)
-    go(fleet, 5)
+    step(fleet, 5)
     assert fleet.world.world.simulation.places == before
     bus.close()
-    go(fleet, 5)
+    step(fleet, 5)
     assert not fleet.world.world.halted
     assert fleet.world.world.simulation.places != before
     assert "goes on" in said[-1]
@@ -73,13 +61,13 @@ def test_a_world_without_robots_leaves_the_run_to_the_world_that_has_them() -> N
     """Its own epoch is the lower one, as if it had begun first."""
     fleet = LocalFleet(SWAP)
     fleet.world._session = "00000009"
-    go(fleet, 10)
+    step(fleet, 10)
     bus = fleet.network.connect()
     other = bus.node = WorldNode(bus, "local", SWAP, gathering=0.5)
     fleet.network.run(lambda: other.finished)
     assert other.refused
     assert other.report is None
-    go(fleet, 3)
+    step(fleet, 3)
 
 
 @pytest.mark.parametrize("continue_", [(False, False), (True, False), (False, True), (True, True)])
@@ -112,15 +100,15 @@ def test_of_two_worlds_before_their_first_tick_one_leaves_and_not_the_one_that_c
 
 def test_an_emergency_stop_outlasts_the_other_world() -> None:
     fleet = LocalFleet(SWAP)
-    go(fleet, 10)
+    step(fleet, 10)
     bus = fleet.network.connect()
     bus.announce("disknav/local/world/alive/another")
-    assert asked(fleet.world, halt=True).halted
-    go(fleet, 3)
+    assert asked(fleet, {"halt": True}).halted
+    step(fleet, 3)
     bus.close()
-    go(fleet, 3)
-    assert (asked(fleet.world).halted, asked(fleet.world).moving) == (True, ())
-    assert not asked(fleet.world, halt=False).halted
+    step(fleet, 3)
+    assert (asked(fleet).halted, asked(fleet).moving) == (True, ())
+    assert not asked(fleet, {"halt": False}).halted
 
 
 def test_a_robot_does_not_choose_between_two_worlds() -> None:
@@ -136,12 +124,12 @@ def test_a_robot_does_not_choose_between_two_worlds() -> None:
 
 def test_what_another_coordinator_or_its_robots_say_does_not_count() -> None:
     fleet = LocalFleet(SWAP)
-    go(fleet, 10)
+    step(fleet, 10)
     robot, tick = fleet.robots[2].node, fleet.world.world.tick
     heard: list[bytes] = []
     spy = fleet.network.connect()
     spy.subscribe(robot_key("local", 1, "state"))
-    go(fleet, 1)
+    step(fleet, 1)
     while (event := spy.receive(0.0)) is not None:
         assert isinstance(event, Sample)
         heard.append(event.payload)

@@ -11,7 +11,6 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from deploy.processes.router import listening
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, fresh_run_name
@@ -130,11 +129,10 @@ def rendered(frame: dict[str, Any]) -> str:
 
 @pytest.mark.process
 @pytest.mark.timeout(90)
-def test_endpoint_and_run_name_are_enough() -> None:
-    router, endpoint = listening(Connection("router"))
+def test_endpoint_and_run_name_are_enough(endpoint: str) -> None:
     run, connection = fresh_run_name(), Connection(connect=(endpoint,))
     scenario = replace(ring(2), time=Time(endless=True, fence=0.2))
-    with closing(router), closing(Attachment(ZenohBus(connection), run)) as watcher:
+    with closing(Attachment(ZenohBus(connection), run)) as watcher:
         assert watcher.snapshot()["phase"] == "searching"  # the run begins later
         assert "has not started" in watcher.operate(Operation(halt=True)).result(0.0).text
         for epoch in (1, 2):  # another run of this name: everything anew

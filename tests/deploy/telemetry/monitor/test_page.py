@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -16,13 +15,13 @@ from deploy.telemetry.monitor.web import Server
 from protocol.operations import Steer
 from protocol.scenario.model import Order, RobotSpec, Scenario
 from tests.deploy.telemetry.monitor.watched import ring, running, served, watch_local
+from tests.until import PATIENCE, until
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
 
 pytestmark = pytest.mark.browser
 
-PATIENCE = 30.0  # s
 MARGIN = 10  # px around the workspace
 DESKTOP, PHONE = {"width": 1280, "height": 860}, {"width": 390, "height": 844}
 
@@ -49,10 +48,7 @@ class Shown:
         self.wait_until(lambda: self.tick() >= tick)
 
     def wait_until(self, condition: Callable[[], object]) -> None:
-        deadline = time.monotonic() + PATIENCE
-        while not condition():
-            assert time.monotonic() < deadline, "waited in vain"
-            self.page.wait_for_timeout(100)
+        until(lambda: condition() or self.page.wait_for_timeout(100))
 
     def wait_for_frames(self, count: int) -> None:
         """Until the page has had so many frames; they come at a fixed rate, held or not."""

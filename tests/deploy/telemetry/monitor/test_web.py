@@ -23,7 +23,7 @@ from deploy.telemetry.monitor.web import Server
 from protocol.bus.local import LocalNetwork
 from protocol.errors import UsageError
 from tests.deploy.telemetry.monitor.watched import ring, running, served, watch_local
-from tests.until import PATIENCE
+from tests.until import PATIENCE, until
 
 pytestmark = pytest.mark.slow
 
@@ -33,12 +33,11 @@ def live(server: Server, **options: Any) -> ClientConnection:
 
 
 def news(socket_: ClientConnection, kind: str, condition: Callable[[Any], Any] = lambda _: True) -> Any:
-    deadline = time.monotonic() + PATIENCE
-    while time.monotonic() < deadline:
+    def told() -> Any:
         message = json.loads(socket_.recv(timeout=PATIENCE))
-        if message["kind"] == kind and condition(message):
-            return message
-    raise AssertionError(f"no such {kind}")
+        return message if message["kind"] == kind and condition(message) else None
+
+    return until(told, what=f"no such {kind}")
 
 
 def test_the_page_is_told_an_overview_and_then_frames_at_a_bounded_rate() -> None:

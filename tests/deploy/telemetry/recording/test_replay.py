@@ -1,6 +1,5 @@
 """Replaying: the same trajectory recomputed, the same messages over again, and what `info` says."""
 
-import time
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -11,9 +10,8 @@ from mcap.writer import Writer
 
 from deploy.cli.recording import info, replay
 from deploy.library.load import load
-from deploy.processes.router import listening
 from deploy.run.local import LocalFleet
-from deploy.telemetry.plot.draw import until
+from deploy.telemetry.plot import draw
 from deploy.telemetry.recording.reader import Contents, Recording, read
 from deploy.telemetry.recording.replay import participants, publish, published, verify
 from protocol.bus.bus import Sample
@@ -25,6 +23,7 @@ from protocol.keys import everything
 from protocol.messages import Message, Result, State, Tick
 from protocol.scenario.model import Order, RobotSpec, Scenario
 from tests.deploy.telemetry.recording.recorded import said_by
+from tests.until import until
 
 
 @pytest.fixture(scope="module")
@@ -94,9 +93,8 @@ def test_everything_is_published_again_in_order(recording):
 
 
 @pytest.mark.process
-def test_a_recording_is_heard_over_zenoh(recording):
-    router, endpoint = listening(Connection("router"))
-    with closing(router), closing(ZenohBus(Connection(connect=(endpoint,)))) as listener:
+def test_a_recording_is_heard_over_zenoh(recording, endpoint):
+    with closing(ZenohBus(Connection(connect=(endpoint,)))) as listener:
         listener.subscribe(everything("again"))
         with closing(ZenohBus(Connection(connect=(endpoint,)))) as speaker:
             publish(recording, speaker, "again", speed=0.0)
@@ -108,11 +106,8 @@ def test_a_recording_is_heard_over_zenoh(recording):
 
 def _until_result(bus: ZenohBus) -> list[Sample]:
     heard: list[Sample] = []
-    deadline = time.monotonic() + 10.0
-    while time.monotonic() < deadline and not (heard and heard[-1].key.endswith("/result")):
-        event = bus.receive(0.1)
-        if isinstance(event, Sample):
-            heard.append(event)
+    while not heard or not heard[-1].key.endswith("/result"):
+        heard.append(until(lambda: bus.receive(0.1)))
     return heard
 
 
@@ -199,4 +194,4 @@ def test_participants_have_what_is_known_of_them(guested: Recording) -> None:
     operated = replace(guested, scenario=replace(guested.scenario, orders=()))
     (guest,) = (each for each in participants(operated) if each.robot == 5)
     assert (guest.radius, guest.goal) == (GUEST.radius, None)  # by the roster, which has no goals
-    assert [each.robot for each in participants(until(guested, 0.1))] == [1, 2, 3]
+    assert [each.robot for each in participants(draw.until(guested, 0.1))] == [1, 2, 3]

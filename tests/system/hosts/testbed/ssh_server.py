@@ -6,7 +6,6 @@ import shutil
 import socket
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from tests.deploy.processes.ports import free_ports
+from tests.until import until
 
 ROOT = Path(__file__).parents[4]
 SEARCHED = os.pathsep.join([os.environ.get("PATH", ""), "/usr/sbin", "/usr/local/sbin"])
@@ -97,13 +97,9 @@ MaxStartups 100
 
 
 def _await(port: int, process: subprocess.Popen[bytes]) -> None:
-    deadline = time.monotonic() + _READY
-    while True:
-        try:
-            socket.create_connection(("127.0.0.1", port), 1.0).close()
-        except OSError:
-            assert process.poll() is None, "sshd ended at once"
-            assert time.monotonic() < deadline, "sshd does not listen"
-            time.sleep(0.02)
-        else:
-            return
+    def listens() -> bool:
+        assert process.poll() is None, "sshd ended at once"
+        with socket.socket() as probe:
+            return probe.connect_ex(("127.0.0.1", port)) == 0
+
+    until(listens, _READY, "sshd does not listen")
