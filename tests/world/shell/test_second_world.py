@@ -16,8 +16,9 @@ from protocol.bus.local import LocalNetwork
 from protocol.codec import decode, encode
 from protocol.errors import BusError
 from protocol.keys import robot_key, world_key
-from protocol.messages import Command, Tick
+from protocol.messages import Command, Message, Tick
 from protocol.operations import Reply
+from tests.listening import overhear
 from tests.system.orders.turnover import asked, step
 from world.shell import node as shell
 from world.shell.checkpoint import Checkpoint
@@ -126,14 +127,10 @@ def test_what_another_coordinator_or_its_robots_say_does_not_count() -> None:
     fleet = LocalFleet(SWAP)
     step(fleet, 10)
     robot, tick = fleet.robots[2].node, fleet.world.world.tick
-    heard: list[bytes] = []
-    spy = fleet.network.connect()
-    spy.subscribe(robot_key("local", 1, "state"))
+    heard = list[Message]()
+    overhear(fleet.network, lambda *said: heard.append(decode(*said)), robot_key("local", 1, "state"))
     step(fleet, 1)
-    while (event := spy.receive(0.0)) is not None:
-        assert isinstance(event, Sample)
-        heard.append(event.payload)
-    state = decode(robot_key("local", 1, "state"), heard[-1])
+    state = heard[-1]
     foreign = msgspec.structs.replace(state, epoch=77, tick=tick + 5)
     robot.handle(Sample(robot_key("local", 2, "tick"), encode(Tick(2, 1, tick + 5, (), 77))))
     robot.handle(Sample(robot_key("local", 1, "state"), encode(foreign)))

@@ -73,17 +73,9 @@ def far_end(patience: float = 60.0) -> Iterator[FarEnd]:
         process.wait()
 
 
-def test_silence_ends_everything() -> None:
-    with far_end(patience=2.0) as far:
-        pid = far.start("wait")
-        assert far.process.wait(20.0) == 0
-        until(lambda: gone(pid))
-        assert not far.folder.exists()
-
-
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_a_host_that_goes_down_keeps_no_keys(number: int) -> None:
-    with far_end() as far:
+@pytest.mark.parametrize("number", [0, signal.SIGTERM, signal.SIGHUP], ids=["silence", "term", "hangup"])
+def test_a_host_that_goes_down_or_hears_nothing_keeps_neither_keys_nor_processes(number: int) -> None:
+    with far_end(patience=60.0 if number else 2.0) as far:
         far.requests.send(Store("robot-1.key", b"secret"))
         pid = far.start("wait")
         assert (far.folder / "robot-1.key").exists()
