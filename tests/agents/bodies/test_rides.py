@@ -10,6 +10,7 @@ little: without the hold time, and without the way to the place where the body s
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from importlib import import_module
 from random import Random
 from typing import Any
@@ -229,40 +230,30 @@ _KINEMATICS, _SWEEP, _INERTIAL, _OWN_SET = (
 _RIDES = 400  # in which a mutant has to be found, at most
 _PERIOD = 0.1  # s, at which all of them are found soon
 
+_COASTED = "return Arc(motion.ahead, motion.aside, motion.hold + 0.5 * self._stopping(motion))"
+ride_without = partial(without, model="omnidirectional")
 MUTANTS = (
-    without(
+    ride_without(
         "hold",
         "a base that hears nothing goes on for its hold time before it brakes",
-        Edit(
-            _KINEMATICS,
-            "return Arc(motion.ahead, motion.aside, motion.hold + 0.5 * self._stopping(motion))",
-            "return Arc(motion.ahead, motion.aside, 0.5 * self._stopping(motion))",
-        ),
-        model="omnidirectional",
+        Edit(_KINEMATICS, _COASTED, _COASTED.replace("motion.hold + ", "")),
     ),
-    without(
+    ride_without(
         "brake",
         "and then goes on until it stands",
-        Edit(
-            _KINEMATICS,
-            "return Arc(motion.ahead, motion.aside, motion.hold + 0.5 * self._stopping(motion))",
-            "return Arc(motion.ahead, motion.aside, motion.hold)",
-        ),
-        model="omnidirectional",
+        Edit(_KINEMATICS, _COASTED, _COASTED.replace(" + 0.5 * self._stopping(motion)", "")),
     ),
-    without(
+    ride_without(
         "finish-braking",
         "the whole way to where it stands is allowed, not only that place",
         Edit(_SWEEP, "for index, x in enumerate(self.xs):", "for index, x in list(enumerate(self.xs))[-1:]:"),
-        model="omnidirectional",
     ),
-    without(
+    ride_without(
         "adopt-swept",
         "a line is adopted only if it allows everything that follows from the commands that are out",
         Edit(_OWN_SET, "extent += self.swept.extent(nx, ny)", "pass"),
-        model="omnidirectional",
     ),
-    without(
+    ride_without(
         "reachable",
         "what is commanded is what the base can reach in a tick",
         Edit(
@@ -276,9 +267,8 @@ MUTANTS = (
             "        ahead, aside = turned(*velocity, -self._motion.heading)\n",
         ),
         Edit(_INERTIAL, "import Kinematics, Motion\n", "import Kinematics, Motion, turned\n"),
-        model="omnidirectional",
     ),
-    without(
+    ride_without(
         "one-factor",
         "braking scales both wheels by one factor; each by itself would leave the circle",
         Edit(
@@ -293,49 +283,46 @@ MUTANTS = (
         ),
         model="differential-drive",
     ),
-    without(
+    ride_without(
         "arcs",
         "a body that turns describes arcs",
         Edit(_SWEEP, "        turn = kinematics.turn(piece)\n", "        turn = 0.0\n"),
         model="differential-drive",
     ),
-    without(
+    ride_without(
         "turning",
         "where a body that turns by more than half a circle will stand does not say how far it goes",
         Edit(_KINEMATICS, "0.5 * self._stopping(still)) > _TURNING:", "0.5 * self._stopping(still)) > 1e9:"),
         model="spinning",
     ),
-    without(
+    ride_without(
         "error",
         "a base misses what it is told by a share of its way",
         Edit(_SWEEP, "_Hull(error, slip)", "_Hull(0.0, slip)"),
-        model="omnidirectional",
     ),
-    without(
+    ride_without(
         "slip",
         "and by its lag and play",
         Edit(_SWEEP, "_Hull(error, slip)", "_Hull(error, 0.0)"),
-        model="omnidirectional",
     ),
-    without(
+    ride_without(
         "change",
         "lag counts for the velocity that it had, even if the one commanded is small",
         Edit(_SWEEP, "tolerance.slip(motion, to)\n", "tolerance.slip(Motion(0.0), to)\n"),
-        model="omnidirectional",
     ),
-    without(
+    ride_without(
         "heading",
         "a base that takes itself to face elsewhere goes elsewhere",
         Edit(_SWEEP, "2.0 * math.sin(0.5 * heading)", "0.0 * heading"),
         model="differential-drive",
     ),
-    without(
+    ride_without(
         "sides-tested",
         "a velocity is commanded only if all that follows from it keeps to every line",
         Edit(_INERTIAL, "            if excess > 0.0:", "            if excess > 9.0:"),
         model="differential-drive",
     ),
-    without(
+    ride_without(
         "boundary-tested",
         "and inside the workspace",
         Edit(_INERTIAL, "            if fits and cut is None:", "            if fits:"),
