@@ -19,6 +19,7 @@ from protocol.keys import robot_key, world_key
 from protocol.messages import Command, Message, Tick
 from protocol.operations import Reply
 from tests.listening import overhear
+from tests.mortal import MortalFleet
 from tests.system.orders.turnover import asked, step
 from world.shell import node as shell
 from world.shell.checkpoint import Checkpoint
@@ -110,6 +111,16 @@ def test_an_emergency_stop_outlasts_the_other_world() -> None:
     step(fleet, 3)
     assert (asked(fleet).halted, asked(fleet).moving) == (True, ())
     assert not asked(fleet, {"halt": False}).halted
+
+
+def test_an_emergency_stop_outlasts_its_world(tmp_path: Path) -> None:
+    fleet = MortalFleet(SWAP, tmp_path / "checkpoint")
+    step(fleet, 10)
+    assert asked(fleet, {"halt": True}).halted
+    fleet.kill_world()
+    fleet.start_world()
+    step(fleet, 3)
+    assert asked(fleet).halted
 
 
 def test_a_robot_does_not_choose_between_two_worlds() -> None:
