@@ -107,10 +107,9 @@ class Slice:
         self._inverse_k = 1.0 / k
         self._edge = (workspace - radius) ** 2
         self._peers, self._far = peers, far
-        others = far.gamma
+        self._peers_gamma = far.gamma  # m^2, gamma without the own share
         for peer in peers:
-            others += peer.gamma
-        self._others = others  # gamma without the own share
+            self._peers_gamma += peer.gamma
 
     def __call__(self, x: float, y: float) -> Vector:
         """D_i at (x, y), m."""
@@ -151,7 +150,7 @@ class Slice:
         yy += slope * y * y + trace - inverse
         ex = x - self.goal[0]
         ey = y - self.goal[1]
-        share = (self._others + ex * ex + ey * ey) * self._inverse_k
+        share = (self._peers_gamma + ex * ex + ey * ey) * self._inverse_k
         fx = 2.0 * self._inverse_k * log_x
         fy = 2.0 * self._inverse_k * log_y
         return Gradient(

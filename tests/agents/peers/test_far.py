@@ -54,7 +54,6 @@ def test_it_is_exact_where_it_was_taken(seed: int, known: list[int]) -> None:
     assert [other.dx, other.dy, other.xx, other.xy, other.yx, other.yy] == pytest.approx(
         [one.dx, one.dy, one.xx, one.xy, one.yx, one.yy], rel=1e-12
     )
-    assert short._others == pytest.approx(exact._others)
 
 
 def test_around_it_the_error_is_of_second_order() -> None:
