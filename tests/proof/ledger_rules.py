@@ -23,7 +23,6 @@ from tests.proof.model import (
 )
 from tests.proof.objects import SOURCE, held_claims, ledger_claims, ledger_of, ledger_state, own_claims
 from tests.proof.outcomes import ANY_LINE, EPOCH, NAMES, NEXT, SAID, Case, Geometry, Outcome, S, apart
-from tests.proof.symbolic import Number, expression
 
 Rule = Callable[[Any, Any, Any], object]  # of the ledger, the disk and the other one
 Besides = Callable[[str, Outcome], None]  # what else happens to the disk
@@ -128,12 +127,12 @@ def _joined(x: str, outcome: Outcome) -> None:
     """The process of the new life begins as the robot's part of the kernel makes it."""
     outcome.begins(x)
     body = outcome.after[f"{x}.own"] = outcome.after[f"{x}.body"]
-    made = SOURCE.robot.RobotLife(CODE[x], Number(outcome.after[f"{x}.life"]), body, Geometry())
-    heard = made.region is made.offered is None and not any(
-        (made.version, made.number, made.offered_number, made.part, *made.bound)
-    )
-    begun = z3.And(made.body == body, made.own == body, expression(made.life) == outcome.after[f"{x}.life"])
-    outcome.claims[f"{x}: has heard nothing"] = z3.And(z3.BoolVal(heard and made.name == CODE[x]), begun)
+    made = SOURCE.robot.RobotLife(CODE[x], outcome.after[f"{x}.life"], body, Geometry())
+    numbers = (made.version, made.number, made.offered_number, made.part)
+    begun = z3.And(made.body == body, made.own == body, made.life == outcome.after[f"{x}.life"])
+    heard = z3.Or(*[number != 0 for number in numbers])
+    empty = made.region is made.offered is None and not made.bound and made.name == CODE[x]
+    outcome.claims[f"{x}: has heard nothing"] = z3.And(empty, begun, z3.Not(heard))
 
 
 def _announced(x: str, outcome: Outcome) -> None:
@@ -167,9 +166,9 @@ def _announce(made: Any, disk: Any) -> None:
 
 def _acknowledge(x: str) -> Case:
     """Any acknowledgement arrives, of all that are under way."""
-    zero = z3.IntVal(0)
+    zero = 0
     said = invariant({**S, f"{x}.said": SAID[x]}, zero, zero, zero)[f"{x}: acknowledgement"]
-    return of_ledger("acknowledge", lambda m, d, _: m.acknowledge(d, Number(SAID[x])), x, None, said)
+    return of_ledger("acknowledge", lambda m, d, _: m.acknowledge(d, SAID[x]), x, None, said)
 
 
 def _elsewhere(made: Any) -> None:
@@ -217,14 +216,14 @@ def _begin() -> Outcome:
     outcome.given(EPOCH > 0, *[INSIDE[x](outcome.after[f"{x}.body"], EPOCH) for x in "AB"])
     outcome.given(DISJOINT(a, b), *[S[f"{x}.granted"] < EPOCH for x in "AB"])  # nothing was held before
     for x in "AB":
-        outcome.after[f"{x}.said"] = z3.IntVal(0)
+        outcome.after[f"{x}.said"] = 0
     return outcome
 
 
 def _restart() -> Outcome:
     """Another coordinator begins: a new ledger of a new epoch, with disks where they stand."""
     geometry = Geometry()
-    made = SOURCE.ledger.Ledger(Number(EPOCH), {1: EPOCH, 2: EPOCH}, geometry)
+    made = SOURCE.ledger.Ledger(EPOCH, {1: EPOCH, 2: EPOCH}, geometry)
     outcome = Outcome()
     after = outcome.after = ledger_state(made)
     outcome.given(S["v"] < EPOCH)
@@ -235,7 +234,7 @@ def _restart() -> Outcome:
         outcome.claims[f"{x}: is there"] = after[f"{x}.phase"] == PRESENT
         body = z3.Const(f"{x}.restarted", BODY)
         was_there = S[f"{x}.phase"] == PRESENT
-        after[f"{x}.phase"] = z3.If(was_there, z3.IntVal(PRESENT), z3.IntVal(0))
+        after[f"{x}.phase"] = z3.If(was_there, PRESENT, GONE)
         outcome.begins(x)
         outcome.stands_at(x, body, EPOCH)
         outcome.given(INSIDE[x](body, EPOCH), body == real(S, x))

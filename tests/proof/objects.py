@@ -23,7 +23,7 @@ from tests.proof.model import (
     obeys,
 )
 from tests.proof.outcomes import HELD, NAMES, OBEYED, SAID, Geometry, S
-from tests.proof.symbolic import Atom, Number, Truth, expression
+from tests.proof.symbolic import expression
 
 
 class Source:
@@ -77,7 +77,7 @@ class Frame:
         for thing, before in self._before:
             now = vars(thing)
             same &= all(name in now and now[name] is value for name, value in before.items())
-        return z3.BoolVal(same)
+        return same
 
 
 def _fields(thing: Any, changing: str) -> dict[str, Any]:
@@ -115,25 +115,25 @@ def held_of(x: str) -> Any:
     acked, granted, held = S[f"{x}.acked"], S[f"{x}.granted"], SOURCE.records.Held(0, None)
 
     def regions() -> list[Any]:
-        between = [r for r in (SAID[x], HELD[x]) if Truth(z3.And(acked < r, r < granted))]
-        numbers = [acked, *between, *([granted] if Truth(acked < granted) else [])]
-        return [(Number(r), r) for r in numbers]
+        between = [r for r in (SAID[x], HELD[x]) if z3.And(acked < r, r < granted)]
+        numbers = [acked, *between, *([granted] if acked < granted else [])]
+        return [(r, r) for r in numbers]
 
-    held.acknowledged, held.granted, held.regions = Number(acked), Number(granted), Some(regions)
+    held.acknowledged, held.granted, held.regions = acked, granted, Some(regions)
     held.disk, held.low, held.high = x, acked, granted
     return held
 
 
 def held_claims(held: Any, x: str) -> dict[str, Any]:
     """A disk holds the regions that its record numbers, each of its number, and drops none but older ones."""
-    acked, granted = expression(held.acknowledged), expression(held.granted)
-    regions = [(expression(number), expression(region)) for number, region in held.regions]
+    acked, granted = held.acknowledged, held.granted
+    regions = [(number, region) for number, region in held.regions]
     kept = z3.And(S[f"{x}.acked"] <= HELD[x], HELD[x] <= S[f"{x}.granted"], acked <= HELD[x])
     return {
         f"{x}: regions": z3.And(
             *[number == acked for number, _ in regions[:1]],
             *[number == granted for number, _ in regions[-1:]],
-            z3.BoolVal(bool(regions)),
+            bool(regions),
             *[z3.And(number == region, acked <= number, number <= granted) for number, region in regions],
             z3.Implies(kept, z3.Or(*[number == HELD[x] for number, _ in regions])),
         )
@@ -142,18 +142,16 @@ def held_claims(held: Any, x: str) -> dict[str, Any]:
 
 def disk_of(x: str) -> Any:
     disk = SOURCE.records.DiskRecord(CODE[x], held_of(x), 0)
-    disk.phase, disk.life = Number(S[f"{x}.phase"]), Number(S[f"{x}.life"])
-    disk.still = Truth(S[f"{x}.still"])
+    disk.phase, disk.life = S[f"{x}.phase"], S[f"{x}.life"]
+    disk.still = S[f"{x}.still"]
     return disk
 
 
 def binding_of(b: str) -> Any:
-    low, high = (
-        SOURCE.records.End(CODE[x], Number(S[f"{b}.{x}.life"]), Number(S[f"{b}.{x}.dead"])) for x in "AB"
-    )
-    binding = SOURCE.records.Binding(Number(S[f"{b}.number"]), low, high, Number(S[f"{b}.asked"]), None)
-    binding.told = Number(S[f"{b}.told"])
-    binding.first = binding.before = Atom(LINE_OF(S[f"{b}.number"], 0))
+    low, high = (SOURCE.records.End(CODE[x], S[f"{b}.{x}.life"], S[f"{b}.{x}.dead"]) for x in "AB")
+    binding = SOURCE.records.Binding(S[f"{b}.number"], low, high, S[f"{b}.asked"], None)
+    binding.told = S[f"{b}.told"]
+    binding.first = binding.before = LINE_OF(S[f"{b}.number"], 0)
     binding.of = b
     return binding
 
@@ -161,14 +159,14 @@ def binding_of(b: str) -> Any:
 def ledger_of(geometry: Geometry) -> Any:
     """The ledger of the state; a way through it for each of the bindings that may be in force."""
     made = SOURCE.ledger.Ledger(0, {}, geometry)
-    made.version = Number(S["v"])
+    made.version = S["v"]
     two = {CODE[x]: disk_of(x) for x in "AB"}
     made.disks = geometry.disks = Known({THIRD: third_of(), **two, FOURTH: third_of()})
     made.disks[FOURTH].name = FOURTH
     made.pairs = Known({name: Known() for name in made.disks})
     for name in CODE.values():
         made.pairs[name][THIRD] = made.pairs[THIRD][name] = pair_with_third(name, THIRD)
-    living, static = (bool(Truth(S[f"{b}.on"])) for b in "LS")
+    living, static = (bool(S[f"{b}.on"]) for b in "LS")
     if living or static:
         both = made.pairs[1][2] = made.pairs[2][1] = SOURCE.ledger.Pair()
         both.living = binding_of("L") if living else None
@@ -194,12 +192,12 @@ def third_of() -> Any:
 
 def pair_with_third(name: int, third: int) -> Any:
     """Its bindings with A or B: one that it is asked about, and an older one towards a place of its own."""
-    both, life = SOURCE.ledger.Pair(), Number(S[f"{NAMES[name]}.life"])
+    both, life = SOURCE.ledger.Pair(), S[f"{NAMES[name]}.life"]
     ends = SOURCE.records.End(name, life, 0), SOURCE.records.End(third, 1, 0)
-    both.living = SOURCE.records.Binding(Number(z3.IntVal(2)), *ends, third, None)
+    both.living = SOURCE.records.Binding(z3.IntVal(2), *ends, third, None)
     ends = SOURCE.records.End(name, life, 0), SOURCE.records.End(third, 1, 2)
-    line = Atom(z3.Const(f"{name}-{third}.line", LINE))
-    both.static = SOURCE.records.Binding(Number(z3.IntVal(1)), *ends, 0, line)
+    line = z3.Const(f"{name}-{third}.line", LINE)
+    both.static = SOURCE.records.Binding(z3.IntVal(1), *ends, 0, line)
     return both
 
 
@@ -221,7 +219,7 @@ def treated(made: Any, name: int, third: int) -> list[Any]:
     found: list[Any] = [pair is made.pairs[third].get(name), pair is None]
     for b, binding in bindings_of(made, name, third).items():
         numbers = (binding.told, binding.low.dead, binding.high.dead)
-        found += [b, *[str(expression(number)) for number in numbers]]
+        found += [b, *[str(number) for number in numbers]]
     return found
 
 
@@ -242,10 +240,10 @@ def ledger_claims(made: Any, x: str = "") -> dict[str, Any]:
     both = made.pairs[1].get(2)
     same = [made.others[CODE[y]] == others_of(made, CODE[y]) for y in "AB" if y != x]
     found = {
-        "both disks know the pair": z3.BoolVal(both is made.pairs[2].get(1)),
-        "others stay as they are": z3.BoolVal(all(same)),
-        "others are treated alike": z3.BoolVal(
-            all(treated(made, name, THIRD) == treated(made, name, FOURTH) for name in NAMES)
+        "both disks know the pair": both is made.pairs[2].get(1),
+        "others stay as they are": all(same),
+        "others are treated alike": all(
+            treated(made, name, THIRD) == treated(made, name, FOURTH) for name in NAMES
         ),
         "nothing else changes": made.frame.holds,
         **own_claims(made),
@@ -255,10 +253,10 @@ def ledger_claims(made: Any, x: str = "") -> dict[str, Any]:
         if not isinstance(held.regions, Some) or held.regions.is_longer:
             found |= held_claims(held, x)
     for binding in bindings_of(made).values():
-        told, first = expression(binding.told) != 0, LINE_OF(expression(binding.number), 0)
-        has = z3.BoolVal(False) if binding.first is None else expression(binding.first) == first
-        untold = z3.BoolVal(binding.first is getattr(binding, "before", None))
-        found[f"{binding.number.of} has its first line"] = z3.If(told, has, untold)
+        told, first = binding.told != 0, LINE_OF(binding.number, 0)
+        has = False if binding.first is None else binding.first == first
+        untold = binding.first is getattr(binding, "before", None)
+        found[f"{binding.number} has its first line"] = z3.If(told, has, untold)
     return found
 
 
@@ -266,17 +264,17 @@ def own_claims(made: Any) -> dict[str, Any]:
     """Each disk has its name, and what it holds and its bindings for itself."""
     a, b = (made.disks[name] for name in NAMES)
     alone = a.held is not b.held and len({id(pairs) for pairs in made.pairs.values()}) == len([*made.pairs])
-    named = [expression(made.disks[name].name) == name for name in NAMES]
-    return {"each disk has its own": z3.And(z3.BoolVal(alone), *named)}
+    named = [made.disks[name].name == name for name in NAMES]
+    return {"each disk has its own": z3.And(alone, *named)}
 
 
 def _goes_along(b: str, binding: Any) -> dict[str, Any]:
     """What there is of a binding besides the ledger's: messages, and what processes keep of its ends."""
     before, state = getattr(binding, "of", None), {}
     if before is None:
-        state = {f"{b}.{x}.has": z3.BoolVal(False) for x in "AB"} | {f"{b}.frozen": z3.BoolVal(False)}
-        state |= {f"{b}.{x}.state": z3.IntVal(ASKED) for x in "AB"}
-        state |= {f"{b}.{f}": z3.IntVal(0) for f in ("h", "s", "h2", "s2")}
+        state = {f"{b}.{x}.has": False for x in "AB"} | {f"{b}.frozen": False}
+        state |= {f"{b}.{x}.state": ASKED for x in "AB"}
+        state |= {f"{b}.{f}": 0 for f in ("h", "s", "h2", "s2")}
     elif before != b:  # it has become the other kind
         state = {
             f"{b}{name.removeprefix(before)}": S[name]
@@ -291,41 +289,41 @@ def _goes_along(b: str, binding: Any) -> dict[str, Any]:
 def bound_of(b: str, x: str, *, lines: bool = True) -> Any:
     """An end that was taken; with its lines, if there are any, where a rule may ask for them."""
     y, number = OTHER[x], S[f"{b}.number"]
-    bound = SOURCE.robot.Bound(SOURCE.records.Listed(Number(number), CODE[y], None, None, False), x == "A")
-    if lines and Truth(S[f"{b}.{x}.state"] != ASKED):
-        bound.begin(Atom(LINE_OF(number, S[f"{b}.{x}.held"])))
-        bound.lines.seen = Number(S[f"{b}.{x}.seen"])
-        bound.lines.held_number = Number(S[f"{b}.{x}.held"])
+    bound = SOURCE.robot.Bound(SOURCE.records.Listed(number, CODE[y], None, None, False), x == "A")
+    if lines and S[f"{b}.{x}.state"] != ASKED:
+        bound.begin(LINE_OF(number, S[f"{b}.{x}.held"]))
+        bound.lines.seen = S[f"{b}.{x}.seen"]
+        bound.lines.held_number = S[f"{b}.{x}.held"]
         if x == "A":
-            bound.lines.number, bound.lines.open = Number(S[f"{b}.A.number"]), Some(lambda: _open(b))
-    bound.of, bound.state = b, Number(S[f"{b}.{x}.state"])
-    bound.static, bound.place = Truth(S[f"{b}.{x}.static"]), S[f"{y}.acked"]
-    bound.half = Atom(S[f"{b}.{x}.half"])
+            bound.lines.number, bound.lines.open = S[f"{b}.A.number"], Some(lambda: _open(b))
+    bound.of, bound.state = b, S[f"{b}.{x}.state"]
+    bound.static, bound.place = S[f"{b}.{x}.static"], S[f"{y}.acked"]
+    bound.half = S[f"{b}.{x}.half"]
     return bound
 
 
 def _open(b: str) -> list[Any]:
     """Any open proposal of a binding, and the one that an answer names."""
     last, seen = S[f"{b}.A.number"], S[f"{b}.A.seen"]
-    numbers = [k for k in (S[f"{b}.h2"], OBEYED[b]) if Truth(z3.And(seen < k, k <= last))]
-    return [(Number(k), Atom(LINE_OF(S[f"{b}.number"], k))) for k in numbers]
+    numbers = [k for k in (S[f"{b}.h2"], OBEYED[b]) if z3.And(seen < k, k <= last)]
+    return [(k, LINE_OF(S[f"{b}.number"], k)) for k in numbers]
 
 
 def bound_claims(bound: Any, after: dict[str, Any], b: str, x: str) -> dict[str, Any]:
     """An end obeys the lines that its state numbers, and no others."""
     number, state, half = S[f"{b}.number"], after[f"{b}.{x}.state"], after[f"{b}.{x}.half"]
-    lines = [expression(line) for line in bound.obeyed]
+    lines = bound.obeyed
     any_line = LINE_OF(number, OBEYED[b])
     obeyed = z3.Implies(obeys(after, b, x, OBEYED[b]), z3.Or(*[line == any_line for line in lines]))
     known = [(after[f"{b}.{x}.held"], bound.lines.held)] if bound.lines is not None else []
-    known += [(expression(k), line) for k, line in getattr(bound.lines, "open", ())]
-    numbered = [z3.And(expression(line) == LINE_OF(number, k), obeys(after, b, x, k)) for k, line in known]
-    is_known = z3.And(z3.BoolVal(len(lines) == len(known)), *numbered)
+    known += [(k, line) for k, line in getattr(bound.lines, "open", ())]
+    numbered = [z3.And(line == LINE_OF(number, k), obeys(after, b, x, k)) for k, line in known]
+    is_known = z3.And(len(lines) == len(known), *numbered)
     return {
-        f"{b}.{x}: obeys no line yet": z3.Implies(state == ASKED, z3.BoolVal(not lines)),
+        f"{b}.{x}: obeys no line yet": z3.Implies(state == ASKED, not lines),
         f"{b}.{x}: obeys its lines": z3.Implies(state == LINES, z3.And(obeyed, is_known)),
         f"{b}.{x}: obeys one half-plane": z3.Implies(
-            state == HALF, z3.And(z3.BoolVal(len(lines) == 1), *[line == half for line in lines])
+            state == HALF, z3.And(len(lines) == 1, *[line == half for line in lines])
         ),
     }
 
@@ -338,12 +336,12 @@ def unknown_of(x: str) -> Any:
     known of it.
     """
     listed = SOURCE.records.Listed(
-        Number(UNKNOWN), Number(_PEER), Atom(z3.Const("unknown.line", LINE)),
-        z3.Int("unknown.place"), Truth(_STATIC),
+        UNKNOWN, _PEER, z3.Const("unknown.line", LINE),
+        z3.Int("unknown.place"), _STATIC,
     )  # fmt: skip
     bound = SOURCE.robot.Bound(listed, x == "A")
-    bound.of, bound.state = "", Number(z3.Int("unknown.state"))
-    bound.half = Atom(z3.Const("unknown.half", LINE))
+    bound.of, bound.state = "", z3.Int("unknown.state")
+    bound.half = z3.Const("unknown.half", LINE)
     return bound
 
 
@@ -354,11 +352,11 @@ def unknown_is_static(x: str) -> z3.BoolRef:
 
 def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any]) -> Any:
     """The process of the present life of X, with these ends of bindings in force, and an unknown one."""
-    made = SOURCE.robot.RobotLife(CODE[x], Number(S[f"{x}.life"]), S[f"{x}.body"], geometry)
+    made = SOURCE.robot.RobotLife(CODE[x], S[f"{x}.life"], S[f"{x}.body"], geometry)
     made.own = S[f"{x}.own"]
-    made.part = Number(z3.If(S[f"{x}.reach"], CODE[OTHER[x]], 0))
-    made.version, made.number = Number(S[f"{x}.taken"]), Number(S[f"{x}.obeyed"])
-    made.offered_number, made.offered = Number(S[f"{x}.offered"]), S[f"{x}.offered"]
+    made.part = z3.If(S[f"{x}.reach"], CODE[OTHER[x]], 0)
+    made.version, made.number = S[f"{x}.taken"], S[f"{x}.obeyed"]
+    made.offered_number, made.offered = S[f"{x}.offered"], S[f"{x}.offered"]
     made.region = S[f"{x}.obeyed"]
     made.bound = Known({bound.number: bound for bound in [*bounds, unknown_of(x)]})
     geometry.x = x

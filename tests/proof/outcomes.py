@@ -23,7 +23,6 @@ from tests.proof.model import (
     obeys,
     smaller,
 )
-from tests.proof.symbolic import Truth, expression
 
 NAMES = {1: "A", 2: "B"}
 S = fresh("")
@@ -78,14 +77,14 @@ class Outcome:
     def stands_at(self, x: str, body: Any, region: Any) -> None:
         """The body of X is within a region, and no part is reached for."""
         self.after[f"{x}.body"] = self.after[f"{x}.own"] = body
-        self.after[f"{x}.reach"] = z3.BoolVal(False)
+        self.after[f"{x}.reach"] = False
         self.terms.bodies[x].append(body)
         self.terms.regions[x].append(region)
 
     def begins(self, x: str) -> None:
         """A process that has heard nothing."""
         for kept in ("taken", "offered", "obeyed"):
-            self.after[f"{x}.{kept}"] = z3.IntVal(0)
+            self.after[f"{x}.{kept}"] = 0
 
 
 @dataclass
@@ -115,13 +114,13 @@ class Geometry:
         self.noted = {x: {f: S[f"{x}.{f}"] for f in ("acked", "granted", "phase")} for x in "AB"}
         self.disks: dict[int, Any] = {}
 
-    def _answer(self, says: Facts) -> Truth:
+    def _answer(self, says: Facts) -> z3.BoolRef:
         self._count += 1
         answer = z3.Bool(f"answer{self._count}")
         self.facts.append(lambda terms: [z3.Implies(answer, each) for each in says(terms)])
-        return Truth(answer)
+        return answer
 
-    def _answer_of(self, held: Any, says: Callable[[Any], Any]) -> Truth:
+    def _answer_of(self, held: Any, says: Callable[[Any], Any]) -> z3.BoolRef:
         """A yes says this of every region that a disk holds; of a third disk nothing is asked."""
         return self._answer(
             lambda t: [z3.Implies(_in(held, r), says(r)) for r in t.regions.get(held.disk, ())]
@@ -132,7 +131,7 @@ class Geometry:
     def note(self, disk: Any) -> None:
         held = disk.held
         noted = {"acked": held.acknowledged, "granted": held.granted, "phase": disk.phase}
-        self.noted[NAMES[disk.name]] = {field: expression(value) for field, value in noted.items()}
+        self.noted[NAMES[disk.name]] = noted
 
     def around(self, disk: Any, region: Any) -> list[int]:
         """A disk that is not named holds nothing that meets the region, or what the disk holds."""
@@ -153,11 +152,11 @@ class Geometry:
 
         self.facts.append(says)
         thirds = [name for name in self.disks if name not in NAMES]
-        return [thirds[0], disk.name, *([other.name] if Truth(named) else []), thirds[-1]]
+        return [thirds[0], disk.name, *([other.name] if named else []), thirds[-1]]
 
-    def apart(self, one: Any, other: Any) -> Truth:
+    def apart(self, one: Any, other: Any) -> z3.BoolRef:
         if one is other:
-            return Truth(z3.BoolVal(False))
+            return False
         if not (one.disk and other.disk):
             return self._answer(lambda _: [])
         mine = {one.disk: one, other.disk: other}
@@ -170,14 +169,14 @@ class Geometry:
             ]
         )
 
-    def clear(self, held: Any, region: Any) -> Truth:
+    def clear(self, held: Any, region: Any) -> z3.BoolRef:
         return self._answer_of(held, lambda r: apart(held.disk, r, region))
 
-    def beside(self, held: Any, line: Any, low: bool) -> Truth:
+    def beside(self, held: Any, line: Any, low: bool) -> z3.BoolRef:
         assert low == (held.disk == "A")
         return self._answer_of(held, lambda r: BESIDE[held.disk](r, line))
 
-    def within(self, place: Any, held: Any) -> Truth:
+    def within(self, place: Any, held: Any) -> z3.BoolRef:
         x = held.disk
         around = z3.Int(f"around{x}")
         self.terms.regions[x].append(around)
@@ -191,18 +190,18 @@ class Geometry:
 
     # of a robot
 
-    def inside(self, body: Any, region: Any) -> Truth:
-        return Truth(INSIDE[self.x](body, region))
+    def inside(self, body: Any, region: Any) -> z3.BoolRef:
+        return INSIDE[self.x](body, region)
 
-    def fits(self, body: Any, line: Any, low: bool) -> Truth:
+    def fits(self, body: Any, line: Any, low: bool) -> z3.BoolRef:
         assert low == (self.x == "A")
-        return Truth(FITS[self.x](body, expression(line)))
+        return FITS[self.x](body, line)
 
-    def behind(self, place: Any, line: Any, low: bool) -> Truth:
+    def behind(self, place: Any, line: Any, low: bool) -> z3.BoolRef:
         assert low == (self.x == "B")
-        return Truth(BESIDE[OTHER[self.x]](expression(place), expression(line)))
+        return BESIDE[OTHER[self.x]](place, line)
 
-    def keeps(self, body: Any, bound: Any) -> Truth:
+    def keeps(self, body: Any, bound: Any) -> z3.BoolRef:
         x, b = self.x, bound.of
         if not b:
             return self._answer(lambda _: [])

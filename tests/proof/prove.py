@@ -13,7 +13,7 @@ from tests.proof.ledger_rules import ledger_cases
 from tests.proof.model import LINE_OF, axioms, ends, invariant, safe, smaller
 from tests.proof.outcomes import HALF_PLANE, NEXT, PROPOSED, Case, Outcome, S, Terms
 from tests.proof.robot_rules import robot_cases, told_now
-from tests.proof.symbolic import Execution, judged, ways
+from tests.proof.symbolic import Execution, expression, judged, ways
 
 TIMEOUT = 20_000  # ms, for one question
 SMALL = (5, 9)  # no version or number of an example is larger; tried in turn
@@ -110,10 +110,11 @@ class Step:
 
     def claims(self) -> dict[str, z3.BoolRef]:
         """Every conjunct after it, and what is claimed besides."""
-        changed = [(S[f], e) for f, e in self.outcome.after.items() if not e.eq(S[f])]
+        after = {field: expression(value) for field, value in self.outcome.after.items()}
+        changed = [(S[field], value) for field, value in after.items() if not value.eq(S[field])]
         return {
             **{name: z3.substitute(conjunct, *changed) for name, conjunct in TEMPLATE.items()},
-            **self.outcome.claims,
+            **{name: expression(claim) for name, claim in self.outcome.claims.items()},
         }
 
 

@@ -25,7 +25,7 @@ from tests.proof.objects import (
     unknown_is_static,
 )
 from tests.proof.outcomes import HALF_PLANE, OBEYED, PART, PROPOSED, Case, Geometry, Outcome, S
-from tests.proof.symbolic import Atom, Impossible, Number, Truth, expression
+from tests.proof.symbolic import Impossible
 
 
 def of_bound(
@@ -44,7 +44,7 @@ def of_bound(
         for each in (b, *others):
             outcome.terms.numbers += [OBEYED[each], S[f"{each}.{x}.held"], S[f"{each}.h2"]]
         outcome.after |= as_state(end_fields(b, x, bound))
-        outcome.after |= {says: z3.BoolVal(True)} if says else {}
+        outcome.after |= {says: True} if says else {}
         outcome.claims = bound_claims(bound, outcome.after, b, x) | unchanged(frame, x)
         return outcome
 
@@ -60,7 +60,7 @@ def ends_of(x: str, life: Any, *, taken: bool = True) -> list[str]:
     return [
         b
         for b in "LS"
-        if Truth(z3.And(S[f"{b}.on"], S[f"{b}.{x}.life"] == life, z3.Or(S[f"{b}.{x}.has"], not taken)))
+        if z3.And(S[f"{b}.on"], S[f"{b}.{x}.life"] == life, z3.Or(S[f"{b}.{x}.has"], not taken))
     ]
 
 
@@ -76,11 +76,11 @@ def _cases() -> Iterator[Case]:
         for x in "AB":
             yield _freeze("freeze", b, x)
     for x in "AB":
-        line, half, held = _line("L", 0).of, S[f"S.{x}.half"], _line("S", OBEYED["S"]).of
+        line, half, held = _line("L", 0), S[f"S.{x}.half"], _line("S", OBEYED["S"])
         kept = z3.If(S[f"S.{x}.state"] == HALF, half, held)
         yield _freeze("freeze kept", "L", x, S["S.on"], S[f"S.{x}.has"], S[f"S.{x}.static"], line == kept)
         # An end of a living binding is never told that the other stands for good.
-        yield of_bound("turn", "S", x, lambda made, bound: made.turn(bound, Atom(HALF_PLANE)))
+        yield of_bound("turn", "S", x, lambda made, bound: made.turn(bound, HALF_PLANE))
         alive = [S[f"{x}.life"] != 0, S[f"{x}.phase"] == PRESENT]  # the base obeys the present life only
         yield Case(f"adopt region {x}", partial(_adopt, x), alive)
         yield Case(f"say region {x}", partial(_acknowledge, x), alive)
@@ -90,8 +90,8 @@ def _cases() -> Iterator[Case]:
         yield Case(f"locate {x}", partial(_locate, x), alive)
 
 
-def _line(b: str, number: Any) -> Atom:
-    return Atom(LINE_OF(S[f"{b}.number"], number))
+def _line(b: str, number: Any) -> z3.ExprRef:
+    return LINE_OF(S[f"{b}.number"], number)
 
 
 def _line_cases(b: str) -> Iterator[Case]:
@@ -101,10 +101,10 @@ def _line_cases(b: str) -> Iterator[Case]:
     proposed = _line(b, PROPOSED)
 
     def adopt(made: Any, bound: Any) -> None:
-        _lines(bound).on_proposal(Number(PROPOSED), proposed, made.fits(bound, proposed))
+        _lines(bound).on_proposal(PROPOSED, proposed, made.fits(bound, proposed))
 
     yield of_bound("adopt", b, "B", adopt, PROPOSED >= 1, ends(S, b)["number"] >= PROPOSED)
-    answer = Number(S[f"{b}.h2"]), Number(S[f"{b}.s2"])
+    answer = S[f"{b}.h2"], S[f"{b}.s2"]
     yield of_bound("read answer", b, "A", lambda _, bound: _lines(bound).on_answer(*answer))
     yield Case(f"send answer {b}", lambda: _send(b), [S[f"{b}.on"], S[f"{b}.B.has"]])
 
@@ -136,8 +136,8 @@ def _adopt(x: str) -> Outcome:
     frame = frame_of(made, "number region")
     made.adopt()
     outcome = Outcome(geometry)
-    outcome.after[f"{x}.obeyed"] = expression(made.number)
-    same = expression(made.region) == expression(made.number)
+    outcome.after[f"{x}.obeyed"] = made.number
+    same = made.region == made.number
     outcome.claims = {f"{x}: the region of its number": same} | unchanged(frame, x)
     return outcome
 
@@ -175,10 +175,10 @@ def is_listed(b: str, x: str) -> Any:
 def listing(b: str, x: str) -> Any:
     """A binding as a Tick tells it."""
     y = OTHER[x]
-    told = bool(Truth(z3.And(S[f"{b}.told"] != 0, S[f"{b}.told"] <= AT)))
-    static = Truth(z3.And(S[f"{b}.{y}.dead"] != 0, S[f"{b}.{y}.dead"] <= AT))
+    told = bool(z3.And(S[f"{b}.told"] != 0, S[f"{b}.told"] <= AT))
+    static = z3.And(S[f"{b}.{y}.dead"] != 0, S[f"{b}.{y}.dead"] <= AT)
     first = _line(b, 0) if told else None
-    return SOURCE.records.Listed(Number(S[f"{b}.number"]), CODE[y], first, S[f"{y}.acked"], static)
+    return SOURCE.records.Listed(S[f"{b}.number"], CODE[y], first, S[f"{y}.acked"], static)
 
 
 def _hear(x: str, late: str) -> Outcome:
@@ -188,27 +188,27 @@ def _hear(x: str, late: str) -> Outcome:
     for bound in known:
         bound.lines, bound.place = bound.of, z3.Int(f"{bound.of}.place before")
     made = robot_of(x, geometry, known)
-    made.life = Number(LIFE)
+    made.life = LIFE
     if late:
-        made.version = Number(S[f"{late}.{x}.taken"])
-    listed = [listing(b, x) for b in ends_of(x, TO, taken=False) if Truth(is_listed(b, x))]
+        made.version = S[f"{late}.{x}.taken"]
+    listed = [listing(b, x) for b in ends_of(x, TO, taken=False) if is_listed(b, x)]
     frame = Frame(
         (made, "version offered_number offered bound"),
         *[(bound, f"place static{' lines' * (bound in known)}") for bound in made.bound.values()],
     )
-    made.hear(SOURCE.records.Told(Number(TO), Number(AT), Number(NUMBER), NUMBER, Some(lambda: listed)))
+    made.hear(SOURCE.records.Told(TO, AT, NUMBER, NUMBER, Some(lambda: listed)))
     outcome = Outcome(geometry)
     after = outcome.after
     if late:
-        after[f"{late}.{x}.taken"] = expression(made.version)
+        after[f"{late}.{x}.taken"] = made.version
     else:
-        after[f"{x}.taken"], after[f"{x}.offered"] = expression(made.version), expression(made.offered_number)
-    offered = expression(made.offered) == expression(made.offered_number)
+        after[f"{x}.taken"], after[f"{x}.offered"] = made.version, made.offered_number
+    offered = made.offered == made.offered_number
     outcome.claims = {f"{x}: offered": offered} | unchanged(frame, x)
     for b in ends_of(x, LIFE, taken=False):
-        after[f"{b}.{x}.has"] = z3.BoolVal(False)
+        after[f"{b}.{x}.has"] = False
         for bound in made.bound.values():
-            if bound.number == Number(S[f"{b}.number"]):
+            if bound.number == S[f"{b}.number"]:
                 outcome.claims |= _heard_of(bound, b, x)
                 after |= as_state(end_fields(b, x, bound))
     return outcome
@@ -216,17 +216,17 @@ def _hear(x: str, late: str) -> Outcome:
 
 def _heard_of(bound: Any, b: str, x: str) -> dict[str, Any]:
     """An end after a Tick: one that was taken before has its lines still, another the first line if told."""
-    y, is_told, known = OTHER[x], Truth(z3.And(S[f"{b}.told"] != 0, S[f"{b}.told"] <= AT)), bound.lines == b
+    y, is_told, known = OTHER[x], z3.And(S[f"{b}.told"] != 0, S[f"{b}.told"] <= AT), bound.lines == b
     if known:
-        same = z3.BoolVal(bound.of == b and bound.half is not None)
+        same = bound.of == b and bound.half is not None
         bound.lines = None
     else:
-        lines = [expression(line) == LINE_OF(S[f"{b}.number"], 0) for line in bound.obeyed]
-        same = z3.And(z3.BoolVal(len(lines) == bool(is_told)), *lines)
+        lines = [line == LINE_OF(S[f"{b}.number"], 0) for line in bound.obeyed]
+        same = z3.And(len(lines) == bool(is_told), *lines)
     return {
         f"{b}.{x}: its lines": same,
-        f"{b}.{x}: its place": expression(bound.place) == S[f"{y}.acked"],
-        f"{b}.{x}: its ends": z3.BoolVal(bound.peer == CODE[y] and bound.low == (x == "A")),
+        f"{b}.{x}: its place": bound.place == S[f"{y}.acked"],
+        f"{b}.{x}: its ends": bound.peer == CODE[y] and bound.low == (x == "A"),
     }
 
 
@@ -238,48 +238,46 @@ def told_now(x: str) -> Outcome:
     told, outcome = made.told(made.disks[CODE[x]]), Outcome()
     outcome.given(S["v"] == AT, S[f"{x}.life"] == LIFE, LIFE != 0)
     claims = {
-        "life": expression(told.life) == LIFE,
-        "version": expression(told.version) == AT,
-        "number": expression(told.number) == S[f"{x}.granted"],
-        "region": expression(told.region) == S[f"{x}.granted"],
+        "life": told.life == LIFE,
+        "version": told.version == AT,
+        "number": told.number == S[f"{x}.granted"],
+        "region": told.region == S[f"{x}.granted"],
     }
     for b in bindings_of(made):
-        listed = [each for each in told.bindings if each.number.of.eq(S[f"{b}.number"])]
-        claims[f"{b} is listed"] = z3.BoolVal(bool(listed)) == z3.And(
-            S[f"{b}.{x}.life"] == LIFE, is_listed(b, x)
-        )
+        listed = [each for each in told.bindings if each.number.eq(S[f"{b}.number"])]
+        claims[f"{b} is listed"] = bool(listed) == z3.And(S[f"{b}.{x}.life"] == LIFE, is_listed(b, x))
         for each in listed:
             should = listing(b, x)
-            claims[f"{b} is static"] = expression(each.static) == expression(should.static)
-            place = should.place if Truth(S[f"{OTHER[x]}.still"]) else None
+            claims[f"{b} is static"] = each.static == should.static
+            place = should.place if S[f"{OTHER[x]}.still"] else None
             claims[f"{b} says where the other end stands"] = _same(each.place, place)
             claims[f"{b} has its first line"] = _same(each.first, should.first)
-            claims[f"{b} has its peer"] = z3.BoolVal(each.peer == should.peer)
+            claims[f"{b} has its peer"] = each.peer == should.peer
     thirds = [each.peer for each in told.bindings if each.peer not in CODE.values()]
-    claims["all others are listed"] = z3.BoolVal(thirds == [THIRD, FOURTH])
+    claims["all others are listed"] = thirds == [THIRD, FOURTH]
     outcome.claims = {f"told: {name}": claim for name, claim in claims.items()}
     return outcome
 
 
 def _same(one: Any, other: Any) -> Any:
     if one is None or other is None:
-        return z3.BoolVal(one is other)
-    return expression(one) == expression(other)
+        return one is other
+    return one == other
 
 
 def _command(x: str) -> Outcome:
     body, own = z3.Const("next body", BODY), z3.Const("next own", BODY)
     geometry = Geometry()
     made = robot_of(x, geometry, [bound_of(b, x, lines=False) for b in ends_of(x, S[f"{x}.life"])])
-    if Truth(S[f"{x}.obeyed"] == 0):
+    if S[f"{x}.obeyed"] == 0:
         made.region = None
     frame = frame_of(made, "body own part")
-    made.command(body, own, Number(PART))
+    made.command(body, own, PART)
     outcome = Outcome(geometry)
     outcome.after[f"{x}.body"], outcome.after[f"{x}.own"] = made.body, made.own
-    outcome.after[f"{x}.reach"] = expression(made.part) == CODE[OTHER[x]]
+    outcome.after[f"{x}.reach"] = made.part == CODE[OTHER[x]]
     outcome.covers_less(x, own, body)
-    kept = z3.And(made.body == body, made.own == own, expression(made.part) == PART)
+    kept = z3.And(made.body == body, made.own == own, made.part == PART)
     outcome.claims = {f"{x}: what is covered from now on": kept} | unchanged(frame, x)
     return outcome
 

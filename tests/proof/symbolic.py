@@ -1,9 +1,10 @@
-"""Numbers that the solver chooses, and every way through a function that compares them."""
+"""Every way through a function that compares terms of the solver."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Protocol
+from unittest.mock import patch
 
 import z3
 
@@ -23,55 +24,8 @@ class _Judge(Protocol):
 _judges: list[_Judge] = []
 
 
-class Truth:
-    """A condition. A branch on it goes both ways, if both are possible."""
-
-    def __init__(self, of: z3.BoolRef) -> None:
-        self.of = of
-
-    def __bool__(self) -> bool:
-        return _judges[-1].answer(self.of)
-
-
-class Atom:
-    """An object of which only equality is known, such as a line."""
-
-    def __init__(self, of: z3.ExprRef) -> None:
-        self.of = of
-
-    def __hash__(self) -> int:
-        return 0  # so that a dictionary compares
-
-    def __eq__(self, other: object) -> Truth:  # type: ignore[override]  # a condition, in place of a bool
-        return Truth(self.of == expression(other))
-
-
-class Number(Atom):
-    """An integer of the state."""
-
-    def __ne__(self, other: object) -> Truth:  # type: ignore[override]  # likewise
-        return Truth(self.of != expression(other))
-
-    def __lt__(self, other: object) -> Truth:
-        return Truth(self.of < expression(other))
-
-    def __le__(self, other: object) -> Truth:
-        return Truth(self.of <= expression(other))
-
-    def __gt__(self, other: object) -> Truth:
-        return Truth(self.of > expression(other))
-
-    def __ge__(self, other: object) -> Truth:
-        return Truth(self.of >= expression(other))
-
-    def __add__(self, other: object) -> Number:
-        return Number(self.of + expression(other))
-
-
 def expression(value: object) -> Any:
-    """The solver's term for an object of the product."""
-    if isinstance(value, Truth | Atom):
-        return value.of
+    """The solver's term for what the product says."""
     if isinstance(value, bool):
         return z3.BoolVal(value)
     if isinstance(value, z3.ExprRef):
@@ -177,9 +131,16 @@ class Execution:
 
 
 def judged(judge: _Judge, run: Callable[[], Any]) -> Any:
-    """What a function returns, all of its comparisons answered by one judge."""
+    """What a function returns if one judge says of each condition whether it holds; a dictionary of terms
+    asks which of them are equal.
+    """
+
+    def ask(condition: z3.BoolRef) -> bool:
+        return judge.answer(condition)
+
     _judges.append(judge)
     try:
-        return run()
+        with patch.object(z3.BoolRef, "__bool__", ask), patch.object(z3.ExprRef, "__hash__", lambda _: 0):
+            return run()
     finally:
         _judges.pop()
