@@ -9,7 +9,7 @@ from pathlib import Path
 
 from tests.interpreted import Edit
 from tests.proof.objects import SOURCE
-from tests.proof.prove import Refutation, cases, counterexample
+from tests.proof.prove import CASES, Refutation, counterexample
 
 _KERNEL = Path(__file__).resolve().parents[2] / "protocol" / "kernel"
 _RULES = {"bind": ("introduce", "ask")}
@@ -119,5 +119,5 @@ def refuted(name: str) -> Refutation | None:
 
 
 def _refuted(rules: tuple[str, ...], without: str = "") -> Refutation | None:
-    found = (counterexample(case, without) for case in cases() if case.rule.startswith(rules))
+    found = (counterexample(case, without) for case in CASES.values() if case.rule.startswith(rules))
     return next(filter(None, found), None)

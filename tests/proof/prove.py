@@ -22,14 +22,8 @@ TEMPLATE = invariant(S, RA, RB, K) | {"safe": safe(S)}
 ALL = z3.And(*TEMPLATE.values())
 
 
-def cases() -> Iterator[Case]:
-    """Every rule."""
-    yield from ledger_cases()
-    yield from robot_cases()
-    for x in "AB":
-        yield Case(f"tell {x}", partial(told_now, x))
-
-
+TELLS = (Case(f"tell {x}", partial(told_now, x)) for x in "AB")
+CASES = {case.rule: case for case in (*ledger_cases(), *robot_cases(), *TELLS)}  # every rule
 GENERAL = {
     name: [term for term in (RA, RB, K) if not z3.substitute(conjunct, (term, z3.IntVal(0))).eq(conjunct)]
     for name, conjunct in TEMPLATE.items()
