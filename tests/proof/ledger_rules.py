@@ -27,7 +27,6 @@ from tests.proof.outcomes import ANY_LINE, EPOCH, NAMES, NEXT, SAID, Case, Geome
 Rule = Callable[[Any, Any, Any], object]  # of the ledger, the disk and the other one
 Besides = Callable[[str, Outcome], None]  # what else happens to the disk
 
-
 _OF_ALL_PAIRS = ("fence", "grant", "announce", "remove")  # rules that change all bindings of their disk
 
 
@@ -203,9 +202,8 @@ def _answer(b: str, slot: str) -> Case:
         binding.first = None  # it has none before
         made.answer(binding, LINE_OF(S[f"{b}.number"], 0))
 
-    case = of_ledger(f"answer {b}", does, "A")
-    case.rule, case.given = f"answer {b}", [S[f"{b}.on"], S[f"{b}.frozen"], S[f"{b}.asked"] != 0]
-    return case
+    asked = [S[f"{b}.on"], S[f"{b}.frozen"], S[f"{b}.asked"] != 0]
+    return Case(f"answer {b}", of_ledger("answer", does, "A").run, asked)
 
 
 def _begin() -> Outcome:
@@ -215,8 +213,7 @@ def _begin() -> Outcome:
     outcome.facts = []
     outcome.given(EPOCH > 0, *[INSIDE[x](outcome.after[f"{x}.body"], EPOCH) for x in "AB"])
     outcome.given(DISJOINT(a, b), *[S[f"{x}.granted"] < EPOCH for x in "AB"])  # nothing was held before
-    for x in "AB":
-        outcome.after[f"{x}.said"] = 0
+    outcome.after |= {f"{x}.said": 0 for x in "AB"}
     return outcome
 
 
@@ -233,8 +230,7 @@ def _restart() -> Outcome:
         outcome.claims |= held_claims(made.disks[CODE[x]].held, x)
         outcome.claims[f"{x}: is there"] = after[f"{x}.phase"] == PRESENT
         body = z3.Const(f"{x}.restarted", BODY)
-        was_there = S[f"{x}.phase"] == PRESENT
-        after[f"{x}.phase"] = z3.If(was_there, PRESENT, GONE)
+        after[f"{x}.phase"] = z3.If(S[f"{x}.phase"] == PRESENT, PRESENT, GONE)
         outcome.begins(x)
         outcome.stands_at(x, body, EPOCH)
         outcome.given(INSIDE[x](body, EPOCH), body == real(S, x))

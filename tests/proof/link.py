@@ -212,28 +212,10 @@ class Watch:
         self.ledgers: list[Ledger[Any, Any]] = []
         self._check, self._depth = check, 0
 
-    def rule(self, name: str, does: Callable[..., Any]) -> Callable[..., Any]:
-        """A rule that is looked at."""
+    def call(self, kind: type, name: str) -> Callable[..., Any]:
+        """A rule that is looked at, or the beginning of a ledger, a robot or what they keep."""
+        does = getattr(kind, name)
 
-        def is_taken(_: Any) -> None:
-            if not self._depth:
-                self.taken[name] += 1
-                self.wrong += [f"{name}: {each}" for each in self._check(self, name)]
-
-        return self._may_write(does, is_taken)
-
-    def begins(self, does: Callable[..., None]) -> Callable[..., None]:
-        """A ledger or a robot begins."""
-
-        def has_begun(made: Any) -> None:
-            if isinstance(made, Ledger):
-                self.ledgers.append(made)
-            elif isinstance(made, RobotLife):
-                self.processes[made.name, made.life] = made
-
-        return self._may_write(does, has_begun)
-
-    def _may_write(self, does: Callable[..., Any], then: Callable[[Any], None]) -> Callable[..., Any]:
         @wraps(does)
         def done(made: Any, *args: Any, **kwargs: Any) -> Any:
             self._depth += 1
@@ -241,10 +223,21 @@ class Watch:
                 result = does(made, *args, **kwargs)
             finally:
                 self._depth -= 1
-            then(made)
+            if name == "__init__":
+                self._begun(made)
+            elif not self._depth:
+                rule = f"{kind.__name__}.{name}"
+                self.taken[rule] += 1
+                self.wrong += [f"{rule}: {each}" for each in self._check(self, rule)]
             return result
 
         return done
+
+    def _begun(self, made: Any) -> None:
+        if isinstance(made, Ledger):
+            self.ledgers.append(made)
+        elif isinstance(made, RobotLife):
+            self.processes[made.name, made.life] = made
 
     def writes(self, made: Any, field: str, value: Any) -> None:
         """A field of one of the kernel's objects is written, which only rules do."""
@@ -264,11 +257,8 @@ def watched(watch: Watch) -> Iterator[Watch]:
         watch.writes(made, field, value)
 
     with ExitStack() as stack:
-        for kind, names in RULES.items():
-            for name in names:
-                rule = watch.rule(f"{kind.__name__}.{name}", getattr(kind, name))
-                stack.enter_context(patch.object(kind, name, rule))
-        for each in _KEPT:
-            stack.enter_context(patch.object(each, "__init__", watch.begins(each.__init__)))
-            stack.enter_context(patch.object(each, "__setattr__", sets))
+        for kind in _KEPT:
+            for name in ("__init__", *RULES.get(kind, ())):
+                stack.enter_context(patch.object(kind, name, watch.call(kind, name)))
+            stack.enter_context(patch.object(kind, "__setattr__", sets))
         yield watch

@@ -18,7 +18,8 @@ will have it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from itertools import product
 from typing import Any
 
@@ -41,21 +42,33 @@ ASKED, LINES, HALF = 0, 1, 2
 
 State = Mapping[str, z3.ExprRef]
 
-FIELDS: dict[str, z3.SortRef] = {"v": INT}
-for _x in "AB":
-    FIELDS |= {
-        f"{_x}.{f}": INT for f in ("phase", "life", "acked", "granted", "taken", "offered", "obeyed", "said")
-    }
-    FIELDS |= {f"{_x}.still": BOOL, f"{_x}.reach": BOOL, f"{_x}.body": BODY, f"{_x}.own": BODY}
-for _b in "LS":
-    FIELDS |= {f"{_b}.on": BOOL} | {
-        f"{_b}.{f}": INT for f in ("number", "told", "asked", "h", "s", "h2", "s2")
-    }
-    for _x in "AB":
-        FIELDS |= {f"{_b}.{_x}.{f}": INT for f in ("life", "dead", "state", "seen", "held")}
-        FIELDS |= {f"{_b}.{_x}.{f}": BOOL for f in ("has", "static")} | {f"{_b}.{_x}.half": LINE}
-        FIELDS[f"{_b}.{_x}.taken"] = INT
-    FIELDS |= {f"{_b}.A.number": INT, f"{_b}.frozen": BOOL}
+_KINDS = (
+    ("{x}.", INT, "phase life acked granted taken offered obeyed said"),
+    ("{x}.", BOOL, "still reach"),
+    ("{x}.", BODY, "body own"),
+    ("{b}.", INT, "number told asked h s h2 s2"),
+    ("{b}.", BOOL, "on frozen"),
+    ("{b}.{x}.", INT, "life dead taken state seen held"),
+    ("{b}.{x}.", BOOL, "has static"),
+    ("{b}.{x}.", LINE, "half"),
+    ("{b}.A.", INT, "number"),
+)
+FIELDS: dict[str, z3.SortRef] = {"v": INT} | {
+    f"{of.format(b=b, x=x)}{name}": sort
+    for of, sort, names in _KINDS
+    for name in names.split()
+    for b, x in product("LS", "AB")
+}
+
+
+@dataclass
+class Terms:
+    """The terms for which quantified facts are written out."""
+
+    bodies: dict[str, list[Any]] = field(default_factory=lambda: {"A": [], "B": []})
+    regions: dict[str, list[Any]] = field(default_factory=lambda: {"A": [], "B": []})
+    lines: list[Any] = field(default_factory=list)
+    numbers: list[Any] = field(default_factory=list)
 
 
 def fresh(tag: str) -> dict[str, z3.ExprRef]:
@@ -115,14 +128,10 @@ def real(s: State, x: str) -> z3.ExprRef:
 
 def ends(s: State, b: str) -> dict[str, z3.ExprRef]:
     """The protocol's numbers, of an end that has not been taken as if it had been."""
+    numbers = {"number": "A.number", "seen": "A.seen", "held": "A.held"}
+    numbers |= {"answered": "B.seen", "adopted": "B.held"}
     has = {x: z3.And(s[f"{b}.{x}.has"], s[f"{b}.{x}.state"] != ASKED) for x in "AB"}
-    return {
-        "number": z3.If(has["A"], s[f"{b}.A.number"], 0),
-        "seen": z3.If(has["A"], s[f"{b}.A.seen"], 0),
-        "held": z3.If(has["A"], s[f"{b}.A.held"], 0),
-        "answered": z3.If(has["B"], s[f"{b}.B.seen"], 0),
-        "adopted": z3.If(has["B"], s[f"{b}.B.held"], 0),
-    }
+    return {name: z3.If(has[of[0]], s[f"{b}.{of}"], 0) for name, of in numbers.items()}
 
 
 def owner_obeys(s: State, b: str, k: z3.ArithRef) -> z3.BoolRef:
@@ -326,48 +335,25 @@ def invariant(s: State, ra: z3.ArithRef, rb: z3.ArithRef, k: z3.ArithRef) -> dic
     return found
 
 
-def axioms(
-    bodies: Mapping[str, Sequence[z3.ExprRef]],
-    regions: Mapping[str, Sequence[z3.ArithRef]],
-    lines: Sequence[z3.ExprRef],
-    written: dict[object, z3.BoolRef],
-) -> list[z3.BoolRef]:
-    """The axioms of geometry, of these bodies, regions and lines; `written` keeps those of before."""
-    found: list[z3.BoolRef] = []
-
-    def facts(kind: str, *ranges: Sequence[z3.ExprRef], of: str = "") -> None:
-        for terms in product(*ranges):
-            name = (kind, of, *[term.get_id() for term in terms])
-            if name not in written:
-                written[name] = _axiom(kind, of, *terms)
-            found.append(written[name])
-
-    for x in "AB":
-        facts("fits", bodies[x], regions[x], lines, of=x)
-    facts("apart", bodies["A"], bodies["B"], regions["A"], regions["B"])
-    facts("parted", bodies["A"], bodies["B"], lines)
-    return found
+def axioms(t: Terms) -> Iterator[z3.BoolRef]:
+    """The axioms of geometry, of these terms."""
+    for x in "AB":  # a body in a region that is beside a line fits the line
+        for body, region, line in product(t.bodies[x], t.regions[x], t.lines):
+            is_inside = z3.And(INSIDE[x](body, region), BESIDE[x](region, line))
+            yield z3.Implies(is_inside, FITS[x](body, line))
+    for (a, ra), (b, rb) in product(*(product(t.bodies[x], t.regions[x]) for x in "AB")):
+        # bodies in regions that are apart
+        yield z3.Implies(z3.And(APART(ra, rb), INSIDE["A"](a, ra), INSIDE["B"](b, rb)), DISJOINT(a, b))
+    for a, b, line in product(t.bodies["A"], t.bodies["B"], t.lines):  # on the two sides of one line
+        yield z3.Implies(z3.And(FITS["A"](a, line), FITS["B"](b, line)), DISJOINT(a, b))
 
 
-def _axiom(kind: str, x: str, *terms: z3.ExprRef) -> z3.BoolRef:
-    if kind == "fits":  # a body in a region that is beside a line fits the line
-        body, region, line = terms
-        return z3.Implies(z3.And(INSIDE[x](body, region), BESIDE[x](region, line)), FITS[x](body, line))
-    if kind == "apart":  # bodies in regions that are apart
-        a, b, ra, rb = terms
-        return z3.Implies(z3.And(APART(ra, rb), INSIDE["A"](a, ra), INSIDE["B"](b, rb)), DISJOINT(a, b))
-    a, b, line = terms  # bodies on the two sides of one line
-    return z3.Implies(z3.And(FITS["A"](a, line), FITS["B"](b, line)), DISJOINT(a, b))
-
-
-def smaller(
-    x: str, small: z3.ExprRef, large: z3.ExprRef, others: Sequence[z3.ExprRef],
-    regions: Sequence[z3.ArithRef], lines: Sequence[z3.ExprRef],
-) -> list[z3.BoolRef]:  # fmt: skip
+def smaller(x: str, small: Any, large: Any, t: Terms) -> Iterator[z3.BoolRef]:
     """One body of X covers no more than another: wherever that is, it is."""
-    found = [z3.Implies(INSIDE[x](large, r), INSIDE[x](small, r)) for r in regions]
-    found += [z3.Implies(FITS[x](large, line), FITS[x](small, line)) for line in lines]
-    for other in others:
+    for region in t.regions[x]:
+        yield z3.Implies(INSIDE[x](large, region), INSIDE[x](small, region))
+    for line in t.lines:
+        yield z3.Implies(FITS[x](large, line), FITS[x](small, line))
+    for other in t.bodies[OTHER[x]]:
         one, two = ((body, other) if x == "A" else (other, body) for body in (small, large))
-        found.append(z3.Implies(DISJOINT(*two), DISJOINT(*one)))
-    return found
+        yield z3.Implies(DISJOINT(*two), DISJOINT(*one))

@@ -9,9 +9,10 @@ from pathlib import Path
 
 from tests.interpreted import Edit
 from tests.proof.objects import SOURCE
-from tests.proof.prove import CASES, Refutation, counterexample
+from tests.proof.prove import CASES, Example, counterexample
 
 _KERNEL = Path(__file__).resolve().parents[2] / "protocol" / "kernel"
+_SOURCES = {f"protocol.kernel.{path.stem}": path.read_text() for path in sorted(_KERNEL.glob("*.py"))}
 _RULES = {"bind": ("introduce", "ask")}
 
 # Preconditions that are not needed for the invariant.
@@ -25,10 +26,6 @@ HARMLESS = {
 }
 
 
-_MODULES = dict.fromkeys(("adopt", "propose", "read answer"), "pair")
-_MODULES |= dict.fromkeys(
-    ("hear", "freeze", "command", "turn", "adopt region", "locate", "rejoin"), "robot"
-) | {"acknowledge": "records"}
 _LIVING, _STATIC = "if living is not None and living.told", "if static is not None and static.end"
 _ENDED = "            pair.living = None\n\n    def ack"
 _TAKES_OVER = "        elif living and static:\n            living.first = static.first\n"
@@ -88,16 +85,19 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
      "dict.fromkeys(places, {})"),
     ("the small body keeps off everything", "command", "own if bound.peer == part else body", "own"),
 )  # fmt: skip
-CHANGES = {
-    name: (rule, Edit(f"protocol.kernel.{_MODULES.get(rule, 'ledger')}", old, new))
-    for name, rule, old, new in _CHANGED
-}  # rules that read otherwise
+
+
+def _edits(old: str, new: str) -> tuple[Edit, ...]:
+    (module,) = [name for name, source in _SOURCES.items() if old in source]
+    return (Edit(module, old, new),)
+
+
+CHANGES = {name: (rule, _edits(old, new)) for name, rule, old, new in _CHANGED}  # rules that read otherwise
 
 
 def preconditions() -> list[str]:
     """Every precondition by name, as the source has it."""
-    source = "".join((_KERNEL / f"{name}.py").read_text() for name in ("ledger", "pair", "robot"))
-    return list(dict.fromkeys(re.findall(r'"((?:[a-z]+ ?)+: [^"]+)"', source)))
+    return list(dict.fromkeys(re.findall(r'"((?:[a-z]+ ?)+: [^"]+)"', "".join(_SOURCES.values()))))
 
 
 def names() -> list[str]:
@@ -105,19 +105,12 @@ def names() -> list[str]:
     return [*preconditions(), *CHANGES]
 
 
-def refuted(name: str) -> Refutation | None:
+def refuted(name: str) -> Example | None:
     """What breaks if a precondition is left out, or a rule is changed; None if everything is kept."""
-    if name not in CHANGES:
-        rule = name.split(":", maxsplit=1)[0]
-        return _refuted(_RULES.get(rule, (rule,)), name)
-    rule, edit = CHANGES[name]
-    SOURCE.read((edit,))
+    rule, edits = CHANGES.get(name, (name.split(":", maxsplit=1)[0], ()))
+    SOURCE.read(edits)
     try:
-        return _refuted((rule,))
+        mine = [case for case in CASES.values() if case.rule.startswith(_RULES.get(rule, (rule,)))]
+        return next(filter(None, (counterexample(case, without=name) for case in mine)), None)
     finally:
         SOURCE.read()
-
-
-def _refuted(rules: tuple[str, ...], without: str = "") -> Refutation | None:
-    found = (counterexample(case, without) for case in CASES.values() if case.rule.startswith(rules))
-    return next(filter(None, found), None)

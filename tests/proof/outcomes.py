@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from itertools import product
 from typing import Any
 
 import z3
@@ -19,6 +20,7 @@ from tests.proof.model import (
     LINE_OF,
     LINES,
     OTHER,
+    Terms,
     fresh,
     obeys,
     smaller,
@@ -35,17 +37,7 @@ SAID = {x: z3.Int(f"{x}.also said") for x in "AB"}  # the region of any acknowle
 HELD = {x: z3.Int(f"{x}.any held") for x in "AB"}  # number of any region
 
 
-@dataclass
-class Terms:
-    """The terms for which quantified facts are written out."""
-
-    bodies: dict[str, list[Any]] = field(default_factory=lambda: {"A": [], "B": []})
-    regions: dict[str, list[Any]] = field(default_factory=lambda: {"A": [], "B": []})
-    lines: list[Any] = field(default_factory=list)
-    numbers: list[Any] = field(default_factory=list)
-
-
-Facts = Callable[[Terms], list[Any]]
+Facts = Callable[[Terms], Iterable[Any]]
 
 
 class Outcome:
@@ -72,7 +64,7 @@ class Outcome:
         """One body of X covers no more than another."""
         self.terms.bodies[x].append(small)
         self.terms.bodies[x].append(large)
-        self.facts.append(lambda t: smaller(x, small, large, t.bodies[OTHER[x]], t.regions[x], t.lines))
+        self.facts.append(lambda t: smaller(x, small, large, t))
 
     def stands_at(self, x: str, body: Any, region: Any) -> None:
         """The body of X is within a region, and no part is reached for."""
@@ -135,24 +127,10 @@ class Geometry:
 
     def around(self, disk: Any, region: Any) -> list[int]:
         """A disk that is not named holds nothing that meets the region, or what the disk holds."""
-        x = NAMES[disk.name]
-        other = self.disks[CODE[OTHER[x]]]
-        named = z3.Bool(f"{OTHER[x]} is around")
-
-        def says(t: Terms) -> list[Any]:
-            mine = [region, *t.regions[x]]
-            return [
-                z3.Implies(
-                    z3.And(z3.Not(named), _in(other.held, r), z3.Or(q is region, _in(disk.held, q))),
-                    apart(x, q, r),
-                )
-                for q in mine
-                for r in t.regions[OTHER[x]]
-            ]
-
-        self.facts.append(says)
+        other = self.disks[CODE[OTHER[NAMES[disk.name]]]]
+        far = z3.And(self.clear(other.held, region), self.apart(other.held, disk.held))
         thirds = [name for name in self.disks if name not in NAMES]
-        return [thirds[0], disk.name, *([other.name] if named else []), thirds[-1]]
+        return [thirds[0], disk.name, *([] if far else [other.name]), thirds[-1]]
 
     def apart(self, one: Any, other: Any) -> z3.BoolRef:
         if one is other:
@@ -164,8 +142,7 @@ class Geometry:
         return self._answer(
             lambda t: [
                 z3.Implies(z3.And(_in(a, ra), _in(b, rb)), APART(ra, rb))
-                for ra in t.regions["A"]
-                for rb in t.regions["B"]
+                for ra, rb in product(t.regions["A"], t.regions["B"])
             ]
         )
 

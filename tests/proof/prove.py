@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import partial
 from itertools import chain, product
-from typing import Any, NamedTuple
+from typing import Any
 
 import z3
 
 from tests.proof.ledger_rules import ledger_cases
-from tests.proof.model import LINE_OF, axioms, ends, invariant, safe, smaller
-from tests.proof.outcomes import HALF_PLANE, NEXT, PROPOSED, Case, Outcome, S, Terms
-from tests.proof.robot_rules import robot_cases, told_now
+from tests.proof.model import LINE_OF, Terms, axioms, ends, invariant, safe, smaller
+from tests.proof.outcomes import HALF_PLANE, NEXT, PROPOSED, Case, Outcome, S
+from tests.proof.robot_rules import robot_cases, tells
 from tests.proof.symbolic import Execution, expression, judged, ways
 
 TIMEOUT = 20_000  # ms, for one question
@@ -22,52 +21,39 @@ TEMPLATE = invariant(S, RA, RB, K) | {"safe": safe(S)}
 ALL = z3.And(*TEMPLATE.values())
 
 
-TELLS = (Case(f"tell {x}", partial(told_now, x)) for x in "AB")
-CASES = {case.rule: case for case in (*ledger_cases(), *robot_cases(), *TELLS)}  # every rule
+CASES = {case.rule: case for case in (*ledger_cases(), *robot_cases(), *tells())}  # every rule
 GENERAL = {
     name: [term for term in (RA, RB, K) if not z3.substitute(conjunct, (term, z3.IntVal(0))).eq(conjunct)]
     for name, conjunct in TEMPLATE.items()
 }  # the general terms that a conjunct mentions
-_written: dict[tuple[str, ...], tuple[z3.BoolRef, Any]] = {}  # the terms are kept with what is named by them
-_geometry: dict[object, z3.BoolRef] = {}
 
 
-def _instance(key: str, *pairs: tuple[Any, Any]) -> z3.BoolRef:
-    """The conjuncts about these terms, of other ones."""
-    name = (key, *[str(new.get_id()) for _, new in pairs])
-    if name not in _written:
-        about = [
-            TEMPLATE[each] for each, terms in GENERAL.items() if [str(t)[-1] for t in terms] == list(key)
-        ]
-        _written[name] = (z3.substitute(z3.And(*about), *pairs), pairs)
-    return _written[name][0]
+def instances(name: str, claim: z3.BoolRef, *ranges: Sequence[z3.ArithRef]) -> Iterator[z3.BoolRef]:
+    """What a conjunct says, now or after a step, of all these regions of A, of B and numbers."""
+    general = GENERAL.get(name, [])
+    for values in product(*[ranges[(RA, RB, K).index(term)] for term in general]):
+        yield z3.substitute(claim, *zip(general, values, strict=True))
 
 
-def terms_of(outcome: Outcome) -> Terms:
-    """The terms for which quantified facts are written out."""
-    t, came_up = Terms(), outcome.terms
+def terms_of(outcome: Outcome, largest: int = -1) -> Terms:
+    """The terms for which quantified facts are written out: all that there are, if no version is above the
+    largest.
+    """
+    t, came_up, whole = Terms(), outcome.terms, _up_to(largest)
     for x, any_region in (("A", RA), ("B", RB)):
         regions = [any_region, *[S[f"{x}.{f}"] for f in ("acked", "granted", "obeyed", "offered")]]
         t.bodies[x] = _different([S[f"{x}.body"], S[f"{x}.own"], *came_up.bodies[x]])
-        t.regions[x] = _different([*regions, *came_up.regions[x]])
-    t.numbers = [K, z3.IntVal(0), PROPOSED, *[ends(S, b)["adopted"] for b in "LS"], *came_up.numbers]
-    t.lines = [S[f"{b}.{x}.half"] for b in "LS" for x in "AB"] + [HALF_PLANE, LINE_OF(NEXT, 0)]
-    t.lines += [LINE_OF(S[f"{b}.number"], k) for b in "LS" for k in t.numbers] + came_up.lines
+        t.regions[x] = _different([*regions, *came_up.regions[x], *whole])
+    numbers = [K, z3.IntVal(0), PROPOSED, *[ends(S, b)["adopted"] for b in "LS"], *came_up.numbers]
+    t.numbers = _different([*numbers, *whole])
+    lines = [S[f"{b}.{x}.half"] for b in "LS" for x in "AB"] + [HALF_PLANE, LINE_OF(NEXT, 0)]
+    t.lines = _different(lines + [LINE_OF(S[f"{b}.number"], k) for b in "LS" for k in t.numbers])
+    t.lines += came_up.lines
     return t
 
 
 def _different(terms: Sequence[Any]) -> list[Any]:
     return list({each.get_id(): each for each in terms}.values())
-
-
-def small_terms(outcome: Outcome, largest: int) -> Terms:
-    """All the terms that there are, where no version is above the largest."""
-    t = terms_of(outcome)
-    whole = _up_to(largest)
-    t.regions = {x: _different([*t.regions[x], *whole]) for x in "AB"}
-    t.numbers = _different([*t.numbers, *whole])
-    t.lines = _different([*t.lines, *[LINE_OF(S[f"{b}.number"], k) for b in "LS" for k in whole]])
-    return t
 
 
 def _up_to(largest: int) -> list[z3.ArithRef]:
@@ -77,13 +63,11 @@ def _up_to(largest: int) -> list[z3.ArithRef]:
 def known(t: Terms, starts: bool) -> list[z3.BoolRef]:
     """The invariant before a step, but of the first one, and geometry, of all these terms."""
     facts: list[z3.BoolRef] = []
-    if not starts:
-        facts += [ALL, *[_instance("K", (K, k)) for k in t.numbers]]
-        facts += [_instance(x, (term, r)) for x, term in (("A", RA), ("B", RB)) for r in t.regions[x]]
-        facts += [_instance("AB", (RA, a), (RB, b)) for a, b in product(t.regions["A"], t.regions["B"])]
-    facts += axioms(t.bodies, t.regions, t.lines, _geometry)
-    for x, y in (("A", "B"), ("B", "A")):
-        facts += smaller(x, S[f"{x}.own"], S[f"{x}.body"], t.bodies[y], t.regions[x], t.lines)
+    for name, conjunct in () if starts else TEMPLATE.items():
+        facts += instances(name, conjunct, t.regions["A"], t.regions["B"], t.numbers)
+    facts += axioms(t)
+    for x in "AB":
+        facts += smaller(x, S[f"{x}.own"], S[f"{x}.body"], t)
     return facts
 
 
@@ -157,8 +141,8 @@ def is_kept_by_cvc5(step: Step) -> bool:
     """Whether all is kept in one way through a rule by cvc5, which knows nothing of z3 but the text."""
     import cvc5
 
-    writer = z3.Solver()
-    writer.add(*step.assumed(), z3.Not(z3.And(*step.claims().values())))
+    writer, knows = z3.Solver(), _solver_with(step.terms, step.case.starts).assertions()
+    writer.add(*knows, *step.given, z3.Not(z3.And(*step.claims().values())))
     solver = cvc5.Solver()
     solver.setOption("tlimit-per", str(TIMEOUT))
     parser = cvc5.InputParser(solver)
@@ -174,12 +158,15 @@ class Example:
     """A rule executed in a state of small numbers, in which the whole invariant holds.
 
     Attributes:
+        rule: its name.
+        conjunct: that it was to break, if any.
         refused: preconditions that do not hold.
         invalid: whatever was taken for granted and does not hold.
         broken: conjuncts that do not hold afterwards.
     """
 
-    def __init__(self, step: Step, model: z3.ModelRef, largest: int) -> None:
+    def __init__(self, step: Step, model: z3.ModelRef, largest: int, conjunct: str) -> None:
+        self.rule, self.conjunct = step.case.rule, conjunct
         self._model, self._whole = model, _up_to(largest)
         execution = Execution(model)
         outcome = judged(execution, step.case.run)
@@ -193,11 +180,7 @@ class Example:
 
     def _keeps(self, name: str, claim: z3.BoolRef) -> bool:
         """Whether a claim holds of all regions and numbers."""
-        general = GENERAL.get(name, [])
-        return all(
-            self._holds(z3.substitute(claim, *zip(general, values, strict=True)))
-            for values in product(self._whole, repeat=len(general))
-        )
+        return all(map(self._holds, instances(name, claim, self._whole, self._whole, self._whole)))
 
 
 def example(case: Case) -> Example | None:
@@ -206,31 +189,20 @@ def example(case: Case) -> Example | None:
     return next(filter(None, found), None)
 
 
-class Refutation(NamedTuple):
-    """A conjunct that a rule breaks, and a state in which it does."""
-
-    rule: str
-    conjunct: str
-    example: Example
-
-
-def counterexample(case: Case, without: str = "") -> Refutation | None:
+def counterexample(case: Case, without: str = "") -> Example | None:
     """What a rule breaks, with a precondition left out or none."""
-    for conjunct, step in not_kept(case, without):
-        for largest in SMALL:
-            found = example_of(step, largest, conjunct)
-            if found is not None:
-                return Refutation(case.rule, conjunct, found)
-    return None
+    broken = not_kept(case, without)
+    found = (example_of(step, largest, conjunct) for conjunct, step in broken for largest in SMALL)
+    return next(filter(None, found), None)
 
 
 def example_of(step: Step, largest: int, conjunct: str = "") -> Example | None:
     """A state in which one way through a rule is possible, or breaks a conjunct."""
-    small = Step(step.case, step.outcome, step.conditions, small_terms(step.outcome, largest))
+    small = Step(step.case, step.outcome, step.conditions, terms_of(step.outcome, largest))
     solver = z3.Solver()
     solver.set("timeout", TIMEOUT)
     solver.add(*small.assumed(), small.outcome.after["v"] <= largest)
     solver.add(*[S[f"{b}.A.number"] < largest for b in "LS"], largest >= PROPOSED)
     if conjunct:
         solver.add(z3.Not(small.claims()[conjunct]))
-    return Example(small, solver.model(), largest) if solver.check() == z3.sat else None
+    return Example(small, solver.model(), largest, conjunct) if solver.check() == z3.sat else None

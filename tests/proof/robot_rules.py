@@ -16,7 +16,6 @@ from tests.proof.objects import (
     UNKNOWN,
     Frame,
     Some,
-    as_state,
     bound_claims,
     bound_of,
     frame_of,
@@ -43,16 +42,30 @@ def of_bound(
         outcome = Outcome(geometry)
         for each in (b, *others):
             outcome.terms.numbers += [OBEYED[each], S[f"{each}.{x}.held"], S[f"{each}.h2"]]
-        outcome.after |= as_state(end_fields(b, x, bound))
+        outcome.after |= end_fields(b, x, bound)
         outcome.after |= {says: True} if says else {}
-        outcome.claims = bound_claims(bound, outcome.after, b, x) | unchanged(frame, x)
+        outcome.claims = bound_claims(bound, outcome.after, b, x)
+        outcome.claims[f"{x}: nothing else changes"] = frame.holds
         return outcome
 
     return Case(f"{rule} {x} {b}", run, [S[f"{b}.on"], S[f"{b}.{x}.has"], *given])
 
 
-def unchanged(frame: Frame, x: str) -> dict[str, Any]:
-    return {f"{x}: nothing else changes": frame.holds}
+def of_robot(rule: str, x: str, does: Callable[[str, Any, Outcome], None], changing: str) -> Case:
+    """A rule that changes these fields of the present life of X, the only one that its base obeys."""
+
+    def run() -> Outcome:
+        geometry = Geometry()
+        made = robot_of(x, geometry, [bound_of(b, x, lines=False) for b in ends_of(x, S[f"{x}.life"])])
+        if S[f"{x}.obeyed"] == 0:
+            made.region = None
+        frame, outcome = frame_of(made, changing), Outcome(geometry)
+        does(x, made, outcome)
+        outcome.after |= {f"{x}.obeyed": made.number, f"{x}.body": made.body, f"{x}.own": made.own}
+        outcome.claims[f"{x}: nothing else changes"] = frame.holds
+        return outcome
+
+    return Case(f"{rule} {x}", run, [S[f"{x}.life"] != 0, S[f"{x}.phase"] == PRESENT])
 
 
 def ends_of(x: str, life: Any, *, taken: bool = True) -> list[str]:
@@ -81,13 +94,12 @@ def _cases() -> Iterator[Case]:
         yield _freeze("freeze kept", "L", x, S["S.on"], S[f"S.{x}.has"], S[f"S.{x}.static"], line == kept)
         # An end of a living binding is never told that the other stands for good.
         yield of_bound("turn", "S", x, lambda made, bound: made.turn(bound, HALF_PLANE))
-        alive = [S[f"{x}.life"] != 0, S[f"{x}.phase"] == PRESENT]  # the base obeys the present life only
-        yield Case(f"adopt region {x}", partial(_adopt, x), alive)
-        yield Case(f"say region {x}", partial(_acknowledge, x), alive)
+        yield of_robot("adopt region", x, _adopt, "number region")
+        yield of_robot("command", x, _command, "body own part")
+        yield of_robot("locate", x, _locate, "body own")
+        yield Case(f"say region {x}", partial(_say, x), [S[f"{x}.life"] != 0, S[f"{x}.phase"] == PRESENT])
         yield Case(f"hear {x}", partial(_hear, x, ""), _heard(x))
         yield Case(f"hear {x} late", partial(_hear, x, "S"), _heard_late(x))
-        yield Case(f"command {x}", partial(_command, x), alive)
-        yield Case(f"locate {x}", partial(_locate, x), alive)
 
 
 def _line(b: str, number: Any) -> z3.ExprRef:
@@ -130,19 +142,30 @@ def _freeze(rule: str, b: str, x: str, *given: Any) -> Case:
     return of_bound(rule, b, x, lambda m, bound: m.freeze(bound, _line(b, 0)), *beside, says=f"{b}.frozen")
 
 
-def _adopt(x: str) -> Outcome:
-    geometry = Geometry()
-    made = robot_of(x, geometry, [bound_of(b, x, lines=False) for b in ends_of(x, S[f"{x}.life"])])
-    frame = frame_of(made, "number region")
+def _adopt(x: str, made: Any, outcome: Outcome) -> None:
     made.adopt()
-    outcome = Outcome(geometry)
-    outcome.after[f"{x}.obeyed"] = made.number
-    same = made.region == made.number
-    outcome.claims = {f"{x}: the region of its number": same} | unchanged(frame, x)
-    return outcome
+    outcome.claims[f"{x}: the region of its number"] = made.region == made.number
 
 
-def _acknowledge(x: str) -> Outcome:
+def _command(x: str, made: Any, outcome: Outcome) -> None:
+    body, own = z3.Const("next body", BODY), z3.Const("next own", BODY)
+    made.command(body, own, PART)
+    outcome.after[f"{x}.reach"] = made.part == CODE[OTHER[x]]
+    outcome.covers_less(x, own, body)
+    kept = z3.And(made.body == body, made.own == own, made.part == PART)
+    outcome.claims[f"{x}: what is covered from now on"] = kept
+
+
+def _locate(x: str, made: Any, outcome: Outcome) -> None:
+    """The body covers less than before: a command has no more effect, or the estimate is better."""
+    body, own = z3.Const(f"{x}.less body", BODY), z3.Const(f"{x}.less own", BODY)
+    made.locate(body, own)
+    for less, more in ((body, S[f"{x}.body"]), (own, S[f"{x}.own"]), (own, body)):
+        outcome.covers_less(x, less, more)
+    outcome.claims[f"{x}: what is covered"] = z3.And(made.body == body, made.own == own)
+
+
+def _say(x: str) -> Outcome:
     """The present life says which region it obeys."""
     outcome = Outcome()
     outcome.after[f"{x}.said"] = z3.If(S[f"{x}.obeyed"] != 0, S[f"{x}.obeyed"], S[f"{x}.said"])
@@ -166,19 +189,17 @@ def _heard_late(x: str) -> list[Any]:
     return [*over, z3.Implies(LIFE == TO, S[f"S.{x}.dead"] > AT)]
 
 
-def is_listed(b: str, x: str) -> Any:
-    """Whether a binding in force is listed in a Tick to the life of its end at X."""
-    told = z3.And(S[f"{b}.told"] != 0, S[f"{b}.told"] <= AT)
-    return z3.And(S[f"{b}.number"] <= AT, z3.Or(told, S[f"{b}.asked"] == CODE[x]))
-
-
-def listing(b: str, x: str) -> Any:
-    """A binding as a Tick tells it."""
-    y = OTHER[x]
-    told = bool(z3.And(S[f"{b}.told"] != 0, S[f"{b}.told"] <= AT))
-    static = z3.And(S[f"{b}.{y}.dead"] != 0, S[f"{b}.{y}.dead"] <= AT)
-    first = _line(b, 0) if told else None
-    return SOURCE.records.Listed(S[f"{b}.number"], CODE[y], first, S[f"{y}.acked"], static)
+def _listed(x: str) -> list[Any]:
+    """The bindings in force with the life of X that is told, as a Tick lists them at this version."""
+    y, listed = OTHER[x], []
+    for b in ends_of(x, TO, taken=False):
+        told = z3.And(S[f"{b}.told"] != 0, S[f"{b}.told"] <= AT)
+        if z3.And(S[f"{b}.number"] <= AT, z3.Or(told, S[f"{b}.asked"] == CODE[x])):
+            static = z3.And(S[f"{b}.{y}.dead"] != 0, S[f"{b}.{y}.dead"] <= AT)
+            first = _line(b, 0) if told else None
+            place = S[f"{y}.acked"]
+            listed.append(SOURCE.records.Listed(S[f"{b}.number"], CODE[y], first, place, static))
+    return listed
 
 
 def _hear(x: str, late: str) -> Outcome:
@@ -191,107 +212,60 @@ def _hear(x: str, late: str) -> Outcome:
     made.life = LIFE
     if late:
         made.version = S[f"{late}.{x}.taken"]
-    listed = [listing(b, x) for b in ends_of(x, TO, taken=False) if is_listed(b, x)]
-    frame = Frame(
-        (made, "version offered_number offered bound"),
-        *[(bound, f"place static{' lines' * (bound in known)}") for bound in made.bound.values()],
-    )
+    listed = _listed(x)
+    ends = [(bound, "place static") for bound in made.bound.values()]
+    frame = Frame((made, "version offered_number offered bound"), *ends)
     made.hear(SOURCE.records.Told(TO, AT, NUMBER, NUMBER, Some(lambda: listed)))
     outcome = Outcome(geometry)
-    after = outcome.after
+    after, claims = outcome.after, outcome.claims
     if late:
         after[f"{late}.{x}.taken"] = made.version
     else:
         after[f"{x}.taken"], after[f"{x}.offered"] = made.version, made.offered_number
-    offered = made.offered == made.offered_number
-    outcome.claims = {f"{x}: offered": offered} | unchanged(frame, x)
+    claims[f"{x}: offered"] = made.offered == made.offered_number
+    claims[f"{x}: nothing else changes"] = frame.holds
     for b in ends_of(x, LIFE, taken=False):
         after[f"{b}.{x}.has"] = False
         for bound in made.bound.values():
             if bound.number == S[f"{b}.number"]:
-                outcome.claims |= _heard_of(bound, b, x)
-                after |= as_state(end_fields(b, x, bound))
+                if bound in known:
+                    after |= {f"{b}.{x}.has": True, f"{b}.{x}.static": bound.static}
+                    claims[f"{b}.{x}: its lines"] = bound.of == b
+                else:
+                    after |= end_fields(b, x, bound)
+                    claims |= bound_claims(bound, after, b, x)
+                claims[f"{b}.{x}: its place"] = bound.place == S[f"{OTHER[x]}.acked"]
+                claims[f"{b}.{x}: its ends"] = bound.peer == CODE[OTHER[x]] and bound.low == (x == "A")
     return outcome
 
 
-def _heard_of(bound: Any, b: str, x: str) -> dict[str, Any]:
-    """An end after a Tick: one that was taken before has its lines still, another the first line if told."""
-    y, is_told, known = OTHER[x], z3.And(S[f"{b}.told"] != 0, S[f"{b}.told"] <= AT), bound.lines == b
-    if known:
-        same = bound.of == b and bound.half is not None
-        bound.lines = None
-    else:
-        lines = [line == LINE_OF(S[f"{b}.number"], 0) for line in bound.obeyed]
-        same = z3.And(len(lines) == bool(is_told), *lines)
-    return {
-        f"{b}.{x}: its lines": same,
-        f"{b}.{x}: its place": bound.place == S[f"{y}.acked"],
-        f"{b}.{x}: its ends": bound.peer == CODE[y] and bound.low == (x == "A"),
-    }
+def tells() -> Iterator[Case]:
+    """What the ledger tells a life now is what the rule of hearing takes it for, at this version."""
+    for x in "AB":
+        now = [S["v"] == AT, S[f"{x}.life"] == LIFE, LIFE == TO, TO != 0]
+        yield Case(f"tell {x}", partial(_told_now, x), now)
 
 
-def told_now(x: str) -> Outcome:
-    """What the ledger tells a life of X now is what the rule of hearing takes it for, at this version."""
+def _told_now(x: str) -> Outcome:
     made = ledger_of(Geometry())
     for binding in bindings_of(made).values():
         binding.first = binding.first if binding.told != 0 else None
-    told, outcome = made.told(made.disks[CODE[x]]), Outcome()
-    outcome.given(S["v"] == AT, S[f"{x}.life"] == LIFE, LIFE != 0)
-    claims = {
-        "life": told.life == LIFE,
-        "version": told.version == AT,
-        "number": told.number == S[f"{x}.granted"],
-        "region": told.region == S[f"{x}.granted"],
-    }
-    for b in bindings_of(made):
-        listed = [each for each in told.bindings if each.number.eq(S[f"{b}.number"])]
-        claims[f"{b} is listed"] = bool(listed) == z3.And(S[f"{b}.{x}.life"] == LIFE, is_listed(b, x))
-        for each in listed:
-            should = listing(b, x)
-            claims[f"{b} is static"] = each.static == should.static
-            place = should.place if S[f"{OTHER[x]}.still"] else None
-            claims[f"{b} says where the other end stands"] = _same(each.place, place)
-            claims[f"{b} has its first line"] = _same(each.first, should.first)
-            claims[f"{b} has its peer"] = each.peer == should.peer
+    told, listed, outcome = made.told(made.disks[CODE[x]]), _listed(x), Outcome()
+    for each in listed:
+        each.place = each.place if S[f"{OTHER[x]}.still"] else None
+    granted = S[f"{x}.granted"]
     thirds = [each.peer for each in told.bindings if each.peer not in CODE.values()]
-    claims["all others are listed"] = thirds == [THIRD, FOURTH]
-    outcome.claims = {f"told: {name}": claim for name, claim in claims.items()}
+    outcome.claims = {
+        "told: what it obeys": _same(told, SOURCE.records.Told(TO, AT, granted, granted, told.bindings)),
+        "told: its bindings": z3.And(
+            len(told.bindings) == len(listed) + len(thirds),
+            *[z3.Or(*[_same(one, each) for one in told.bindings]) for each in listed],
+        ),
+        "told: all others": thirds == [THIRD, FOURTH],
+    }
     return outcome
 
 
 def _same(one: Any, other: Any) -> Any:
-    if one is None or other is None:
-        return one is other
-    return one == other
-
-
-def _command(x: str) -> Outcome:
-    body, own = z3.Const("next body", BODY), z3.Const("next own", BODY)
-    geometry = Geometry()
-    made = robot_of(x, geometry, [bound_of(b, x, lines=False) for b in ends_of(x, S[f"{x}.life"])])
-    if S[f"{x}.obeyed"] == 0:
-        made.region = None
-    frame = frame_of(made, "body own part")
-    made.command(body, own, PART)
-    outcome = Outcome(geometry)
-    outcome.after[f"{x}.body"], outcome.after[f"{x}.own"] = made.body, made.own
-    outcome.after[f"{x}.reach"] = made.part == CODE[OTHER[x]]
-    outcome.covers_less(x, own, body)
-    kept = z3.And(made.body == body, made.own == own, made.part == PART)
-    outcome.claims = {f"{x}: what is covered from now on": kept} | unchanged(frame, x)
-    return outcome
-
-
-def _locate(x: str) -> Outcome:
-    """The body covers less than before: a command has no more effect, or the estimate is better."""
-    outcome, bounds = Outcome(), [bound_of(b, x, lines=False) for b in ends_of(x, S[f"{x}.life"])]
-    made = robot_of(x, Geometry(), bounds)
-    frame = frame_of(made, "body own")
-    body, own = z3.Const(f"{x}.less body", BODY), z3.Const(f"{x}.less own", BODY)
-    made.locate(body, own)
-    outcome.after[f"{x}.body"], outcome.after[f"{x}.own"] = made.body, made.own
-    for less, more in ((body, S[f"{x}.body"]), (own, S[f"{x}.own"]), (own, body)):
-        outcome.covers_less(x, less, more)
-    covered = z3.And(made.body == body, made.own == own)
-    outcome.claims = {f"{x}: what is covered": covered} | unchanged(frame, x)
-    return outcome
+    """Whether two records say the same."""
+    return z3.And(*[value == vars(other)[name] for name, value in vars(one).items()])

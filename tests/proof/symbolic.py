@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, Protocol
+from typing import Any
 from unittest.mock import patch
 
 import z3
@@ -13,15 +13,7 @@ class Impossible(Exception):  # noqa: N818  # no error
     """No state leads this way."""
 
 
-class _Judge(Protocol):
-    def answer(self, of: z3.BoolRef) -> bool:
-        """Whether a condition holds, that is branched on."""
-
-    def require(self, of: z3.BoolRef, name: str) -> None:
-        """A precondition."""
-
-
-_judges: list[_Judge] = []
+_judges: list[Way | Execution] = []
 
 
 def expression(value: object) -> Any:
@@ -62,6 +54,7 @@ class Way:
         self.result: Any = None
 
     def answer(self, of: z3.BoolRef) -> bool:
+        """Whether a condition holds, that is branched on."""
         of = z3.simplify(of)
         if z3.is_true(of) or z3.is_false(of):
             return bool(z3.is_true(of))
@@ -87,6 +80,7 @@ class Way:
         return bool(self._solver.check(*self.conditions, condition) != z3.unsat)
 
     def require(self, of: z3.BoolRef, name: str) -> None:
+        """A precondition."""
         if name != self._without:
             of = z3.simplify(of)
             if z3.is_false(of):
@@ -130,7 +124,7 @@ class Execution:
             self.refused.append(name)
 
 
-def judged(judge: _Judge, run: Callable[[], Any]) -> Any:
+def judged(judge: Way | Execution, run: Callable[[], Any]) -> Any:
     """What a function returns if one judge says of each condition whether it holds; a dictionary of terms
     asks which of them are equal.
     """

@@ -31,29 +31,18 @@ KEPT |= {"Bound": "number peer low state lines half place static"}
 KEPT |= {"RobotLife": "name life body own part version number region offered_number offered bound _geometry"}
 KEPT |= {"Owner": "held_number held number seen open", "Follower": "held_number held seen"}
 FIELDS = {name: fields.split() for name, fields in KEPT.items()}  # all that the model has
-NEVER = (
-    ast.Break, ast.While, ast.Try, ast.Slice, ast.Lambda, ast.Yield, ast.YieldFrom, ast.Starred, ast.BinOp,
-    ast.Delete, ast.Global, ast.Nonlocal,
-)  # fmt: skip
 ORDERS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)
 
 
 def strange(tree: ast.AST) -> Iterator[str]:
     """What a rule could tell elements or disks apart by, or leave some out with."""
     for node in ast.walk(tree):
-        looks = STRANGE.get(type(node))
-        if (isinstance(node, NEVER) and not _is_allowed(node)) or (looks is not None and looks(node)):
+        if type(node) in STRANGE and STRANGE[type(node)](node):
             yield f"line {getattr(node, 'lineno', 0)}: {ast.unparse(node)[:60]}"
         if isinstance(node, ast.FunctionDef):
             for loop in ast.walk(node):
                 if isinstance(loop, ast.For):
                     yield from _strange_loop(loop, node)
-
-
-def _is_allowed(node: ast.AST) -> bool:
-    """A whole list in another one, or a union of types."""
-    whole = isinstance(node, ast.Starred) and isinstance(node.value, ast.ListComp)
-    return whole or (isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitOr))
 
 
 def _is_by_size(node: ast.Compare) -> bool:
@@ -71,8 +60,13 @@ def _is_one_of_many(node: ast.Subscript) -> bool:
     return by_place and not at.endswith(("regions[0]", "regions[-1]", "][0]", "][1]", "each[0]"))
 
 
-# What else is strange, by the kind of node.
-STRANGE: dict[type, Callable[[Any], bool]] = {
+_ALWAYS = (
+    ast.Break, ast.While, ast.Try, ast.Slice, ast.Lambda, ast.Yield, ast.YieldFrom, ast.Delete, ast.Global,
+    ast.Nonlocal,
+)  # fmt: skip
+STRANGE: dict[type, Callable[[Any], bool]] = dict.fromkeys(_ALWAYS, lambda _: True) | {
+    ast.Starred: lambda node: not isinstance(node.value, ast.ListComp),  # but a whole list in another one
+    ast.BinOp: lambda node: not isinstance(node.op, ast.BitOr),  # but a union of types
     ast.Call: lambda node: not _is_known(node),
     ast.Compare: _is_by_size,
     ast.Name: lambda node: node.id == "require" and isinstance(node.ctx, ast.Store),

@@ -41,9 +41,8 @@ class PlaneFacts(Facts):
         return region.shape
 
     def fits(self, x: str, body: Shape, line: Line) -> bool:
-        if x == "A":
-            return body.support(line.nx, line.ny) <= line.offset + ROUNDING
-        return body.support(-line.nx, -line.ny) <= -line.offset + ROUNDING
+        side = 1.0 if x == "A" else -1.0
+        return body.support(side * line.nx, side * line.ny) <= side * line.offset + ROUNDING
 
     def disjoint(self, a: Shape, b: Shape) -> bool:
         """Bodies that stand where the run begins; the judge looks at all others."""
