@@ -11,7 +11,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from ipaddress import IPv6Address
+from ipaddress import IPv6Address, ip_address
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -69,8 +69,15 @@ class Endpoint(str):
     @property
     def is_loopback(self) -> bool:
         """Whether only processes of the same host reach it."""
-        host = "" if self.address is None else self.address[0]
-        return host in ("", "::1", "localhost") or host.startswith("127.")
+        return self.address is None or is_loopback(self.address[0])
+
+
+def is_loopback(host: str) -> bool:
+    """Whether a host's name or address is that of the loopback."""
+    try:
+        return ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
 
 
 def _is_address(text: str) -> bool:

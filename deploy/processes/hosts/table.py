@@ -5,14 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
-from ipaddress import ip_address
 from pathlib import Path
 from typing import Annotated
 
 from msgspec import Meta
 
 from deploy.security.roster import Home, KeyRoster
-from protocol.bus.connection import DEFAULT_PORT, Endpoint
+from protocol.bus.connection import DEFAULT_PORT, Endpoint, is_loopback
 from protocol.errors import CertificateError, HostsError, Problem, UsageError
 from protocol.scenario.body import RobotId
 from protocol.scenario.file import read_document
@@ -164,16 +163,9 @@ def exposed(table: HostsTable) -> list[str]:
     return [
         host.name
         for host in table.hosts
-        if not all(map(_is_loopback, (host.address, host.listen or host.address)))
+        if not all(map(is_loopback, (host.address, host.listen or host.address)))
     ]
 
 
 def _homes(table: HostsTable) -> dict[str, Home]:
     return {host.name: Home((host.address,), host.robots) for host in table.hosts}
-
-
-def _is_loopback(address: str) -> bool:
-    try:
-        return ip_address(address).is_loopback
-    except ValueError:
-        return address == "localhost"

@@ -10,6 +10,7 @@ import psutil
 import pytest
 
 from deploy.run.options import Transport
+from deploy.software import code_digest
 from deploy.studies import execution
 from deploy.studies.execution import Result, RunLog, execute, run_one
 from deploy.studies.experiments import tightness
@@ -101,7 +102,8 @@ def test_a_stopped_study_leaves_no_process_and_goes_on(tmp_path: Path, number: s
     options += ["--json", str(tmp_path / "rows.json")]
     call = [sys.executable, "-m", "disknav", "study", "tightness", *options]
     process = subprocess.Popen(call, stderr=subprocess.PIPE, text=True, start_new_session=True)
-    until(lambda: process.poll() is not None or (log.exists() and log.read_text().count("\n") >= 2), 60.0)
+    first = _study().runs("local", code_digest())[0].key
+    until(lambda: process.poll() is not None or (log.exists() and first in log.read_text()), 60.0)
     workers = psutil.Process(process.pid).children(recursive=True)
     assert len(workers) >= 2
     if number == signal.SIGINT:

@@ -32,6 +32,13 @@ def test_what_is_left_out_is_filled_in(text: str, meant: str, address: tuple[str
     assert type(pickle.loads(pickle.dumps(Endpoint(text)))) is Endpoint
 
 
+def test_only_addresses_of_this_host_are_on_the_loopback() -> None:
+    for text in ("localhost", "127.3.2.1", "[::1]", "unixsock-stream//tmp/a"):
+        assert Endpoint(text).is_loopback
+    for text in ("127.example.org", "localhost.example.org", "0.0.0.0", "[::]", "10.0.0.1"):
+        assert not Endpoint(text).is_loopback
+
+
 @pytest.mark.parametrize(
     "text",
     ["", "tcp/", ":7447", "tcp/a:0", "tcp/a:65536", "a:x", "::1", "tcp/::1:7447", "[::g]:1", "[1]", "udp/a:1",
