@@ -45,7 +45,7 @@ lock: $(READY)  ## renew the versions that `make setup` and `make test` install
 
 compile: $(COMPILED)  ## make C again of the modules that run for every message, and test it as their sources are tested; three minutes
 	$(BIN)/python -m pytest -n auto -m 'not slow and not process and not alone and not campaign' tests/agents tests/protocol tests/world
-	$(BIN)/python -m pytest -m 'not process and not campaign' tests/deploy/test_software.py tests/system/orders/test_scheduled_orders.py
+	$(BIN)/python -m pytest -m 'not process and not campaign' tests/deploy/test_software.py tests/deploy/calibrate tests/benchmarks tests/system/orders/test_scheduled_orders.py
 
 $(DEMO): pyproject.toml
 	$(call install,demo)

@@ -10,13 +10,13 @@ import argparse
 import time
 from dataclasses import replace
 
-from agents.shell.node import RobotNode
 from deploy.library.instances import random_instance
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
-from protocol.bus.bus import Event
+from protocol.bus.bus import Event, Node
 from protocol.scenario.model import Scenario
 from protocol.scenario.network import Link
+from tests.proxy import Proxy
 
 LAWS = {
     "reciprocal": "separating-lines",
@@ -25,27 +25,21 @@ LAWS = {
 }
 
 
-class MeteredNode(RobotNode):
-    """With a counter of the processor time spent on messages, ns."""
+class MeteredFleet(LocalFleet):
+    """With a counter of the processor time that robots spend on messages, ns, without world and bus."""
 
     cpu = 0
 
-    def handle(self, event: Event) -> None:
-        began = time.thread_time_ns()
-        super().handle(event)
-        self.cpu += time.thread_time_ns() - began
+    def start(self, robot: int) -> Node:
+        node = super().start(robot)
 
+        def handle(event: Event) -> None:
+            began = time.thread_time_ns()
+            node.handle(event)
+            self.cpu += time.thread_time_ns() - began
 
-class MeteredFleet(LocalFleet):
-    def start(self, robot: int) -> MeteredNode:
-        bus = self.robots[robot] = self.network.connect()
-        node = bus.node = MeteredNode(bus, self.run, robot)
+        self.robots[robot].node = Proxy(node, handle=handle)
         return node
-
-    def robots_cpu(self) -> float:
-        """Of all robots, s, without world and bus."""
-        nodes = [bus.node for bus in self.robots.values()]
-        return 1e-9 * sum(node.cpu for node in nodes if isinstance(node, MeteredNode))
 
 
 def step(scenario: Scenario, runs: int) -> float:
@@ -54,7 +48,7 @@ def step(scenario: Scenario, runs: int) -> float:
     for _ in range(runs):
         fleet = MeteredFleet(scenario)
         report = fleet.execute()
-        least = min(least, 1e6 * fleet.robots_cpu() / (report["ticks"] * len(scenario.robots)))
+        least = min(least, 1e-3 * fleet.cpu / (report["ticks"] * len(scenario.robots)))
     return least
 
 

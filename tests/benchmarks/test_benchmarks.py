@@ -1,9 +1,10 @@
-"""What is measured of whole fleets is there and runs. Nothing is timed here."""
+"""What is measured of fleets and their robots is there and runs. Nothing is timed here."""
 
 import pytest
 
 from deploy.run.options import RunOptions
 from tests.benchmarks.crowds import measure, restless
+from tests.benchmarks.steps import crowd, step
 
 
 @pytest.mark.process
@@ -14,3 +15,7 @@ def test_a_fleet_is_measured_over_several_runs() -> None:
     assert found.cpu_ms > 0.0
     assert 0.0 < found.start < 30.0
     assert found.memory > 100.0
+
+
+def test_what_robots_spend_on_messages_is_counted() -> None:
+    assert step(crowd(2, "reciprocal", 0.0), 1) > 0.0

@@ -10,13 +10,20 @@ import pytest
 
 from deploy.calibrate import Calibration, MeasuredBounds, bounds, square, statements
 from deploy.library.load import load
-from protocol.bus.bus import Bus
+from protocol.bus.bus import Bus, Publish
+from protocol.bus.local import LocalNetwork
 from protocol.errors import BusError
 from protocol.scenario.body import Base
 from tests.agents.bases.wheels import STEP, Wheels
 from tests.forks import Forks
+from tests.proxy import Proxy
 
 LATENCY, TIMEOUT, NOISE = 0.04, 0.3, 0.008
+
+
+def telling(tell: Publish) -> Bus:
+    """A bus on which `tell` takes all commands."""
+    return Proxy(LocalNetwork().connect(), foreign=lambda *_: tell)
 
 
 def measured(scale: float = 1.0, seed: int = 0) -> MeasuredBounds:
@@ -27,8 +34,8 @@ def measured(scale: float = 1.0, seed: int = 0) -> MeasuredBounds:
     wheels.scale = scale
     table = replace(scenario.base_of(1), latency=LATENCY).of(1)
     sent: list[tuple[float, bytes]] = []
-    bus, now = Mock(spec=Bus), 0.0
-    bus.foreign.return_value = lambda payload: sent.append((now + LATENCY, payload))
+    now = 0.0
+    bus = telling(lambda payload: sent.append((now + LATENCY, payload)))
     driver = Calibration(bus, table, square(0.6, 0.15, 0.8), 1.0)
     heard: list[tuple[float, str, bytes]] = []
     for step in range(round(200.0 / STEP)):
@@ -100,9 +107,9 @@ def test_a_secured_router_would_let_nothing_of_a_base_pass(disknav: Forks, line:
 
 
 def test_nothing_is_told_before_the_base_and_its_localisation_speak():
-    bus = Mock(spec=Bus)
-    driver = Calibration(bus, Base().of(1), square(0.5, 0.1, 0.5), 1.0)
+    tell = Mock()
+    driver = Calibration(telling(tell), Base().of(1), square(0.5, 0.1, 0.5), 1.0)
     driver.wake(0.0)
-    bus.foreign.return_value.assert_not_called()
+    tell.assert_not_called()
     with pytest.raises(BusError, match="no message on bot1/odom and bot1/pose"):
         driver.wake(math.inf)
