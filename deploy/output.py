@@ -51,17 +51,20 @@ def writing(target: Path, what: str) -> Iterator[None]:
 
 @contextmanager
 def whole_folder(target: Path) -> Iterator[Path]:
-    """A fresh folder (mode 0700) that becomes `target`, in place of an earlier one; none after an error."""
-    target.parent.mkdir(parents=True, exist_ok=True)
-    fresh = Path(mkdtemp(prefix=f".{target.name}-", dir=target.parent))
-    try:
-        yield fresh
-        if target.exists():
-            rmtree(target)
-        fresh.rename(target)
-    except BaseException:
-        rmtree(fresh, ignore_errors=True)
-        raise
+    """A fresh folder (mode 0700) that becomes `target`, in place of an earlier one; none after an error.
+    Raises UsageError if it cannot be written.
+    """
+    with writing(target, "write"):
+        target.parent.mkdir(parents=True, exist_ok=True)
+        fresh = Path(mkdtemp(prefix=f".{target.name}-", dir=target.parent))
+        try:
+            yield fresh
+            if target.exists():
+                rmtree(target)
+            fresh.rename(target)
+        except BaseException:
+            rmtree(fresh, ignore_errors=True)
+            raise
 
 
 _STANDARD_OUTPUT = "-"

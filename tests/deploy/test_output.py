@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from deploy.output import check_json, is_standard_output, write_json, writing
+from deploy.output import check_json, is_standard_output, whole_folder, write_json, writing
 from protocol.errors import UsageError
 from protocol.scenario.file import parse_toml
 from tests.forks import Forks
@@ -20,6 +20,11 @@ def test_what_cannot_be_written_is_refused_beforehand(tmp_path: Path) -> None:
     for target in (tmp_path / "missing" / "result.json", tmp_path):
         with pytest.raises(UsageError, match="cannot write JSON to"):
             check_json(target)
+
+
+def test_a_folder_that_cannot_be_made_is_named() -> None:
+    with pytest.raises(UsageError, match="cannot write to /proc/new"), whole_folder(Path("/proc/new")):
+        pytest.fail("there is no such folder")
 
 
 def test_looking_leaves_nothing_behind_and_spoils_nothing(tmp_path: Path) -> None:

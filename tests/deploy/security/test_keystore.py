@@ -84,7 +84,7 @@ def test_a_failure_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.Mon
         raise OSError("no space left on device")
 
     monkeypatch.setattr(Authority, "issue", fail)
-    with pytest.raises(OSError, match="no space"):
+    with pytest.raises(UsageError, match="no space"):
         create(tmp_path / "keys", ROSTER)
     assert list(tmp_path.iterdir()) == []
 
