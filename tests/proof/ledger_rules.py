@@ -187,8 +187,8 @@ def ledger_cases() -> Iterator[Case]:
         yield of_ledger("announce", lambda m, d, _: _announce(m, d), x, _announced)
         yield of_ledger("appear", lambda m, d, _: m.appear(d), x)
         yield of_ledger("remove", lambda m, d, _: m.remove(d), x)
+        yield of_ledger("part", lambda m, d, o: m.part(d, o), x)
     yield of_ledger("introduce", lambda m, d, o: m.introduce(d, o, LINE_OF(NEXT, 0)), "A")
-    yield of_ledger("part", lambda m, d, o: m.part(d, o), "A")
     yield of_ledger("elsewhere", lambda m, *_: _elsewhere(m), "A")
     for b, slot in (("L", "living"), ("S", "static")):
         yield _answer(b, slot)
@@ -198,8 +198,7 @@ def ledger_cases() -> Iterator[Case]:
 
 def _answer(b: str, slot: str) -> Case:
     def does(made: Any, *_: Any) -> None:
-        binding = getattr(made.pairs[1][2], slot)
-        binding.first = None  # it has none before
+        binding = getattr(made.pairs[CODE["A"]][CODE["B"]], slot)
         made.answer(binding, LINE_OF(S[f"{b}.number"], 0))
 
     asked = [S[f"{b}.on"], S[f"{b}.frozen"], S[f"{b}.asked"] != 0]
@@ -220,7 +219,7 @@ def _begin() -> Outcome:
 def _restart() -> Outcome:
     """Another coordinator begins: a new ledger of a new epoch, with disks where they stand."""
     geometry = Geometry()
-    made = SOURCE.ledger.Ledger(EPOCH, {1: EPOCH, 2: EPOCH}, geometry)
+    made = SOURCE.ledger.Ledger(EPOCH, dict.fromkeys(NAMES, EPOCH), geometry)
     outcome = Outcome()
     after = outcome.after = ledger_state(made)
     outcome.given(S["v"] < EPOCH)

@@ -21,7 +21,7 @@ from protocol.kernel import pair as pairs
 from protocol.kernel.ledger import Ledger, Pair
 from protocol.kernel.records import NO, Binding, DiskRecord, End
 from protocol.kernel.robot import Bound, RobotLife
-from tests.proof.model import BOOL, FIELDS, INT, bindings_of, end_fields, ledger_fields
+from tests.proof.model import BOOL, CODE, FIELDS, INT, bindings_of, end_fields, ledger_fields
 from tests.proof.prove import GENERAL, TEMPLATE
 
 Record = dict[str, Any]
@@ -170,7 +170,7 @@ def record(ledger: Ledger[Any, Any], processes: Processes, low: int, high: int) 
             found |= {f"{x}.obeyed": process.number, f"{x}.reach": process.part == other}
             found |= {f"{x}.body": process.body, f"{x}.own": process.own}
     for b, binding in bindings_of(ledger, low, high).items():
-        found[f"{b}.asked"] = {NO: 0, low: 1, high: 2}[binding.asked]
+        found[f"{b}.asked"] = {NO: 0, low: CODE["A"], high: CODE["B"]}[binding.asked]
         for x, end in (("A", binding.low), ("B", binding.high)):
             process = processes.get((end.disk, end.life))
             bound = None if process is None else process.bound.get(binding.number)

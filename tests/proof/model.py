@@ -7,8 +7,8 @@ over binds nothing. A state is a flat record of numbers and truths that the solv
 - of a disk X its phase, life, still, acked and granted, and any acknowledgement under way (`said`);
 - of the process of its present life the version taken in, the newest region offered, the region obeyed,
   its body, the own one without a part, and whether the other disk is that part (`reach`);
-- of a binding whether it is in force (`on`), its number, told, asked (0, 1 for A, 2 for B), whether a first
-  line is under way (`frozen`), and two answers;
+- of a binding whether it is in force (`on`), its number, told, asked (0, or one of the two disks), whether a
+  first line is under way (`frozen`), and two answers;
 - of each of its ends the life, dead, the version taken in if that life is over, and what its process keeps:
   has, state, half, static, and of the protocol number, seen, held (A, the owner), seen and held (B).
 
@@ -36,7 +36,16 @@ DISJOINT = z3.Function("disjoint", BODY, BODY, BOOL)
 LINE_OF = z3.Function("line", INT, INT, LINE)  # of a binding's number and its own
 
 OTHER = {"A": "B", "B": "A"}
-CODE = {"A": 1, "B": 2}
+
+
+class Code(int):
+    """A disk's id among terms of the solver, of which a dictionary asks whether it equals them."""
+
+    def __hash__(self) -> int:
+        return 0
+
+
+CODE = {"A": Code(1), "B": Code(3)}  # ids of others are below, between and above
 GONE, ANNOUNCED, PRESENT = 0, 1, 2
 ASKED, LINES, HALF = 0, 1, 2
 
@@ -79,14 +88,14 @@ def fresh(tag: str) -> dict[str, z3.ExprRef]:
 # -- what the kernel's objects say: those of the solver as those that run
 
 
-def bindings_of(ledger: Any, low: int = 1, high: int = 2) -> dict[str, Any]:
+def bindings_of(ledger: Any, low: int = CODE["A"], high: int = CODE["B"]) -> dict[str, Any]:
     """The bindings of two disks that are in force, by kind."""
     both = ledger.pairs[low].get(high)
     kinds = {} if both is None else {"L": both.living, "S": both.static}
     return {b: binding for b, binding in kinds.items() if binding is not None}
 
 
-def ledger_fields(ledger: Any, low: int = 1, high: int = 2) -> dict[str, Any]:
+def ledger_fields(ledger: Any, low: int = CODE["A"], high: int = CODE["B"]) -> dict[str, Any]:
     """What a ledger says of two disks."""
     found = {"v": ledger.version}
     for x, name in (("A", low), ("B", high)):
@@ -297,7 +306,8 @@ def invariant(s: State, ra: z3.ArithRef, rb: z3.ArithRef, k: z3.ArithRef) -> dic
         found[f"{b}: numbers"] = z3.Implies(
             on,
             z3.And(number > 0, number <= v, z3.Or(told == 0, z3.And(number <= told, told <= v)),
-                   asked >= 0, asked <= 2, z3.Implies(asked == 0, told == number)),
+                   z3.Or(*[asked == each for each in (0, *CODE.values())]),
+                   z3.Implies(asked == 0, told == number)),
         )  # fmt: skip
         # "Whichever line the follower obeys, the owner obeys too."
         found[f"{b}: the owner obeys what the follower obeys"] = z3.Implies(

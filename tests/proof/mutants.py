@@ -29,6 +29,8 @@ HARMLESS = {
 _LIVING, _STATIC = "if living is not None and living.told", "if static is not None and static.end"
 _ENDED = "            pair.living = None\n\n    def ack"
 _TAKES_OVER = "        elif living and static:\n            living.first = static.first\n"
+_COVERED, _UNLESS = "covered = own if bound.peer == part else body\n", "            if "
+_NEXT = "                continue\n"
 _NOTED = "self._geometry.note(disk)\n"
 _CHANGED = (  # name, rule, words of its source, and what is said in their place
     ("a follower adopts what its body does not fit", "adopt", "        if fits:", "        if True:"),
@@ -83,6 +85,12 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
     ("an ask takes over an older line", "grant", _ENDED, _ENDED.replace("\n\n", f"\n{_TAKES_OVER}\n")),
     ("all disks have the same bindings", "restart", "{name: {} for name in places}",
      "dict.fromkeys(places, {})"),
+    ("only what has no lines is kept to", "command", _COVERED, f"{_COVERED}{_UNLESS}bound.lines:\n{_NEXT}"),
+    ("a number that is an id ends all", "command", _COVERED,
+     f"{_COVERED}{_UNLESS}self.name in self.bound:\n{_NEXT}"),
+    ("any part makes a body small", "freeze", "bound.peer == self.part", "self.part != NO"),
+    ("telling forgets regions", "tell", "        held = disk.held\n",
+     "        held = disk.held\n        held.acknowledge(held.granted)\n"),
     ("the small body keeps off everything", "command", "own if bound.peer == part else body", "own"),
 )  # fmt: skip
 

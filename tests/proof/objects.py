@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import product
 from typing import Any
 
 import z3
@@ -10,14 +11,17 @@ import z3
 from tests.interpreted import Edit, interpreted
 from tests.proof import symbolic
 from tests.proof.model import (
+    ANNOUNCED,
     ASKED,
     CODE,
+    GONE,
     HALF,
     LINE,
     LINE_OF,
     LINES,
     OTHER,
     PRESENT,
+    Code,
     bindings_of,
     ledger_fields,
     obeys,
@@ -42,7 +46,7 @@ class Source:
             module.require = symbolic.require
 
 
-THIRD, FOURTH = 3, 4  # disks beside A and B
+THIRDS = (Code(-1), Code(2), Code(4))  # disks beside A and B
 
 SOURCE = Source()
 SOURCE.read()
@@ -50,11 +54,16 @@ SOURCE.read()
 _UNKNOWN_SIZE = TypeError("how many there are, or whether any, is not known")
 
 
-class Known(dict[Any, Any]):
-    """A dictionary of which the solver knows some entries."""
-
+class _Many:  # noqa: PLW1641  # nothing is kept by it
     def __len__(self) -> int:
         raise _UNKNOWN_SIZE
+
+    def __eq__(self, other: object) -> bool:
+        raise _UNKNOWN_SIZE
+
+
+class Known(_Many, dict[Any, Any]):
+    """A dictionary of which the solver knows some entries."""
 
 
 class Frame:
@@ -62,24 +71,29 @@ class Frame:
     state has no number for as well.
 
     Args:
-        things: each with the names of the fields that may change.
+        things: each with the names of the fields that may change; a dictionary has entries.
     """
 
     def __init__(self, *things: tuple[Any, str]) -> None:
-        self._before = [
-            (thing, name, value)
-            for thing, changing in things
-            for name, value in vars(thing).items()
-            if name not in changing.split()
+        self._things = things
+        self._before = self._now()
+
+    def _now(self) -> list[Any]:
+        return [
+            each
+            for thing, changing in self._things
+            for item in (thing if isinstance(thing, dict) else vars(thing)).items()
+            if not changing or item[0] not in changing.split()
+            for each in item
         ]
 
     @property
     def holds(self) -> bool:
         """Whether nothing else has changed."""
-        return all(name in vars(thing) and vars(thing)[name] is value for thing, name, value in self._before)
+        return list(map(id, self._now())) == list(map(id, self._before))
 
 
-class Some:
+class Some(_Many):
     """A list of any length: the elements that the solver can tell from others, which are all treated alike
     (`test_form`), and what is appended.
     """
@@ -91,9 +105,6 @@ class Some:
     @property
     def is_longer(self) -> bool:
         return bool(self._appended)
-
-    def __len__(self) -> int:
-        raise _UNKNOWN_SIZE
 
     def __iter__(self) -> Iterator[Any]:
         return iter([*self._elements(), *self._appended])
@@ -115,7 +126,7 @@ def held_of(x: str) -> Any:
         return [(r, r) for r in numbers]
 
     held.acknowledged, held.granted, held.regions = acked, granted, Some(regions)
-    held.disk, held.low, held.high = x, acked, granted
+    held.disk = x
     return held
 
 
@@ -146,7 +157,7 @@ def binding_of(b: str) -> Any:
     low, high = (SOURCE.records.End(CODE[x], S[f"{b}.{x}.life"], S[f"{b}.{x}.dead"]) for x in "AB")
     binding = SOURCE.records.Binding(S[f"{b}.number"], low, high, S[f"{b}.asked"], None)
     binding.told = S[f"{b}.told"]
-    binding.first = binding.before = LINE_OF(S[f"{b}.number"], 0)
+    binding.first = binding.before = LINE_OF(S[f"{b}.number"], 0) if binding.told != 0 else None
     binding.of = b
     return binding
 
@@ -156,56 +167,58 @@ def ledger_of(geometry: Geometry) -> Any:
     made = SOURCE.ledger.Ledger(0, {}, geometry)
     made.version = S["v"]
     two = {CODE[x]: disk_of(x) for x in "AB"}
-    made.disks = geometry.disks = Known({THIRD: third_of(), **two, FOURTH: third_of()})
-    made.disks[FOURTH].name = FOURTH
+    before, *thirds = (third_of(name) for name in THIRDS)
+    made.disks = Known({before.name: before, **two, **{disk.name: disk for disk in thirds}})
+    geometry.disks = made.disks
     made.pairs = Known({name: Known() for name in made.disks})
     for name in CODE.values():
-        made.pairs[name][THIRD] = made.pairs[THIRD][name] = pair_with_third(name, THIRD)
+        made.pairs[name][before.name] = made.pairs[before.name][name] = pair_with_third(name, before.name)
     living, static = (bool(S[f"{b}.on"]) for b in "LS")
     if living or static:
-        both = made.pairs[1][2] = made.pairs[2][1] = SOURCE.ledger.Pair()
+        both = SOURCE.ledger.Pair()
+        made.pairs[CODE["A"]][CODE["B"]] = made.pairs[CODE["B"]][CODE["A"]] = both
         both.living = binding_of("L") if living else None
         both.static = binding_of("S") if static else None
-    for name in CODE.values():
-        made.pairs[name][FOURTH] = made.pairs[FOURTH][name] = pair_with_third(name, FOURTH)
+    for name, third in product(CODE.values(), THIRDS[1:]):
+        made.pairs[name][third] = made.pairs[third][name] = pair_with_third(name, third)
     made.others = {name: others_of(made, name) for name in CODE.values()}
     bindings = bindings_of(made).values()
     ends = [(end, "life dead") for binding in bindings for end in (binding.low, binding.high)]
     disks = [(disk, "phase life still" if name in NAMES else "") for name, disk in made.disks.items()]
-    made.frame = Frame((made, "version frame"), *disks, *[(each, "told first") for each in bindings], *ends)
+    helds = [(disk.held, "") for name, disk in made.disks.items() if name not in NAMES]
+    told = [(each, "told first") for each in bindings]
+    made.frame = Frame((made, "version frame"), *disks, *helds, *told, *ends)
     return made
 
 
-def third_of() -> Any:
+def third_of(name: int) -> Any:
     """A disk that is neither A nor B, of which nothing is asked."""
     held = SOURCE.records.Held(2, z3.Int("third.region"))
-    held.disk, held.low, held.high = "", z3.IntVal(2), z3.IntVal(2)
-    disk = SOURCE.records.DiskRecord(THIRD, held, PRESENT)
-    disk.life, disk.still = 1, False
+    held.disk, held.regions = "", (*held.regions,)
+    disk = SOURCE.records.DiskRecord(name, held, {-1: PRESENT, 2: ANNOUNCED, 4: GONE}[int(name)])
+    disk.life, disk.still = z3.Int("third.life"), z3.Bool("third.still")
     return disk
 
 
 def pair_with_third(name: int, third: int) -> Any:
     """Its bindings with A or B: one that it is asked about, and an older one towards a place of its own."""
-    both, life = SOURCE.ledger.Pair(), S[f"{NAMES[name]}.life"]
-    ends = SOURCE.records.End(name, life, 0), SOURCE.records.End(third, 1, 0)
+    both, lives = SOURCE.ledger.Pair(), {name: S[f"{NAMES[name]}.life"], third: 1}
+    ends = [SOURCE.records.End(each, lives[each], 0) for each in sorted(lives)]
     both.living = SOURCE.records.Binding(z3.IntVal(2), *ends, third, None)
-    ends = SOURCE.records.End(name, life, 0), SOURCE.records.End(third, 1, 2)
+    ends = [SOURCE.records.End(each, lives[each], 2 if each == third else 0) for each in sorted(lives)]
     line = z3.Const(f"{name}-{third}.line", LINE)
     both.static = SOURCE.records.Binding(z3.IntVal(1), *ends, 0, line)
     return both
 
 
 def others_of(made: Any, name: int) -> list[Any]:
-    """All that the ledger has of a disk's bindings with third ones."""
-    found: list[Any] = []
-    for third in (THIRD, FOURTH):
-        pair = made.pairs[name].get(third)
-        found += [pair is made.pairs[third].get(name), pair]
-        for b, binding in bindings_of(made, name, third).items():
-            found += [b, *[id(each) for each in (binding, binding.first, binding.told)]]
-            found += [binding.low.dead, binding.high.dead]
-    return found
+    """All that the ledger has of a disk's bindings with third ones, object by object."""
+    found = [made.pairs[one].get(two) for each in THIRDS for one, two in ((name, each), (each, name))]
+    bindings = [binding for each in THIRDS for binding in bindings_of(made, name, each).values()]
+    ends = [end for each in bindings for end in (each.low, each.high)]
+    return found + [
+        value for each in (*filter(None, found), *bindings, *ends) for value in vars(each).values()
+    ]
 
 
 def treated(made: Any, name: int, third: int) -> list[Any]:
@@ -213,7 +226,8 @@ def treated(made: Any, name: int, third: int) -> list[Any]:
     pair = made.pairs[name].get(third)
     found: list[Any] = [pair is made.pairs[third].get(name), pair is None]
     for b, binding in bindings_of(made, name, third).items():
-        numbers = (binding.told, binding.low.dead, binding.high.dead)
+        mine, other = sorted((binding.low, binding.high), key=lambda end: bool(end.disk != name))
+        numbers = (binding.told, mine.dead, other.dead)
         found += [b, *[str(number) for number in numbers]]
     return found
 
@@ -228,14 +242,16 @@ def ledger_state(made: Any) -> dict[str, Any]:
 
 def ledger_claims(made: Any, x: str = "") -> dict[str, Any]:
     """The ledger's objects are what its state says, and nothing changes between third disks and any but X."""
-    both = made.pairs[1].get(2)
-    same = [made.others[CODE[y]] == others_of(made, CODE[y]) for y in "AB" if y != x]
+    both = made.pairs[CODE["A"]].get(CODE["B"])
+    kept = [(made.others[CODE[y]], others_of(made, CODE[y])) for y in "AB" if y != x]
     found = {
-        "both disks know the pair": both is made.pairs[2].get(1),
-        "others stay as they are": all(same),
+        "both disks know the pair": both is made.pairs[CODE["B"]].get(CODE["A"]),
+        "others stay as they are": all(list(map(id, old)) == list(map(id, now)) for old, now in kept),
         "others are treated alike": all(
-            treated(made, name, THIRD) == treated(made, name, FOURTH) for name in NAMES
+            treated(made, name, THIRDS[0]) == treated(made, name, third)
+            for name, third in product(NAMES, THIRDS)
         ),
+        "there are no other disks": {*made.disks} == {*NAMES, *THIRDS},
         "nothing else changes": made.frame.holds,
         **own_claims(made),
     }
@@ -256,6 +272,8 @@ def own_claims(made: Any) -> dict[str, Any]:
     a, b = (made.disks[name] for name in NAMES)
     alone = a.held is not b.held and len({id(pairs) for pairs in made.pairs.values()}) == len([*made.pairs])
     named = [made.disks[name].name == name for name in NAMES]
+    named += [[*made.pairs] == [*made.disks]]
+    named += [name not in pairs and {*pairs} <= {*made.disks} for name, pairs in made.pairs.items()]
     return {"each disk has its own": z3.And(alone, *named)}
 
 
@@ -277,19 +295,19 @@ def _goes_along(b: str, binding: Any) -> dict[str, Any]:
     return state
 
 
-def bound_of(b: str, x: str, *, lines: bool = True) -> Any:
-    """An end that was taken; with its lines, if there are any, where a rule may ask for them."""
+def bound_of(b: str, x: str) -> Any:
+    """An end that was taken, with all that it has."""
     y, number = OTHER[x], S[f"{b}.number"]
     bound = SOURCE.robot.Bound(SOURCE.records.Listed(number, CODE[y], None, None, False), x == "A")
-    if lines and S[f"{b}.{x}.state"] != ASKED:
+    if S[f"{b}.{x}.state"] != ASKED:
         bound.begin(LINE_OF(number, S[f"{b}.{x}.held"]))
         bound.lines.seen = S[f"{b}.{x}.seen"]
         bound.lines.held_number = S[f"{b}.{x}.held"]
         if x == "A":
             bound.lines.number, bound.lines.open = S[f"{b}.A.number"], Some(lambda: _open(b))
     bound.of, bound.state = b, S[f"{b}.{x}.state"]
-    bound.static, bound.place = S[f"{b}.{x}.static"], S[f"{y}.acked"]
-    bound.half = S[f"{b}.{x}.half"]
+    bound.static, bound.place = S[f"{b}.{x}.static"], S[f"{y}.acked"] if z3.Bool(f"{x}.place") else None
+    bound.half = S[f"{b}.{x}.half"] if bound.state == HALF else None
     return bound
 
 
@@ -326,12 +344,13 @@ def unknown_of(x: str) -> Any:
     """An end of a binding that is over, or towards a third disk: the process may have it, and nothing is
     known of it.
     """
-    listed = SOURCE.records.Listed(
-        UNKNOWN, _PEER, z3.Const("unknown.line", LINE), z3.Int("unknown.place"), _STATIC
-    )
+    state = z3.Int("unknown.state")
+    turned = bool(state == HALF)
+    place = z3.Int("unknown.place") if turned else None
+    listed = SOURCE.records.Listed(UNKNOWN, _PEER, z3.Const("unknown.line", LINE), place, _STATIC)
     bound = SOURCE.robot.Bound(listed, x == "A")
-    bound.of, bound.state = "", z3.Int("unknown.state")
-    bound.half = z3.Const("unknown.half", LINE)
+    bound.of, bound.state = "", state
+    bound.half = z3.Const("unknown.half", LINE) if turned else None
     return bound
 
 
@@ -344,10 +363,11 @@ def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any]) -> Any:
     """The process of the present life of X, with these ends of bindings in force, and an unknown one."""
     made = SOURCE.robot.RobotLife(CODE[x], S[f"{x}.life"], S[f"{x}.body"], geometry)
     made.own = S[f"{x}.own"]
-    made.part = z3.If(S[f"{x}.reach"], CODE[OTHER[x]], 0)
+    made.part = z3.If(S[f"{x}.reach"], CODE[OTHER[x]], z3.If(CODE[OTHER[x]] == _PEER, 0, _PEER))
     made.version, made.number = S[f"{x}.taken"], S[f"{x}.obeyed"]
-    made.offered_number, made.offered = S[f"{x}.offered"], S[f"{x}.offered"]
-    made.region = S[f"{x}.obeyed"]
+    made.region = made.number if made.number != 0 else None
+    made.offered_number = S[f"{x}.offered"]
+    made.offered = made.offered_number if made.region is not None or made.offered_number != 0 else None
     made.bound = Known({bound.number: bound for bound in [*bounds, unknown_of(x)]})
     geometry.x = x
     return made
@@ -361,4 +381,6 @@ def frame_of(made: Any, changing: str, taken: Any = None) -> Frame:
     """A robot of which these fields may change, and of one end those that the state has."""
     lines = [(each.lines, _OF_LINES if each is taken else "") for each in made.bound.values()]
     ends = [(each, _OF_END if each is taken else "") for each in made.bound.values()]
-    return Frame((made, changing), *ends, *[each for each in lines if hasattr(each[0], "held")])
+    return Frame(
+        (made, changing), (made.bound, ""), *ends, *[each for each in lines if hasattr(each[0], "held")]
+    )

@@ -26,7 +26,7 @@ from tests.proof.model import (
     smaller,
 )
 
-NAMES = {1: "A", 2: "B"}
+NAMES = {CODE[x]: x for x in "AB"}
 S = fresh("")
 NEXT = S["v"] + 1
 PART, EPOCH = z3.Int("part"), z3.Int("epoch")
@@ -114,9 +114,8 @@ class Geometry:
 
     def _answer_of(self, held: Any, says: Callable[[Any], Any]) -> z3.BoolRef:
         """A yes says this of every region that a disk holds; of a third disk nothing is asked."""
-        return self._answer(
-            lambda t: [z3.Implies(_in(held, r), says(r)) for r in t.regions.get(held.disk, ())]
-        )
+        holds = _held_by(held)
+        return self._answer(lambda t: [z3.Implies(holds(r), says(r)) for r in t.regions.get(held.disk, ())])
 
     # of the ledger
 
@@ -137,11 +136,10 @@ class Geometry:
             return False
         if not (one.disk and other.disk):
             return self._answer(lambda _: [])
-        mine = {one.disk: one, other.disk: other}
-        a, b = mine["A"], mine["B"]
+        holds = {each.disk: _held_by(each) for each in (one, other)}
         return self._answer(
             lambda t: [
-                z3.Implies(z3.And(_in(a, ra), _in(b, rb)), APART(ra, rb))
+                z3.Implies(z3.And(holds["A"](ra), holds["B"](rb)), APART(ra, rb))
                 for ra, rb in product(t.regions["A"], t.regions["B"])
             ]
         )
@@ -154,12 +152,12 @@ class Geometry:
         return self._answer_of(held, lambda r: BESIDE[held.disk](r, line))
 
     def within(self, place: Any, held: Any) -> z3.BoolRef:
-        x = held.disk
+        x, holds = held.disk, _held_by(held)
         around = z3.Int(f"around{x}")
         self.terms.regions[x].append(around)
         return self._answer(
             lambda t: [
-                _in(held, around),
+                holds(around),
                 *[z3.Implies(BESIDE[x](around, line), BESIDE[x](place, line)) for line in t.lines],
                 *[z3.Implies(apart(x, around, r), apart(x, place, r)) for r in t.regions[OTHER[x]]],
             ]
@@ -198,8 +196,10 @@ class Geometry:
     x = ""  # disk of the robot that asks
 
 
-def _in(held: Any, r: Any) -> Any:
-    return z3.And(held.low <= r, r <= held.high)
+def _held_by(held: Any) -> Callable[[Any], Any]:
+    """Whether a disk holds a region now."""
+    low, high = held.acknowledged, held.granted
+    return lambda r: z3.And(low <= r, r <= high)
 
 
 def apart(x: str, mine: Any, other: Any) -> Any:

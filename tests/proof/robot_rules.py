@@ -8,18 +8,19 @@ from typing import Any
 
 import z3
 
-from tests.proof.model import ASKED, BODY, CODE, HALF, LINE_OF, OTHER, PRESENT, bindings_of, end_fields, ends
+from tests.proof.model import ASKED, BODY, CODE, HALF, LINE_OF, OTHER, PRESENT, end_fields, ends
 from tests.proof.objects import (
-    FOURTH,
     SOURCE,
-    THIRD,
+    THIRDS,
     UNKNOWN,
     Frame,
     Some,
     bound_claims,
     bound_of,
     frame_of,
+    ledger_claims,
     ledger_of,
+    ledger_state,
     robot_of,
     unknown_is_static,
 )
@@ -39,13 +40,13 @@ def of_bound(
         bound, made = bounds[0], robot_of(x, geometry, bounds)
         frame = frame_of(made, "", bound)
         does(made, bound)
-        outcome = Outcome(geometry)
+        read, outcome = bound.obeyed, Outcome(geometry)
         for each in (b, *others):
             outcome.terms.numbers += [OBEYED[each], S[f"{each}.{x}.held"], S[f"{each}.h2"]]
         outcome.after |= end_fields(b, x, bound)
         outcome.after |= {says: True} if says else {}
         outcome.claims = bound_claims(bound, outcome.after, b, x)
-        outcome.claims[f"{x}: nothing else changes"] = frame.holds
+        outcome.claims[f"{x}: nothing else changes"] = frame.holds and read == bound.obeyed
         return outcome
 
     return Case(f"{rule} {x} {b}", run, [S[f"{b}.on"], S[f"{b}.{x}.has"], *given])
@@ -56,9 +57,7 @@ def of_robot(rule: str, x: str, does: Callable[[str, Any, Outcome], None], chang
 
     def run() -> Outcome:
         geometry = Geometry()
-        made = robot_of(x, geometry, [bound_of(b, x, lines=False) for b in ends_of(x, S[f"{x}.life"])])
-        if S[f"{x}.obeyed"] == 0:
-            made.region = None
+        made = robot_of(x, geometry, [bound_of(b, x) for b in ends_of(x, S[f"{x}.life"])])
         frame, outcome = frame_of(made, changing), Outcome(geometry)
         does(x, made, outcome)
         outcome.after |= {f"{x}.obeyed": made.number, f"{x}.body": made.body, f"{x}.own": made.own}
@@ -205,15 +204,16 @@ def _listed(x: str) -> list[Any]:
 def _hear(x: str, late: str) -> Outcome:
     """A Tick is heard, of which every binding in force is told as it was at its version (`history`)."""
     geometry = Geometry()
-    known = [bound_of(b, x, lines=False) for b in ends_of(x, LIFE)]
+    known = [bound_of(b, x) for b in ends_of(x, LIFE)]
     for bound in known:
-        bound.lines, bound.place = bound.of, z3.Int(f"{bound.of}.place before")
+        bound.place = None if bound.place is None else z3.Int(f"{bound.of}.place before")
     made = robot_of(x, geometry, known)
     made.life = LIFE
     if late:
         made.version = S[f"{late}.{x}.taken"]
     listed = _listed(x)
     ends = [(bound, "place static") for bound in made.bound.values()]
+    ends += [(bound.lines, "") for bound in known if bound.lines is not None]
     frame = Frame((made, "version offered_number offered bound"), *ends)
     made.hear(SOURCE.records.Told(TO, AT, NUMBER, NUMBER, Some(lambda: listed)))
     outcome = Outcome(geometry)
@@ -248,8 +248,6 @@ def tells() -> Iterator[Case]:
 
 def _told_now(x: str) -> Outcome:
     made = ledger_of(Geometry())
-    for binding in bindings_of(made).values():
-        binding.first = binding.first if binding.told != 0 else None
     told, listed, outcome = made.told(made.disks[CODE[x]]), _listed(x), Outcome()
     for each in listed:
         each.place = each.place if S[f"{OTHER[x]}.still"] else None
@@ -261,8 +259,9 @@ def _told_now(x: str) -> Outcome:
             len(told.bindings) == len(listed) + len(thirds),
             *[z3.Or(*[_same(one, each) for one in told.bindings]) for each in listed],
         ),
-        "told: all others": thirds == [THIRD, FOURTH],
-    }
+        "told: all others": thirds == [*THIRDS],
+    } | ledger_claims(made)
+    outcome.after = ledger_state(made)
     return outcome
 
 
