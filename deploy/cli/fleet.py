@@ -109,8 +109,8 @@ def add(
     operation = _operation({"add": spec})
     with _operating(run, router, secure) as operator:
         _done(operator, operation)
-        member = operator.appeared(robot, within)
-    state = "is live" if member.status == "live" else "is in place, and waits for its process"
+        status = operator.appeared(robot, within)
+    state = "is live" if status == "live" else "is in place, and waits for its process"
     print(f"run {run}: robot {robot} {state}")
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
+from math import inf
 from pathlib import Path
-from typing import TypeVar
 
 import msgspec
 
@@ -18,7 +18,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode, encode
 from protocol.errors import BusError, MessageError, UsageError
 from protocol.keys import STREAMS, checked_run, robot_key, world_key
-from protocol.messages import GoalStatus, Member, PlacedObstacle, Vector, Wish
+from protocol.messages import GoalStatus, Vector, Wish
 from protocol.operations import Reply, decode_reply
 from protocol.process.log import LOG
 from protocol.process.signals import STOP
@@ -26,8 +26,8 @@ from protocol.scenario.model import Operation
 
 ANSWER = 5.0  # s for a router to accept, and for a world to answer
 _LOOK = 0.05  # s between queries of the state
-
-T = TypeVar("T")
+_AWAY = 60.0  # s in which a world that has answered may be restarted
+_PRESENT = ("standing", "live")
 
 
 class Operator:
@@ -41,6 +41,7 @@ class Operator:
 
     def __init__(self, bus: Bus, run: str, warn: Callable[[str], None] = LOG.warning) -> None:
         self._bus, self._run, self._warn, self._warned = bus, checked_run(run), warn, False
+        self._heard = inf  # s, monotonic: newest answer
         self._wishes: dict[int, Publish] = {}  # publishers, by robot
 
     def operate(self, operation: Operation | None = None) -> Reply:
@@ -49,13 +50,16 @@ class Operator:
         If several worlds answer, their replies are combined: a refusal if one refuses, the newest tick,
         halted if all are, and all robots that move.
 
-        Raises BusError without an answer, MessageError if the answer is of another version.
+        Raises BusError without an answer (the operation may take effect all the same), MessageError if the
+        answer is of another version.
         """
         request = b"" if operation is None else msgspec.msgpack.encode(operation)
         try:
             answers = self._bus.ask(world_key(self._run, "operation"), request, ANSWER)
         except BusError as error:
-            raise BusError(f"no world of run {self._run!r} answers: {error}") from error
+            late = f" (It may still obey: look at `disknav monitor {self._run}` first.)" if operation else ""
+            raise BusError(f"no world of run {self._run!r} answers: {error}{late}") from error
+        self._heard = time.monotonic()
         if len(answers) > 1 and not self._warned:
             self._warned = True
             self._warn(f"{len(answers)} worlds of run {self._run!r} answer: end all but one")
@@ -74,53 +78,41 @@ class Operator:
         self._wishes[robot](encode(Wish(robot, velocity)))
 
     def reach(self, within: float) -> None:
-        """Wait until the first tick of this run is over; raises BusError after `within` s."""
-        deadline = time.monotonic() + within
-        while True:
-            try:
-                begun = self.operate().tick > 0
-            except BusError:
-                if time.monotonic() >= deadline:
-                    raise
-                begun = False
-            if begun or time.monotonic() >= deadline:
-                return
-            STOP.check()
-            self._bus.receive(_LOOK)
+        """Wait until the first tick of this run is over, at most `within` s; BusError without a world."""
+        self._repeat(None, lambda reply: reply.tick > 0, within)
 
-    def appeared(self, robot: int, within: float) -> Member:
-        """Wait until the disk of an added robot is present.
+    def appeared(self, robot: int, within: float) -> str:
+        """Wait until the disk of an added robot is present; returns its status.
         Raises BusError if another robot still occupies its place after `within` s.
         """
 
-        def found(reply: Reply) -> Member | None:
-            member = next((each for each in reply.roster.members if each.robot == robot), None)
-            return member if member is not None and member.status in ("standing", "live") else None
+        def status(reply: Reply) -> str:
+            return next((each.status for each in reply.roster.members if each.robot == robot), "")
 
-        return self._awaited(found, within, f"robot {robot} has not appeared within {within:g} s")
+        return self._awaited(status, within, f"robot {robot}")
 
-    def stands(self, number: int, within: float) -> PlacedObstacle:
+    def stands(self, number: int, within: float) -> None:
         """Wait until an accepted obstacle is present.
         Raises BusError if a robot still occupies its place after `within` s, or the obstacle was removed.
         """
 
-        def found(reply: Reply) -> PlacedObstacle | None:
-            obstacle = next((each for each in reply.obstacles if each.number == number), None)
-            if obstacle is None:
-                raise BusError(f"obstacle {number} was removed")
-            return obstacle if obstacle.status == "standing" else None
+        def status(reply: Reply) -> str:
+            for obstacle in reply.obstacles:
+                if obstacle.number == number:
+                    return obstacle.status
+            raise BusError("it was removed")
 
-        return self._awaited(found, within, f"obstacle {number} has not appeared within {within:g} s")
+        self._awaited(status, within, f"obstacle {number}")
 
-    def _awaited(self, found: Callable[[Reply], T | None], within: float, text: str) -> T:
-        """Query the state until `found` returns a value, at most `within` s."""
-        deadline = time.monotonic() + within
-        while (result := found(self.operate())) is None:
-            if time.monotonic() >= deadline:
-                raise BusError(f"{text}: a robot occupies its place")
-            STOP.check()
-            self._bus.receive(_LOOK)
-        return result
+    def _awaited(self, status: Callable[[Reply], str], within: float, what: str) -> str:
+        """Query the status of a disk until it is present, at most `within` s."""
+        try:
+            found = status(self._repeat(None, lambda reply: status(reply) in _PRESENT, within))
+        except BusError as error:
+            raise BusError(f"{what} was accepted, but has not appeared: {error}") from error
+        if found not in _PRESENT:
+            raise BusError(f"{what} has not appeared within {within:g} s: a robot occupies its place")
+        return found
 
     def stop(self, within: float) -> Reply:
         """Stop all robots: repeats the request until every world confirms that they stand.
@@ -128,11 +120,24 @@ class Operator:
         Returns the last reply; its `moving` lists the robots that do not stand after `within` s. Raises as
         `operate`.
         """
+        return self._repeat(Operation(halt=True), lambda told: told.halted and not told.moving, within)
+
+    def _repeat(self, operation: Operation | None, done: Callable[[Reply], bool], within: float) -> Reply:
+        """Repeat a request until its reply is `done`, at most `within` s; returns the last reply.
+
+        The world may be restarted meanwhile: BusError is raised if none answers at the end, or for too long.
+        """
         deadline = time.monotonic() + within
         while True:
-            told = self.operate(Operation(halt=True))
-            if (told.halted and not told.moving) or time.monotonic() >= deadline:
-                return told
+            try:
+                reply = self.operate(operation)
+            except BusError:
+                if time.monotonic() >= min(deadline, self._heard + _AWAY):
+                    raise
+            else:
+                if done(reply) or time.monotonic() >= deadline:
+                    return reply
+            STOP.check()
             self._bus.receive(_LOOK)
 
     def outcome(self, robot: int, number: int, within: float) -> GoalStatus:

@@ -16,8 +16,9 @@ from protocol.bus.local import LocalNetwork
 from protocol.codec import decode, encode
 from protocol.errors import BusError
 from protocol.keys import robot_key, world_key
-from protocol.messages import Command, Message, Tick
+from protocol.messages import Command, Message, PlacedObstacle, Tick
 from protocol.operations import Reply
+from protocol.scenario.model import Operation
 from tests.listening import overhear
 from tests.mortal import MortalFleet
 from tests.system.orders.turnover import asked, step
@@ -184,13 +185,15 @@ def test_a_robot_does_not_go_back_to_a_coordinator_that_it_has_left(tmp_path: Pa
 
 
 class Answers:
-    """A bus on which worlds answer as they are told."""
+    """A bus on which worlds answer as they are told; none does in a round without replies."""
 
     def __init__(self, *rounds: tuple[Reply, ...]) -> None:
         self.rounds = list(rounds)
 
     def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
         replies = self.rounds.pop(0) if len(self.rounds) > 1 else self.rounds[0]
+        if not replies:
+            raise BusError("no answer")
         return [msgspec.msgpack.encode(reply) for reply in replies]
 
     def receive(self, timeout: float) -> None: ...
@@ -198,20 +201,28 @@ class Answers:
 
 def test_a_stop_is_repeated_until_all_of_all_worlds_stand() -> None:
     said: list[str] = []
-    moving, stands = Reply(True, tick=4, halted=True, moving=(2,)), Reply(True, tick=5, halted=True)
-    bus = Answers((moving,), (stands, Reply(True, tick=9, halted=False)), (stands, moving), (stands, stands))
+    moving, stands = Reply(True, tick=4, halted=True, moving=(2, 3)), Reply(True, tick=5, halted=True)
+    bus = Answers(
+        (), (moving,), (), (stands, Reply(True, tick=9, halted=False)), (stands, moving), (stands, stands)
+    )
     told = Operator(bus, "r", said.append).stop(60.0)  # type: ignore[arg-type]
     assert told == stands
     assert len(bus.rounds) == 1
     assert said == ["2 worlds of run 'r' answer: end all but one"]
-
-
-def test_a_stop_that_has_no_effect_names_the_robots_that_move() -> None:
-    bus = Answers(
-        (Reply(True, tick=4, halted=True, moving=(2, 3)), Reply(True, tick=4, halted=True, moving=(3, 7)))
-    )
+    bus = Answers((Reply(True, tick=4, halted=True, moving=(3, 7)), moving))
     told = Operator(bus, "r", print).stop(0.0)  # type: ignore[arg-type]
-    assert (told.halted, told.moving) == (True, (2, 3, 7))
+    assert (told.halted, told.moving) == (True, (2, 3, 7)), "without effect it names those that move"
+
+
+def test_what_became_of_an_order_is_asked_while_its_world_may_be_restarted() -> None:
+    there = Reply(True, tick=4, obstacles=(PlacedObstacle(1, "standing", ((0.0, 0.0),), 0.1),))
+    Operator(Answers((), (there,)), "r").stands(1, 60.0)  # type: ignore[arg-type]
+    away = Operator(Answers(()), "r")  # type: ignore[arg-type]
+    away._heard = -1e9
+    with pytest.raises(BusError, match="obstacle 1 was accepted, but has not appeared: no world of run 'r'"):
+        away.stands(1, 1e6)
+    with pytest.raises(BusError, match="may still obey: look at `disknav monitor r`"):
+        away.operate(Operation(halt=False))
 
 
 def test_a_join_request_names_a_session_that_can_stand_in_a_key() -> None:
