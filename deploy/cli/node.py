@@ -120,7 +120,6 @@ def world(
     begin("world", run_name, log)
     if checkpoint is not None and not os.path.lexists(checkpoint):
         Checkpoint.create(checkpoint)
-    lockstep = mode == "lockstep"
     verdicts: list[int] = []
 
     def tell(report: dict[str, Any]) -> None:
@@ -131,7 +130,7 @@ def world(
         connection,
         run_name,
         loaded,
-        lockstep,
+        mode == "lockstep",
         gathering=wait,
         checkpoint=checkpoint,
         tell=tell,

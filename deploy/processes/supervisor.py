@@ -75,7 +75,7 @@ class ProcessLife:
     number: int = 0  # given by its spawner; 0: it could not be started
     pid: int = 0
     exit_code: int | None = None
-    up: bool = False  # this or an earlier process of the row has worked
+    up: bool = False  # this or an earlier process of the row has worked, or has ended without saying why
     told_to_end: bool = False
     again: bool = False  # restart it as soon as it has ended
     began: float = 0.0  # s, monotonic: start of the latest process
@@ -332,7 +332,8 @@ class Supervisor:
 
     def _read(self, timeout: float) -> None:
         channels = [spawner.fileno() for spawner in self._spawners()]
-        wait(channels, min([timeout, BEAT, *self._waits()]))
+        due = [life.due - time.monotonic() for life in self._lives.values() if life.due is not None]
+        wait(channels, max(0.0, min([timeout, BEAT, *due])))
         for spawner in self._spawners():  # also those without news: they send heartbeats
             try:
                 for news in spawner.news(0.0):
@@ -342,10 +343,6 @@ class Supervisor:
         for life in self._lives.values():
             if life.due is not None and time.monotonic() >= life.due:
                 self._again(life)
-
-    def _waits(self) -> list[float]:
-        now = time.monotonic()
-        return [max(0.0, life.due - now) for life in self._lives.values() if life.due is not None]
 
     def _take(self, spawner: Spawner, news: News) -> None:
         life = self._running.get((spawner, news.life))
@@ -374,8 +371,8 @@ class Supervisor:
         life.exit_code = code
         failed = code != 0 and not life.told_to_end
         life.failures += failed
-        crashed = failed and (life.up or code not in _SAID)
-        again = life.again or (crashed and life.failures <= life.process.restarts)
+        life.up |= code not in _SAID
+        again = life.again or (failed and life.up and life.failures <= life.process.restarts)
         self._exits.append(Exit(life.process, code, not failed, again, why))
         if life.again:
             self._again(life)

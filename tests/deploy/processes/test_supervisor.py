@@ -88,14 +88,16 @@ def test_a_failing_process_is_restarted_as_often_as_its_row_says(supervisor: Sup
 
 
 def test_a_process_that_could_not_start_is_not_started_again(supervisor: Supervisor) -> None:
-    """Its second try would end as the first; one that is killed as it starts is another matter."""
+    """Its second try would end as the first; one that is killed as it starts is another matter, and so is
+    its successor, as of a world whose place another one takes meanwhile."""
     supervisor.start([row("vain", give, 3, restarts=1000, reports=True)])
     with pytest.raises(StartError, match="vain could not start"):
         supervisor.report("vain", PATIENCE)
-    supervisor.start([row("killed", wait, restarts=1)])
+    supervisor.start([row("killed", wait, restarts=2)])
+    supervisor.amend(row("killed", give, 2, restarts=2))
     supervisor.signal("killed", signal.SIGKILL)
-    seen = [(exit_.process.name, exit_.again) for exit_ in exits(supervisor, 2)]
-    assert seen == [("vain", False), ("killed", True)]
+    seen = [(exit_.process.name, exit_.code, exit_.again) for exit_ in exits(supervisor, 4)]
+    assert seen == [("vain", 3, False), ("killed", -9, True), ("killed", 2, True), ("killed", 2, False)]
 
 
 def test_restart_replaces_a_process(supervisor: Supervisor) -> None:
