@@ -20,6 +20,7 @@ from __future__ import annotations
 import fcntl
 import hashlib
 import os
+import secrets
 import stat
 import struct
 import zlib
@@ -140,16 +141,17 @@ class Checkpoint:
 
     @staticmethod
     def create(path: Path) -> None:
-        """Create the file for a run that has not begun; raises CheckpointError if it cannot, or exists."""
+        """Create the whole file for a run that has not begun; CheckpointError if it cannot, or exists."""
+        begun = path.with_name(f"{path.name}.{secrets.token_hex(4)}")
         try:
-            with path.open("xb") as file, ExitStack() as unless_whole:
-                unless_whole.callback(path.unlink, missing_ok=True)
+            with begun.open("xb") as file, ExitStack() as stack:
+                stack.callback(begun.unlink, missing_ok=True)
                 file.write(_MAGIC)
                 file.truncate(_place(2))
                 file.seek(_place(1))
                 file.write(_frame(1, bytearray(_FRAME.size)))
                 file.flush()
-                unless_whole.pop_all()
+                os.link(begun, path)  # unlike a renamed file, it replaces none
         except OSError as error:
             _refuse(path, f"cannot be kept: {error.strerror}")
 
@@ -255,8 +257,7 @@ def _newest(path: Path, opened: int) -> tuple[int, _State | None]:
         _refuse(path, "is of another version of disknav, or none at all")
     if len(content) != _place(2):
         _refuse(path, "is damaged: it was cut short, or is too long")
-    places = [content[_place(index) :][:_STATE] for index in (0, 1)]
-    states = [each for place in places if (each := _whole(place))]
+    states = [each for index in (0, 1) if (each := _whole(content[_place(index) :][:_STATE]))]
     if not states:
         _refuse(path, "is damaged: neither of its two states is whole")
     number, payload = max(states)

@@ -4,6 +4,7 @@ import os
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock, patch
 
 import msgspec
 import pytest
@@ -43,6 +44,13 @@ def opened(path: Path, run: str = "yard") -> Checkpoint:
     return Checkpoint(path, run, SCENARIO)
 
 
+def write(path: Path, *states: SavedRun) -> None:
+    checkpoint = opened(path)
+    for state in states:
+        checkpoint.write(state)
+    checkpoint.close()
+
+
 def left(path: Path) -> SavedRun:
     found = opened(path)
     found.close()
@@ -58,19 +66,14 @@ def path(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def written(path: Path) -> Path:
-    checkpoint = opened(path)
-    for state in STATES:
-        checkpoint.write(state)
-    checkpoint.close()
+    write(path, *STATES)
     return path
 
 
 def test_what_was_written_last_is_read_again(path: Path) -> None:
     assert left(path) == SavedRun()
     for state in STATES:
-        checkpoint = opened(path)
-        checkpoint.write(state)
-        checkpoint.close()
+        write(path, state)
         found = left(path)
         assert found.past.tick == state.past.tick
         assert (found.epochs, found.began, found.processes) == (state.epochs, state.began, state.processes)
@@ -99,19 +102,16 @@ def test_of_a_write_that_was_cut_short_or_damaged_the_state_before_is_left(
 ) -> None:
     path = tmp_path_factory.mktemp("torn") / "checkpoint"
     Checkpoint.create(path)
-    checkpoint, contents = opened(path), []
+    contents = []
     for state in STATES:
-        checkpoint.write(state)
+        write(path, state)
         contents.append(path.read_bytes())
-    checkpoint.close()
     path.write_bytes(damage(*contents[-2:], data))
     assert left(path).past.tick in left_over
 
 
 def test_a_first_state_that_was_cut_short_has_told_nothing(path: Path) -> None:
-    checkpoint = opened(path)
-    checkpoint.write(STATES[0])
-    checkpoint.close()
+    write(path, STATES[0])
     content = path.read_bytes()
     half, end = content.index(b"worlds"), module._place(1)
     path.write_bytes(content[:half] + bytes(end - half) + content[end:])
@@ -132,9 +132,7 @@ def test_of_a_file_that_was_cut_short_nothing_is_half_read(
 ) -> None:
     path = tmp_path_factory.mktemp("short") / "checkpoint"
     Checkpoint.create(path)
-    checkpoint = opened(path)
-    checkpoint.write(STATES[0])
-    checkpoint.close()
+    write(path, STATES[0])
     size = path.stat().st_size
     os.truncate(path, size - data.draw(st.one_of(st.integers(1, 2000), st.integers(1, size))))
     content = path.read_bytes()
@@ -189,11 +187,8 @@ def test_a_file_that_another_world_replaced_meanwhile_is_not_taken(
 
 
 def test_what_is_no_file_is_refused(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(*_: object) -> None:
-        raise OSError(37, "No locks available")
-
     with monkeypatch.context() as patch:
-        patch.setattr(module.fcntl, "flock", fail)
+        patch.setattr(module.fcntl, "flock", Mock(side_effect=OSError(37, "No locks available")))
         with pytest.raises(CheckpointError, match="No locks available"):
             opened(path)
     elsewhere = path.rename(path.with_name("elsewhere"))
@@ -209,18 +204,29 @@ def test_what_is_no_file_is_refused(path: Path, monkeypatch: pytest.MonkeyPatch)
 def test_a_file_that_cannot_be_made_whole_leaves_none(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(*_: object) -> bytearray:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(module, "_frame", fail)
+    monkeypatch.setattr(module, "_frame", Mock(side_effect=OSError(28, "No space left on device")))
     with pytest.raises(CheckpointError, match="No space left"):
         Checkpoint.create(tmp_path / "made")
-    assert not (tmp_path / "made").exists()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_another_world_finds_a_new_file_whole_or_not_at_all(tmp_path: Path) -> None:
+    path, link = tmp_path / "made", os.link
+
+    def linked(*names: Path) -> None:
+        assert not path.exists()
+        link(*names)
+        assert left(path) == SavedRun()
+
+    with patch.object(os, "link", side_effect=linked) as made:
+        Checkpoint.create(path)
+    assert (made.called, list(tmp_path.iterdir())) == (True, [path])
 
 
 def test_what_is_there_is_not_overwritten(written: Path) -> None:
     with pytest.raises(CheckpointError, match="File exists"):
         Checkpoint.create(written)
+    assert left(written).past.tick == STATES[-1].past.tick
 
 
 @pytest.mark.parametrize("room", [0, 5, None])
@@ -237,20 +243,15 @@ def test_a_full_disk_is_said_once_and_leaves_nothing_to_go_on_from(
     monkeypatch.setattr(os, "pwrite", write)
     for state in STATES[:2]:
         checkpoint.write(state)
-    assert len(said) == 1
+    assert (len(said), path.exists(), checkpoint.kept) == (1, False, False)
     assert "full" in said[0] or "No space" in said[0]
-    assert not path.exists()
-    assert not checkpoint.kept
     checkpoint.remove()
 
 
 def test_where_it_can_be_neither_written_nor_removed_nothing_goes_on(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(*_: object, **__: object) -> int:
-        raise OSError(5, "Input/output error")
-
-    checkpoint = opened(path)
+    checkpoint, fail = opened(path), Mock(side_effect=OSError(5, "Input/output error"))
     monkeypatch.setattr(os, "pwrite", fail)
     monkeypatch.setattr(Path, "unlink", fail)
     with pytest.raises(CheckpointError, match=r"cannot be removed: .*; nor can it be written"):
