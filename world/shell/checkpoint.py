@@ -167,6 +167,8 @@ class Checkpoint:
         _encoder.encode_into(_State(*self._of, progress), content, _FRAME.size)
         _frame(self._number, content)
         try:
+            if not os.fstat(self._file).st_nlink:
+                raise OSError(0, "it was deleted")
             if len(content) > _STATE:
                 raise OSError(0, "the state is too large")
             if os.pwrite(self._file, content, _place(self._number % 2)) < len(content):
@@ -178,7 +180,8 @@ class Checkpoint:
         """Remove the file: the run is over, or cannot be continued. Raises CheckpointError if it remains."""
         if self.kept:
             try:
-                self.path.unlink(missing_ok=True)
+                if os.fstat(self._file).st_nlink:  # else its path may be of another world's
+                    self.path.unlink(missing_ok=True)
             except OSError as error:
                 _refuse(self.path, f"cannot be removed: {error.strerror}")
             finally:

@@ -229,6 +229,18 @@ def test_what_is_there_is_not_overwritten(written: Path) -> None:
     assert left(written).past.tick == STATES[-1].past.tick
 
 
+def test_in_place_of_a_deleted_file_another_is_left_alone(path: Path) -> None:
+    said: list[str] = []
+    checkpoint = Checkpoint(path, "yard", SCENARIO, said.append)
+    path.unlink()
+    Checkpoint.create(path)
+    for state in STATES:
+        checkpoint.write(state)
+    assert (len(said), "it was deleted" in said[0], checkpoint.kept) == (1, True, False)
+    checkpoint.remove()
+    assert left(path) == SavedRun()
+
+
 @pytest.mark.parametrize("room", [0, 5, None])
 def test_a_full_disk_is_said_once_and_leaves_nothing_to_go_on_from(
     path: Path, room: int | None, monkeypatch: pytest.MonkeyPatch
