@@ -106,21 +106,16 @@ class RobotNode:
         now = time.monotonic()
         if reply is None:
             self._due = now + RETRY
-        elif self._goes_on(reply):
-            self._world.back, self._due = False, now + REPORT_PERIOD
         elif isinstance(reply, joining.Wait):
             self._due = now + min(max(0.0, reply.after), PATIENCE)
         elif isinstance(reply, joining.Finished):
             self.verdict, self.finished = reply.verdict, True
             self._note(f"the run is over: {reply.verdict}")
         elif isinstance(reply, joining.Admission):
-            self._begin(reply)
-
-    def _goes_on(self, reply: joining.Reply) -> bool:
-        core = self.core
-        if core is None or self._ended or not isinstance(reply, joining.Admission):
-            return False
-        return (reply.epoch, reply.incarnation) == (core.epoch, core.incarnation)
+            life = reply.epoch, reply.incarnation
+            if core is None or self._ended or life != (core.epoch, core.incarnation):
+                self._begin(reply)
+            self._world.back = False
 
     def _begin(self, admission: joining.Admission) -> None:
         if self._base is not None and self.core is not None and not self._ended:

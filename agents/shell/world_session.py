@@ -120,7 +120,7 @@ class WorldSession:
     def admitted(self, admission: joining.Admission) -> None:
         """Note the admission of an incarnation."""
         self.epoch, self._gone, self._told_gone = admission.epoch, inf, False
-        self.away, self._refused, self.back = admission.away, 0, False
+        self.away, self._refused = admission.away, 0
         self._bearable, self._timeout = max(PATIENCE, admission.away), _TIMEOUT
 
     def over(self) -> None:

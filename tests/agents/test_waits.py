@@ -75,8 +75,9 @@ def test_a_robot_that_asks_a_world_that_leaves_hears_that_it_has_left(
     assert node.finished
 
 
+@pytest.mark.parametrize("missed", [False, True])
 @skipped_waits()
-def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_takes_part() -> None:
+def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_takes_part(missed: bool) -> None:
     network = LocalNetwork()
     bus = network.connect()
     world = bus.node = WorldNode(bus, "yard", SCENARIO, gathering=5.0)
@@ -84,9 +85,13 @@ def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_tak
     first = bus.node = RobotNode(bus, "yard", 1)
     network.run(lambda: world.world.lives.awaited == {2})
     tokens = token(network, 1), token(network)
-    for there in (False, True):  # its link was out for longer than the world's patience
-        world.handle(Presence(tokens[0], there))
+    for there in (False, True):  # its link was out, perhaps for longer than the world's patience
+        if missed:
+            world.handle(Presence(tokens[0], there))
         first.handle(Presence(tokens[1], there))
+    life = first.core
+    first.wake(first.deadline)
+    assert (first._world.back, first.core is life) == (False, not missed), "it has asked, once"
     bus = network.connect()
     bus.node = RobotNode(bus, "yard", 2)
     network.run(lambda: world.finished)
