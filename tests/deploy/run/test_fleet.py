@@ -1,9 +1,7 @@
 """Real processes on real zenoh: the trajectory of a run in one process, and what is refused."""
 
-import time
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -20,6 +18,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.scenario.model import ProcessFault
 from protocol.scenario.network import Network
 from tests.forks import Forks
+from tests.until import until
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(150)]
 
@@ -44,17 +43,12 @@ def test_a_second_robot_with_the_same_id_is_refused(endpoint: str) -> None:
     scenario, run, connection = load("figure-2"), fresh_run_name(), Connection(connect=(endpoint,))
     with Supervisor() as supervisor:
         supervisor.start([table.world(connection, run, scenario, True), table.robot(connection, run, 1)])
-        twin = table.Process("twin", "agents.process:main", (connection, run, 1))
-        deadline = time.monotonic() + 30.0
         bus = ZenohBus(connection)
         bus.watch(f"disknav/{run}/robot/1/alive/*")
-        while bus.receive(0.05) is None and time.monotonic() < deadline:
-            supervisor.poll()
+        until(lambda: supervisor.poll() or bus.receive(0.05))
         bus.close()
-        supervisor.start([twin])
-        exits: list[Any] = []
-        while not exits and time.monotonic() < deadline:
-            exits = supervisor.poll(0.1)
+        supervisor.start([table.Process("twin", "agents.process:main", (connection, run, 1))])
+        exits = until(lambda: supervisor.poll(0.1))
     assert [(exit_.process.name, exit_.code) for exit_ in exits] == [("twin", REFUSED)]
 
 

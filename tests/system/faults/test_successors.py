@@ -24,7 +24,7 @@ from protocol.scenario.network import Link
 from tests.mortal import MortalFleet
 from tests.proxy import Proxy
 from tests.skipped_waits import skipped_waits
-from tests.system.orders.turnover import SWAP, asked
+from tests.system.orders.turnover import SWAP, asked, status
 from tests.world.driving import token
 from world.coordinator.lives import Life
 
@@ -63,20 +63,12 @@ def life(fleet: LocalFleet) -> Life:
     return fleet.world.world.lives.of[2]
 
 
-def status(fleet: LocalFleet) -> str:
-    return fleet.world.world.lives.roster.status(2)
-
-
 def answer(fleet: LocalFleet, session: str) -> Reply:
     """What the world answers to a process that asks to join as robot 2."""
     replies: list[bytes] = []
     payload = encode_request(Join(2, session))
     fleet.world.handle(Query(robot_key(fleet.run, 2, "join"), payload, replies.append))
     return decode_reply(replies[0])
-
-
-def session(node: RobotNode) -> str:
-    return node._world.session
 
 
 def deafened(fleet: LocalFleet, then: Callable[[], object]) -> tuple[LocalBus, RobotNode]:
@@ -103,7 +95,7 @@ def test_a_deaf_process_of_a_removed_robot_is_not_the_next_ones(tmp_path: Path, 
     _, node = deafened(fleet, lambda: asked(fleet, {"remove": 2}))
     go(fleet, 1)
     assert asked(fleet, {"add": AGAIN}).accepted
-    assert answer(fleet, session(node)) == Finished("removed")
+    assert answer(fleet, node._world.session) == Finished("removed")
     assert isinstance(answer(fleet, "next"), Wait)  # its disk has not appeared
     for moment, ticks in (("appearing", 3), ("standing", 1), ("later", 8)):
         if moment == "later":
@@ -112,11 +104,11 @@ def test_a_deaf_process_of_a_removed_robot_is_not_the_next_ones(tmp_path: Path, 
             fleet.kill_world()
             fleet.start_world()
         go(fleet, ticks)
-    assert status(fleet) == "standing"
-    assert answer(fleet, session(node)) == Finished("removed")
+    assert status(fleet, 2) == "standing"
+    assert answer(fleet, node._world.session) == Finished("removed")
     fleet.world.handle(Presence(token(fleet.network, 2), False))
     assert isinstance(answer(fleet, "next"), Admission)
-    assert answer(fleet, session(node)) == Finished("removed")
+    assert answer(fleet, node._world.session) == Finished("removed")
 
 
 @pytest.mark.slow
@@ -130,10 +122,10 @@ def test_the_next_one_does_not_wait_for_the_token_of_the_one_before(tmp_path: Pa
     successor = fleet.start(2)
     successor.wake(math.inf)
     go(fleet, 20)
-    assert (status(fleet), life(fleet).joined) == ("live", True)
+    assert (status(fleet, 2), life(fleet).joined) == ("live", True)
     bus.close()  # the token that goes is not that of the successor
     go(fleet, 20)
-    assert (status(fleet), life(fleet).joined) == ("live", True)
+    assert (status(fleet, 2), life(fleet).joined) == ("live", True)
     assert fleet.world.world.lives.given_up == []
 
 
@@ -186,7 +178,7 @@ def test_no_process_takes_the_seat_of_one_that_is_there_when_the_world_comes_bac
     fleet.start_world()
     fleet.world_bus.drain()  # the tokens
     assert isinstance(answer(fleet, "stranger"), Refusal)
-    assert isinstance(answer(fleet, session(node)), Admission)
+    assert isinstance(answer(fleet, node._world.session), Admission)
 
 
 # -- one trajectory on every bus, and no contact

@@ -11,21 +11,11 @@ import time
 from pathlib import Path
 
 import numpy as np
-from rosbags.typesys import Stores, get_typestore
+from sdk_types import T, described
 from zenoh_ros2_sdk import ROS2Publisher, ROS2Subscriber
 
-STORE = get_typestore(Stores.ROS2_JAZZY)
-T = STORE.types
 TIMEOUT, FASTEST, SPEED = 0.25, 0.66, 0.12  # s, m/s^2 of a wheel, m/s
 TRACK = 0.160  # m
-
-
-def described(kind):
-    return {
-        "msg_type": kind,
-        "msg_definition": STORE.generate_msgdef(kind)[0],
-        "type_hash": STORE.hash_rihs01(kind),
-    }
 
 
 class Robot:

@@ -8,21 +8,11 @@ import json
 import os
 import sys
 
-from rosbags.typesys import Stores, get_typestore
+from sdk_types import T, described
 from zenoh_ros2_sdk import ROS2Publisher, ROS2Subscriber
 from zenoh_ros2_sdk.discovery import get_topic_names_and_types
 
-STORE = get_typestore(Stores.ROS2_JAZZY)
-T = STORE.types
 THERE = {"router_ip": "127.0.0.1", "router_port": int(sys.argv[1]), "domain_id": 0}
-
-
-def described(kind):
-    return {
-        "msg_type": kind,
-        "msg_definition": STORE.generate_msgdef(kind)[0],
-        "type_hash": STORE.hash_rihs01(kind),
-    }
 
 
 def say(topic, what):
