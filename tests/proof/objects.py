@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cache, cached_property
 from itertools import product
+from operator import itemgetter
 from typing import Any
 
 import z3
@@ -82,7 +84,7 @@ class Frame:
         return [
             each
             for thing, changing in self._things
-            for item in (thing if isinstance(thing, dict) else vars(thing)).items()
+            for item in (thing.items() if isinstance(thing, dict) else _fields_of(thing))
             if not changing or item[0] not in changing.split()
             for each in item
         ]
@@ -90,7 +92,33 @@ class Frame:
     @property
     def holds(self) -> bool:
         """Whether nothing else has changed."""
-        return list(map(id, self._now())) == list(map(id, self._before))
+        now = self._now()
+        return len(now) == len(self._before) and all(map(_is_kept, self._before, now))
+
+
+def _fields_of(thing: Any) -> list[tuple[str, Any]]:
+    return sorted((vars(type(thing)).get("optional", {}) | vars(thing)).items(), key=itemgetter(0))
+
+
+def _is_kept(before: Any, now: Any) -> bool:
+    return now is before or (isinstance(before, Optional) and now is before.found())
+
+
+class Optional(cached_property[Any]):
+    """A field that is None unless a condition holds, which is asked when a rule first looks at the field."""
+
+    def __init__(self, value: Any, condition: Any) -> None:
+        self.found = cache(lambda: value if condition else None)
+        super().__init__(lambda _: self.found())
+
+
+def with_optional(made: Any, **fields: tuple[Any, Any]) -> Any:
+    """An object with fields that have a value under a condition each."""
+    optional = {name: Optional(*field) for name, field in fields.items()}
+    made.__class__ = type(type(made).__name__, (type(made),), {**optional, "optional": optional})
+    for name in fields:
+        delattr(made, name)
+    return made
 
 
 class Some(_Many):
@@ -156,10 +184,8 @@ def disk_of(x: str) -> Any:
 def binding_of(b: str) -> Any:
     low, high = (SOURCE.records.End(CODE[x], S[f"{b}.{x}.life"], S[f"{b}.{x}.dead"]) for x in "AB")
     binding = SOURCE.records.Binding(S[f"{b}.number"], low, high, S[f"{b}.asked"], None)
-    binding.told = S[f"{b}.told"]
-    binding.first = binding.before = LINE_OF(S[f"{b}.number"], 0) if binding.told != 0 else None
-    binding.of = b
-    return binding
+    binding.told, binding.of = S[f"{b}.told"], b
+    return with_optional(binding, first=(LINE_OF(S[f"{b}.number"], 0), binding.told != 0))
 
 
 def ledger_of(geometry: Geometry) -> Any:
@@ -260,11 +286,15 @@ def ledger_claims(made: Any, x: str = "") -> dict[str, Any]:
         if not isinstance(held.regions, Some) or held.regions.is_longer:
             found |= held_claims(held, x)
     for binding in bindings_of(made).values():
-        told, first = binding.told != 0, LINE_OF(binding.number, 0)
-        has = False if binding.first is None else binding.first == first
-        untold = binding.first is getattr(binding, "before", None)
-        found[f"{binding.number} has its first line"] = z3.If(told, has, untold)
+        found[f"{binding.number} has its first line"] = _has_its_first_line(binding)
     return found
+
+
+def _has_its_first_line(binding: Any) -> Any:
+    told = binding.told != 0
+    if "first" not in vars(binding):  # no rule has looked at it
+        return told == (S[f"{binding.of}.told"] != 0)
+    return z3.If(told, z3.Or(binding.first == LINE_OF(binding.number, 0)), binding.first is None)
 
 
 def own_claims(made: Any) -> dict[str, Any]:
@@ -295,8 +325,8 @@ def _goes_along(b: str, binding: Any) -> dict[str, Any]:
     return state
 
 
-def bound_of(b: str, x: str) -> Any:
-    """An end that was taken, with all that it has."""
+def bound_of(b: str, x: str, place: Any = None) -> Any:
+    """An end that was taken, with all that it has, a place that it was told or the present one."""
     y, number = OTHER[x], S[f"{b}.number"]
     bound = SOURCE.robot.Bound(SOURCE.records.Listed(number, CODE[y], None, None, False), x == "A")
     if S[f"{b}.{x}.state"] != ASKED:
@@ -305,10 +335,10 @@ def bound_of(b: str, x: str) -> Any:
         bound.lines.held_number = S[f"{b}.{x}.held"]
         if x == "A":
             bound.lines.number, bound.lines.open = S[f"{b}.A.number"], Some(lambda: _open(b))
-    bound.of, bound.state = b, S[f"{b}.{x}.state"]
-    bound.static, bound.place = S[f"{b}.{x}.static"], S[f"{y}.acked"] if z3.Bool(f"{x}.place") else None
-    bound.half = S[f"{b}.{x}.half"] if bound.state == HALF else None
-    return bound
+    bound.of, bound.state, bound.static = b, S[f"{b}.{x}.state"], S[f"{b}.{x}.static"]
+    place = S[f"{y}.acked"] if place is None else place
+    half = S[f"{b}.{x}.half"], bound.state == HALF
+    return with_optional(bound, place=(place, z3.Bool(f"{x}.place")), half=half)
 
 
 def _open(b: str) -> list[Any]:
@@ -344,14 +374,11 @@ def unknown_of(x: str) -> Any:
     """An end of a binding that is over, or towards a third disk: the process may have it, and nothing is
     known of it.
     """
-    state = z3.Int("unknown.state")
-    turned = bool(state == HALF)
-    place = z3.Int("unknown.place") if turned else None
-    listed = SOURCE.records.Listed(UNKNOWN, _PEER, z3.Const("unknown.line", LINE), place, _STATIC)
+    listed = SOURCE.records.Listed(UNKNOWN, _PEER, z3.Const("unknown.line", LINE), None, _STATIC)
     bound = SOURCE.robot.Bound(listed, x == "A")
-    bound.of, bound.state = "", state
-    bound.half = z3.Const("unknown.half", LINE) if turned else None
-    return bound
+    bound.of, bound.state = "", z3.Int("unknown.state")
+    place, half = z3.Int("unknown.place"), z3.Const("unknown.half", LINE)
+    return with_optional(bound, place=(place, bound.state == HALF), half=(half, bound.state == HALF))
 
 
 def unknown_is_static(x: str) -> z3.BoolRef:
@@ -365,12 +392,12 @@ def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any]) -> Any:
     made.own = S[f"{x}.own"]
     made.part = z3.If(S[f"{x}.reach"], CODE[OTHER[x]], z3.If(CODE[OTHER[x]] == _PEER, 0, _PEER))
     made.version, made.number = S[f"{x}.taken"], S[f"{x}.obeyed"]
-    made.region = made.number if made.number != 0 else None
     made.offered_number = S[f"{x}.offered"]
-    made.offered = made.offered_number if made.region is not None or made.offered_number != 0 else None
     made.bound = Known({bound.number: bound for bound in [*bounds, unknown_of(x)]})
     geometry.x = x
-    return made
+    is_offered = z3.Or(made.number != 0, made.offered_number != 0)
+    regions = {"region": (made.number, made.number != 0), "offered": (made.offered_number, is_offered)}
+    return with_optional(made, **regions)
 
 
 _OF_LINES = "held held_number seen number open"

@@ -60,15 +60,24 @@ def _up_to(largest: int) -> list[z3.ArithRef]:
     return [z3.IntVal(number) for number in range(largest + 1)]
 
 
+_known: dict[str, tuple[Terms, list[z3.BoolRef]]] = {}
+
+
 def known(t: Terms, starts: bool) -> list[z3.BoolRef]:
-    """The invariant before a step, but of the first one, and geometry, of all these terms."""
-    facts: list[z3.BoolRef] = []
-    for name, conjunct in () if starts else TEMPLATE.items():
-        facts += instances(name, conjunct, t.regions["A"], t.regions["B"], t.numbers)
-    facts += axioms(t)
-    for x in "AB":
-        facts += smaller(x, S[f"{x}.own"], S[f"{x}.body"], t)
-    return facts
+    """The invariant before a step, but of the first one, and geometry, of all these terms; most rules bring
+    up the same ones.
+    """
+    terms = (t.bodies["A"], t.bodies["B"], t.regions["A"], t.regions["B"], t.numbers, t.lines)
+    key = f"{[[each.get_id() for each in every] for every in terms]} {starts}"
+    if key not in _known:
+        facts: list[z3.BoolRef] = []
+        for name, conjunct in () if starts else TEMPLATE.items():
+            facts += instances(name, conjunct, t.regions["A"], t.regions["B"], t.numbers)
+        facts += axioms(t)
+        for x in "AB":
+            facts += smaller(x, S[f"{x}.own"], S[f"{x}.body"], t)
+        _known[key] = t, facts
+    return _known[key][1]
 
 
 class Step:
@@ -96,17 +105,16 @@ class Step:
         }
 
 
-_solvers: dict[str, z3.Solver] = {}
+_solvers: dict[int, z3.Solver] = {}
 
 
-def _solver_with(t: Terms, starts: bool) -> z3.Solver:
-    """One that knows the invariant and geometry of these terms; most rules bring up the same ones."""
-    key = str([t.bodies, t.regions, t.lines, t.numbers, starts])
-    if key not in _solvers:
-        _solvers[key] = z3.Solver()
-        _solvers[key].set("timeout", TIMEOUT)
-        _solvers[key].add(*known(t, starts))
-    return _solvers[key]
+def _solver_with(facts: list[z3.BoolRef]) -> z3.Solver:
+    """One that knows these facts."""
+    if id(facts) not in _solvers:
+        _solvers[id(facts)] = z3.Solver()
+        _solvers[id(facts)].set("timeout", TIMEOUT)
+        _solvers[id(facts)].add(*facts)
+    return _solvers[id(facts)]
 
 
 def steps_of(case: Case, without: str = "") -> Iterator[Step]:
@@ -118,7 +126,7 @@ def steps_of(case: Case, without: str = "") -> Iterator[Step]:
 def not_kept(case: Case, without: str = "") -> Iterator[tuple[str, Step]]:
     """What a rule is not proved to keep, by conjunct, and in which way through it."""
     for step in steps_of(case, without):
-        solver = _solver_with(step.terms, case.starts)
+        solver = _solver_with(known(step.terms, case.starts))
         solver.push()
         try:
             solver.add(*step.given)
@@ -141,7 +149,7 @@ def is_kept_by_cvc5(step: Step) -> bool:
     """Whether all is kept in one way through a rule by cvc5, which knows nothing of z3 but the text."""
     import cvc5
 
-    writer, knows = z3.Solver(), _solver_with(step.terms, step.case.starts).assertions()
+    writer, knows = z3.Solver(), known(step.terms, step.case.starts)
     writer.add(*knows, *step.given, z3.Not(z3.And(*step.claims().values())))
     solver = cvc5.Solver()
     solver.setOption("tlimit-per", str(TIMEOUT))
@@ -185,7 +193,7 @@ class Example:
 
 def example(case: Case) -> Example | None:
     """A state in which a rule is possible."""
-    found = (example_of(step, largest) for largest, step in product(SMALL, steps_of(case)))
+    found = (example_of(step, largest) for largest in SMALL for step in steps_of(case))
     return next(filter(None, found), None)
 
 

@@ -23,6 +23,7 @@ from tests.proof.objects import (
     ledger_state,
     robot_of,
     unknown_is_static,
+    with_optional,
 )
 from tests.proof.outcomes import HALF_PLANE, OBEYED, PART, PROPOSED, Case, Geometry, Outcome, S
 from tests.proof.symbolic import Impossible
@@ -195,18 +196,15 @@ def _listed(x: str) -> list[Any]:
         told = z3.And(S[f"{b}.told"] != 0, S[f"{b}.told"] <= AT)
         if z3.And(S[f"{b}.number"] <= AT, z3.Or(told, S[f"{b}.asked"] == CODE[x])):
             static = z3.And(S[f"{b}.{y}.dead"] != 0, S[f"{b}.{y}.dead"] <= AT)
-            first = _line(b, 0) if told else None
-            place = S[f"{y}.acked"]
-            listed.append(SOURCE.records.Listed(S[f"{b}.number"], CODE[y], first, place, static))
+            each = SOURCE.records.Listed(S[f"{b}.number"], CODE[y], None, S[f"{y}.acked"], static)
+            listed.append(with_optional(each, first=(_line(b, 0), told)))
     return listed
 
 
 def _hear(x: str, late: str) -> Outcome:
     """A Tick is heard, of which every binding in force is told as it was at its version (`history`)."""
     geometry = Geometry()
-    known = [bound_of(b, x) for b in ends_of(x, LIFE)]
-    for bound in known:
-        bound.place = None if bound.place is None else z3.Int(f"{bound.of}.place before")
+    known = [bound_of(b, x, z3.Int(f"{b}.place before")) for b in ends_of(x, LIFE)]
     made = robot_of(x, geometry, known)
     made.life = LIFE
     if late:
@@ -267,4 +265,4 @@ def _told_now(x: str) -> Outcome:
 
 def _same(one: Any, other: Any) -> Any:
     """Whether two records say the same."""
-    return z3.And(*[value == vars(other)[name] for name, value in vars(one).items()])
+    return z3.And(*[value == getattr(other, name) for name, value in vars(one).items()])
