@@ -58,7 +58,7 @@ $(COMPILED): $(READY) compile.py $(shell find protocol agents world -name '*.py'
 	@if $(BIN)/python compile.py >build/compile.log 2>&1; then echo "compiled"; \
 	  find protocol agents world deploy -name '*.so' -exec touch {} +; \
 	else tail -1 build/compile.log | cut -c 1-200; find protocol agents world deploy -name '*.so' -delete; \
-	  echo "not compiled (is there a C compiler, are there Python's headers?): a robot's step takes three to four times as long; to try again: touch compile.py"; fi
+	  echo "not compiled (is there a C compiler, are there Python's headers?): a robot's step takes about five times as long; to try again: touch compile.py"; fi
 	@touch $@
 
 $(KERNEL): $(READY) $(SEARCH)

@@ -1,6 +1,6 @@
 """Makes C of whole folders by mypyc and puts it beside their sources: `make compile`.
 
-A robot's step is then three to four times as fast, with the same trajectories to the last bit.
+A robot's step is then about five times as fast, with the same trajectories to the last bit.
 """
 
 from __future__ import annotations
@@ -17,8 +17,13 @@ from setuptools._distutils import ccompiler
 FOLDERS = ("protocol/bodies", "protocol/bus", "protocol/kernel", "agents", "world/coordinator")
 FILES = (
     *(f"protocol/{name}.py" for name in ("codec", "crowd", "geometry", "line", "region")),
+    "world/judge/verdict.py",
     "world/plants/integrator.py",
+    "world/shell/failure_detector.py",
+    "world/shell/node.py",
+    "world/shell/publishers.py",
     "world/simulation.py",
+    "world/world.py",
 )
 LEFT_OUT = ("agents/bases", "agents/parts")  # not what every message passes
 _PROCESS = "process.py"  # run by `python -m`, which takes sources only

@@ -29,7 +29,7 @@ class CompiledModules(BuildHookInterface):  # type: ignore[type-arg]  # hatchlin
         except (OSError, subprocess.SubprocessError) as error:
             output = getattr(error, "stderr", None) or getattr(error, "stdout", None) or ""
             self.app.display_warning(
-                f"not compiled, so robots take three to four times as long: {error}\n{output}"
+                f"not compiled, so robots take about five times as long: {error}\n{output}"
             )
             return
         build_data["pure_python"] = False

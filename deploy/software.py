@@ -162,7 +162,7 @@ def _compiled() -> Finding:
     count = len(compiled())
     if count:
         return Finding("compiled", "good", f"{count} modules are compiled")
-    text = "no modules are compiled: a robot's step takes three to four times as long"
+    text = "no modules are compiled: a robot's step takes about five times as long"
     if shutil.which("cc") is None and shutil.which("gcc") is None:
         text += "; there is no C compiler"
     again = "`make compile`" if is_checkout() else "install disknav again"

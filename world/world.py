@@ -11,37 +11,18 @@ from collections import Counter
 
 import msgspec
 
-from protocol.messages import Command, Count, GoalStatus, Id, Tick, Truth
+from protocol.messages import Command, GoalStatus, Tick, Truth
 from protocol.operations import Outcome
 from protocol.scenario.model import Journey, Obstacle, Operation, RobotSpec, Scenario
 from world.coordinator.exchange import Exchange
-from world.coordinator.lives import Lives, PastLives
-from world.coordinator.membership import FleetChange, Membership
-from world.coordinator.missions import Mission, Missions, Schedule
+from world.coordinator.lives import Lives
+from world.coordinator.membership import Membership
+from world.coordinator.missions import Missions, Schedule
 from world.coordinator.parts import Parts
 from world.external import External
-from world.judge.verdict import PastReferee, Referee
-from world.plants.plant import PastDisks
+from world.judge.verdict import Referee
+from world.past import Past
 from world.simulation import SimulatedFleet
-
-
-class Past(msgspec.Struct, frozen=True):
-    """State of a world for a successor in the same run.
-
-    It is not the state of a process: lives, lines, grants and messages on their way end with their world.
-    """
-
-    tick: Count = 0  # open, or next to open
-    founded: bool = False
-    stopped: bool = False
-    lives: PastLives | None = None
-    missions: dict[Id, Mission] = {}
-    fleet: FleetChange | None = None
-    orders: list[str] = []  # executed orders of the scenario, as `Schedule.past`
-    missed: Count = 0  # Commands
-    refused: dict[str, Count] = {}  # Commands, by reason
-    disks: PastDisks | None = None
-    referee: PastReferee | None = None
 
 
 class WorldCore:

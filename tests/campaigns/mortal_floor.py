@@ -20,7 +20,8 @@ from tests.agents.bases.floor import Crew, Event, Floor
 from tests.agents.bases.test_senses import fleet
 from tests.agents.lines.models.skirmishes.arena import Staying
 from tests.campaigns.campaign import Campaign, Dice, Outcome
-from world.world import Past, WorldCore
+from world.past import Past
+from world.world import WorldCore
 
 SECONDS = 20.0
 _ROUNDING = 1e-9  # m

@@ -7,113 +7,22 @@ it is fenced, killed or followed by the next.
 from __future__ import annotations
 
 from collections.abc import Mapping, Set
-from enum import Enum, auto
-from typing import Final, Literal, TypeVar
+from typing import Final, TypeVar
 
-import msgspec
 from msgspec.structs import replace
 
-from protocol import messages
 from protocol.errors import JoinError
 from protocol.geometry import Disk, Shape
-from protocol.messages import LISTED, Command, Count, Id, Member, Standing, Vector
+from protocol.messages import LISTED, Command, Member, Standing, Vector
 from protocol.scenario.model import ProcessFault, Scenario
 from world.coordinator.keeper import Keeper
+from world.coordinator.records import Life, PastLives, Status
 from world.coordinator.roster import RosterDirectory
 
 Entry = TypeVar("Entry")
 
 
-class Status(Enum):
-    """State of a robot's process, by the world's knowledge."""
-
-    UP = auto()  # active
-    PAUSED = auto()  # paused by the scenario: receives nothing
-    GONE = auto()  # absent, or ended by the scenario
-    LOST = auto()  # given up or fenced; may still listen
-
-
-Fate = Literal["", "ended", "removed"]  # of a process, by the run; "": none
-
-
-class Life(msgspec.Struct, array_like=True):
-    """The newest life of one robot id."""
-
-    incarnation: int
-    status: Status = Status.GONE
-    joined: bool = False  # its present process has joined this run
-    awaited: bool = True  # the scenario has it up
-    heard: int = -1  # tick of its newest command, initially the tick before it joined
-    before: int = -1  # the tick before it joined
-    fenced: bool = False  # its disk is static
-    begun: bool = False  # it has begun in the ledger
-    added: bool = False  # its disk was added to the running fleet, and no process has joined it yet
-    fate: Fate = ""  # of the newest process: ended by the scenario, or its robot was removed
-
-    @property
-    def is_new(self) -> bool:
-        """Whether it has not commanded yet."""
-        return self.heard <= self.before
-
-    @property
-    def paused(self) -> bool:
-        """Whether the scenario has paused its process, which cannot join before it is resumed."""
-        return self.status is Status.PAUSED
-
-    @property
-    def killed(self) -> bool:
-        """Whether the scenario has killed its process without a restart so far."""
-        return self.status is Status.GONE and not self.awaited
-
-    @property
-    def goes_on(self) -> bool:
-        """Whether it has joined and is neither over nor lost."""
-        return self.status in (Status.UP, Status.PAUSED) and self.joined and not self.fenced
-
-    def over(self, tick: int) -> Life:
-        """This life for a successor from `tick`: it is over; the process of an active one must rejoin."""
-        up = self.status is Status.UP
-        status, awaited = Status.LOST if up else self.status, self.awaited or up
-        life = Life(self.incarnation, status, awaited=awaited, heard=tick - 1, before=tick - 1, fenced=True)
-        life.fate, life.added = self.fate, self.added
-        return life
-
-    def kill(self) -> None:
-        """Apply the scenario's kill of its process."""
-        self._end(awaited=False)
-
-    def restart(self) -> None:
-        """Apply the restart of its process."""
-        self._end(awaited=True)
-
-    def _end(self, awaited: bool) -> None:
-        self.status, self.awaited, self.joined, self.fate = Status.GONE, awaited, False, self.fate or "ended"
-
-    def pause(self) -> None:
-        """Apply the scenario's pause of its process."""
-        if self.awaited or self.status in (Status.UP, Status.LOST):
-            self.status, self.awaited = Status.PAUSED, False
-
-    def resume(self) -> None:
-        """Apply the resumption of its process: of this life, or the next if this one was fenced meanwhile."""
-        if self.paused:
-            self.status, self.awaited = (Status.UP, False) if self.goes_on else (Status.LOST, True)
-
-
 _EVENTS: Final = {"kill": Life.kill, "pause": Life.pause, "resume": Life.resume, "restart": Life.restart}
-
-
-class PastLives(msgspec.Struct, frozen=True):
-    """The lives of a run up to a tick, as attributes of `Lives`, with roster and version."""
-
-    of: dict[Id, Life]
-    faults: Count = 0  # number of past faults of the scenario
-    skipped: list[Count] = []  # those of them without a disk
-    fenced: list[tuple[Count, Standing]] = []
-    given_up: list[tuple[Count, Id, Count, str]] = []
-    roster: messages.Roster = messages.Roster(0, ())
-    version: Count = 0  # of the ledger
-    numbered: Count = 0  # obstacles so far
 
 
 class Lives:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Protocol
 
@@ -13,23 +12,7 @@ from protocol.geometry import Shape
 from protocol.messages import Errand, GoalStatus, Standing, Vector
 from protocol.operations import Outcome
 from protocol.scenario.model import MOST_POINTS, Journey, Operation, Scenario
-
-
-@dataclass(slots=True)
-class Mission:
-    """The mission of one robot: `points` are those ahead, the present one first, m."""
-
-    points: tuple[Vector, ...]
-    number: int = 0  # of the order, 0 for the scenario's goal
-    patrol: bool = False
-    deadline: int | None = None  # tick
-    status: Errand = "under way"
-    tick: int = 0  # of the last change of status or point
-
-    @property
-    def ordered(self) -> bool:
-        """Whether it is an unfinished order."""
-        return self.number > 0 and self.status == "under way"
+from world.coordinator.records import Mission
 
 
 class Missions:

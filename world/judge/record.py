@@ -94,6 +94,19 @@ class PastRecord(msgspec.Struct, frozen=True):
     aside: list[tuple[Vector, ...]]
 
 
+class PastReferee(msgspec.Struct, frozen=True):
+    """A referee's record of a run; a successor restarts the time without motion.
+
+    Attributes:
+        worlds: first ticks of the worlds that continued from others.
+    """
+
+    record: PastRecord
+    worlds: tuple[Count, ...] = ()
+    verdict: str = ""
+    reason: str = ""
+
+
 class TrajectoryDigest:
     """SHA-256 over, tick by tick and in the order of ids, the four little-endian doubles
     tick, robot id, x, y (m)."""

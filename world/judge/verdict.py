@@ -5,27 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-import msgspec
-
 from protocol.geometry import Shape
-from protocol.messages import Count, Vector
+from protocol.messages import Vector
 from protocol.scenario.model import Scenario
-from world.judge.record import PastRecord, Record
+from world.judge.record import PastReferee, Record
 
 VERDICTS = ("arrived", "collision", "timeout", "deadlock", "interrupted", "aborted")
-
-
-class PastReferee(msgspec.Struct, frozen=True):
-    """A referee's record of a run; a successor restarts the time without motion.
-
-    Attributes:
-        worlds: first ticks of the worlds that continued from others.
-    """
-
-    record: PastRecord
-    worlds: tuple[Count, ...] = ()
-    verdict: str = ""
-    reason: str = ""
 
 
 class Referee:

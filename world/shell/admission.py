@@ -17,7 +17,7 @@ from math import inf
 from protocol import joining
 from protocol.errors import JoinError
 from protocol.messages import Health
-from world.coordinator.lives import Fate
+from world.coordinator.records import Fate
 from world.shell.checkpoint import Checkpoint, Processes
 from world.world import WorldCore
 

@@ -36,8 +36,8 @@ from protocol.codec import DAMAGED
 from protocol.errors import CheckpointError
 from protocol.messages import Count, Epoch, Id
 from protocol.scenario.model import Scenario
-from world.coordinator.lives import Fate, Life
-from world.world import Past
+from world.coordinator.records import Fate, Life
+from world.past import Past
 
 _MAGIC: Final = b"disknav checkpoint 1\n"
 _STATE: Final = 1 << 20  # bytes of each of the two places for a state; unwritten ones use no disk space

@@ -15,10 +15,11 @@ from typing import Any, Final
 from protocol import joining
 from protocol.messages import Clock, Tick
 from protocol.scenario.model import Scenario
+from world.past import Past
 from world.report import result_of
 from world.shell.admission import Admissions
 from world.shell.pacing import Pacing
-from world.world import Past, WorldCore
+from world.world import WorldCore
 
 _HALF: Final = 2**31  # half of all epochs
 

@@ -40,7 +40,7 @@ def check(host: Host) -> list[Finding]:
 
 
 def _software(facts: Facts) -> list[Finding]:
-    compiled = "yes" if facts.compiled else "no: its robots take three to four times as long"
+    compiled = "yes" if facts.compiled else "no: its robots take about five times as long"
     return [
         Finding("version", "good", f"same as here, Python {facts.python}"),
         Finding("compiled", "good" if facts.compiled else "note", compiled),

@@ -26,7 +26,7 @@ from tests.proxy import Proxy
 from tests.skipped_waits import skipped_waits
 from tests.system.orders.turnover import SWAP, asked, status
 from tests.world.driving import token
-from world.coordinator.lives import Life
+from world.coordinator.records import Life
 
 ENDLESS = replace(SWAP, time=replace(SWAP.time, endless=True))
 RESTARTED = replace(SWAP, process=(ProcessFault(2, 0.5, "restart"),))

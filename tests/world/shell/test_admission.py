@@ -13,7 +13,7 @@ from protocol.joining import (
 )
 from protocol.messages import Health
 from tests.world.driving import Stopwatch, two
-from world.coordinator.lives import Life, Status
+from world.coordinator.records import Life, Status
 from world.shell.admission import RESERVATION, Admissions
 from world.shell.run import JudgedRun
 
