@@ -27,6 +27,7 @@ from tests.proof.outcomes import ANY_LINE, EPOCH, NAMES, NEXT, SAID, Case, Geome
 Rule = Callable[[Any, Any, Any], object]  # of the ledger, the disk and the other one
 Besides = Callable[[str, Outcome], None]  # what else happens to the disk
 
+_PLACES = {name: z3.Int(f"{x}.first place") for name, x in NAMES.items()}
 _OF_ALL_PAIRS = ("fence", "grant", "announce", "remove")  # rules that change all bindings of their disk
 
 
@@ -192,8 +193,9 @@ def ledger_cases() -> Iterator[Case]:
     yield of_ledger("elsewhere", lambda m, *_: _elsewhere(m), "A")
     for b, slot in (("L", "living"), ("S", "static")):
         yield _answer(b, slot)
-    yield Case("begin", _begin, starts=True)
-    yield Case("restart", _restart)
+    of_epoch = [place == EPOCH for place in _PLACES.values()]
+    yield Case("begin", _begin, of_epoch, starts=True)
+    yield Case("restart", _restart, of_epoch)
 
 
 def _answer(b: str, slot: str) -> Case:
@@ -219,12 +221,14 @@ def _begin() -> Outcome:
 def _restart() -> Outcome:
     """Another coordinator begins: a new ledger of a new epoch, with disks where they stand."""
     geometry = Geometry()
-    made = SOURCE.ledger.Ledger(EPOCH, dict.fromkeys(NAMES, EPOCH), geometry)
+    made = SOURCE.ledger.Ledger(EPOCH, _PLACES, geometry)
     outcome = Outcome()
+    has = [made.disks[name].held.regions[0][1] is place for name, place in _PLACES.items()]
     after = outcome.after = ledger_state(made)
     outcome.given(S["v"] < EPOCH)
     outcome.claims = noted(geometry, after) | own_claims(made)
     outcome.claims["a version of its epoch"] = after["v"] == EPOCH
+    outcome.claims["each disk has its place"] = all(has)
     for x in "AB":
         outcome.claims |= held_claims(made.disks[CODE[x]].held, x)
         outcome.claims[f"{x}: is there"] = after[f"{x}.phase"] == PRESENT

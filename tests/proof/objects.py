@@ -63,9 +63,19 @@ class _Many:  # noqa: PLW1641  # nothing is kept by it
     def __eq__(self, other: object) -> bool:
         raise _UNKNOWN_SIZE
 
+    __ne__ = __eq__
+
 
 class Known(_Many, dict[Any, Any]):
-    """A dictionary of which the solver knows some entries."""
+    """A dictionary of which the solver knows some entries, and compares their keys with any other."""
+
+
+def _comparing(method: Callable[..., Any]) -> Callable[..., Any]:
+    return lambda known, key, *rest: method(known, Code(key) if isinstance(key, int) else key, *rest)
+
+
+for _name in ("get", "pop", "setdefault", "__getitem__", "__setitem__", "__delitem__", "__contains__"):
+    setattr(Known, _name, _comparing(getattr(dict, _name)))
 
 
 class Frame:
@@ -130,10 +140,6 @@ class Some(_Many):
         self._elements = elements
         self._appended: list[Any] = []
 
-    @property
-    def is_longer(self) -> bool:
-        return bool(self._appended)
-
     def __iter__(self) -> Iterator[Any]:
         return iter([*self._elements(), *self._appended])
 
@@ -141,7 +147,7 @@ class Some(_Many):
         return list(self)[index]
 
     def append(self, element: Any) -> None:
-        self._appended.append(element)
+        self._appended = [*self._appended, element]
 
 
 def held_of(x: str) -> Any:
@@ -196,6 +202,8 @@ def ledger_of(geometry: Geometry) -> Any:
     before, *thirds = (third_of(name) for name in THIRDS)
     made.disks = Known({before.name: before, **two, **{disk.name: disk for disk in thirds}})
     geometry.disks = made.disks
+    made.held = Frame(*[each for disk in two.values() for each in ((disk.held, ""), (disk.held.regions, ""))])
+    geometry.is_asked_before = lambda: made.held.holds
     made.pairs = Known({name: Known() for name in made.disks})
     for name in CODE.values():
         made.pairs[name][before.name] = made.pairs[before.name][name] = pair_with_third(name, before.name)
@@ -213,7 +221,7 @@ def ledger_of(geometry: Geometry) -> Any:
     disks = [(disk, "phase life still" if name in NAMES else "") for name, disk in made.disks.items()]
     helds = [(disk.held, "") for name, disk in made.disks.items() if name not in NAMES]
     told = [(each, "told first") for each in bindings]
-    made.frame = Frame((made, "version frame"), *disks, *helds, *told, *ends)
+    made.frame = Frame((made, "version frame held"), *disks, *helds, *told, *ends)
     return made
 
 
@@ -281,10 +289,9 @@ def ledger_claims(made: Any, x: str = "") -> dict[str, Any]:
         "nothing else changes": made.frame.holds,
         **own_claims(made),
     }
-    for x in "AB":
-        held = made.disks[CODE[x]].held
-        if not isinstance(held.regions, Some) or held.regions.is_longer:
-            found |= held_claims(held, x)
+    if not made.held.holds:
+        for x in "AB":
+            found |= held_claims(made.disks[CODE[x]].held, x)
     for binding in bindings_of(made).values():
         found[f"{binding.number} has its first line"] = _has_its_first_line(binding)
     return found
@@ -393,11 +400,15 @@ def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any]) -> Any:
     made.part = z3.If(S[f"{x}.reach"], CODE[OTHER[x]], z3.If(CODE[OTHER[x]] == _PEER, 0, _PEER))
     made.version, made.number = S[f"{x}.taken"], S[f"{x}.obeyed"]
     made.offered_number = S[f"{x}.offered"]
-    made.bound = Known({bound.number: bound for bound in [*bounds, unknown_of(x)]})
+    unknown = [unknown_of(x)] if z3.Bool("is unknown") else []
+    made.bound = Known({bound.number: bound for bound in [*bounds, *unknown]})
     geometry.x = x
     is_offered = z3.Or(made.number != 0, made.offered_number != 0)
     regions = {"region": (made.number, made.number != 0), "offered": (made.offered_number, is_offered)}
-    return with_optional(made, **regions)
+    with_optional(made, **regions)
+    frame = frame_of(made, "")
+    geometry.is_asked_before = lambda: frame.holds
+    return made
 
 
 _OF_LINES = "held held_number seen number open"

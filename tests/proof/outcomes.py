@@ -105,9 +105,11 @@ class Geometry:
         self._count = 0
         self.noted = {x: {f: S[f"{x}.{f}"] for f in ("acked", "granted", "phase")} for x in "AB"}
         self.disks: dict[int, Any] = {}
+        self.is_asked_before: Callable[[], bool] = lambda: True  # any change of what it is asked of
 
     def _answer(self, says: Facts) -> z3.BoolRef:
         self._count += 1
+        says = says if self.is_asked_before() else lambda _: []
         answer = z3.Bool(f"answer{self._count}")
         self.facts.append(lambda terms: [z3.Implies(answer, each) for each in says(terms)])
         return answer
