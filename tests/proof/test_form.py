@@ -1,11 +1,16 @@
-"""The kernel is written so that its loops treat all elements alike: what the solver shows of a loop over the
-elements that it can tell apart then holds of any number.
+"""The kernel is written in a small language, which is defined here; what it does not list is refused.
+
+Loops treat all elements alike: what the solver shows of those it can tell apart then holds of any number.
+Numbers are ids, versions, phases or states, as their words say, and compared only with their own kind. Only
+the listed fields are kept. A rule stores nothing before its last precondition, a question nothing at all.
+Types are left to mypy; what may be None, and whether the right things are stored, to the solver.
 """
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator
+import re
+from collections.abc import Iterator
 from contextlib import nullcontext
 from itertools import chain
 from pathlib import Path
@@ -16,14 +21,8 @@ import pytest
 from tests.interpreted import interpreted
 
 KERNEL = Path(__file__).resolve().parents[2] / "protocol" / "kernel"
-TREES = {path.name: ast.parse(path.read_text()) for path in sorted(KERNEL.glob("*.py"))}
-CLASSES = [node for tree in TREES.values() for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
-METHODS = {each.name: each for node in CLASSES for each in node.body if isinstance(each, ast.FunctionDef)}
-CALLED = {node.name for node in CLASSES} | {"require", "list", "mypyc_attr", "TypeVar"}
-CALLED |= METHODS.keys() | {"append", "extend", "get", "pop", "values", "items"}
-LOOPING = {
-    name for name, method in METHODS.items() if any(isinstance(each, ast.For) for each in ast.walk(method))
-}
+SOURCES = {path.stem: path.read_text() for path in sorted(KERNEL.glob("*.py"))}
+
 KEPT = {"Held": "acknowledged granted regions", "DiskRecord": "name held phase life still"}
 KEPT |= {"End": "disk life dead", "Binding": "number low high asked first told"}
 KEPT |= {"Listed": "number peer first place static", "Told": "life version number region bindings"}
@@ -32,241 +31,395 @@ KEPT |= {"Bound": "number peer low state lines half place static"}
 KEPT |= {"RobotLife": "name life body own part version number region offered_number offered bound _geometry"}
 KEPT |= {"Owner": "held_number held number seen open", "Follower": "held_number held seen"}
 FIELDS = {name: fields.split() for name, fields in KEPT.items()}  # all that the model has
-ORDERS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)
-
-
-def strange(tree: ast.AST) -> Iterator[str]:
-    """What a rule could tell elements or disks apart by, or leave some out with."""
-    placed = [each for node in ast.walk(tree) for each in _placed(node)]
-    for node in ast.walk(tree):
-        many = isinstance(node, ast.ListComp | ast.DictComp) or _called(node) in ("list", "values", "items")
-        is_strange = STRANGE.get(type(node), lambda each: not isinstance(each, _PARTS))
-        if is_strange(node) or (many and node not in placed):
-            yield f"line {getattr(node, 'lineno', 0)}: {ast.unparse(node)[:60]}"
-        if isinstance(node, ast.FunctionDef):
-            for loop in ast.walk(node):
-                if isinstance(loop, ast.For):
-                    yield from _strange_loop(loop, node)
-
-
-def _placed(node: ast.AST) -> list[ast.expr | None]:
-    """Lists whose size nothing asks for: a loop goes through them, or they are given away or kept whole."""
-    if isinstance(node, ast.For | ast.comprehension):
-        return [node.iter]
-    targets = getattr(node, "targets", [getattr(node, "target", None)])
-    kept = isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(targets[0], ast.Attribute)
-    return [node.value] if kept or isinstance(node, ast.Return | ast.Starred) else []
-
-
-def _is_by_size(node: ast.Compare) -> bool:
-    """Whether a number is compared with a literal, or its size with a constant, or a list or region with
-    another; but for `None` and disks it has to be equal, not the very same object.
-    """
-    if isinstance(node.ops[0], ast.Is | ast.IsNot):
-        return ast.unparse(node.comparators[0]) not in ("None", "disk")
-    compared = [ast.unparse(each) for each in (node.left, *node.comparators)]
-    if any(each.endswith(("region", "place", "offered", "[1]")) for each in compared):
-        return True
-    if any(isinstance(each, ast.List | ast.Dict | ast.Tuple) for each in (node.left, *node.comparators)):
-        return True
-    constants = [each for each in (node.left, *node.comparators) if isinstance(each, ast.Constant)]
-    named = any(isinstance(each, ast.Name) and each.id.isupper() for each in (node.left, *node.comparators))
-    return any(each.value is not None for each in constants) or (named and isinstance(node.ops[0], ORDERS))
-
-
-def _is_one_of_many(node: ast.Subscript) -> bool:
-    """Whether an element is taken by its place: but the first and the last region, and parts of a tuple."""
-    by_place, at = isinstance(node.slice, ast.Constant | ast.UnaryOp), ast.unparse(node)
-    return by_place and not at.endswith(("regions[0]", "regions[-1]", "][0]", "][1]", "each[0]"))
-
-
-def _is_a_number(node: ast.Assign | ast.AnnAssign) -> bool:
-    """Whether a literal gets a name within a rule."""
-    literal = any(isinstance(each, ast.Constant) for each in (node.value, *getattr(node.value, "elts", ())))
-    names = [each for each in ast.walk(node) if isinstance(each, ast.Name)]
-    return literal and not all(each.id.isupper() for each in names if isinstance(each.ctx, ast.Store))
-
-
-def _is_no_record(node: ast.ClassDef) -> bool:
-    """Whether a class keeps or inherits anything but its fields."""
-    made = [ast.unparse(each) for each in (*node.bases, *node.keywords, *node.decorator_list)]
-    body = node.body[1:] if ast.get_docstring(node) else node.body
-    return (
-        not all(each.startswith(("Generic[", "Protocol[", "DisknavError", "mypyc_attr(")) for each in made)
-        or not all(isinstance(each, ast.FunctionDef) for each in body)
-        or not _fields_of(node) <= set(FIELDS.get(node.name, ()))
-    )
-
-
-_PARTS = (ast.expr_context, ast.boolop, ast.operator, ast.unaryop, ast.cmpop)
-_PLAIN = "BoolOp Continue DictComp Expr For If IfExp List ListComp Raise Return Tuple arg comprehension"
-_FROM = ("__future__", "collections.abc", "typing", "mypy_extensions", "protocol.errors")
-STRANGE: dict[type, Callable[[Any], bool]] = {
-    **{getattr(ast, name): lambda _: False for name in (*_PLAIN.split(), "keyword")},
-    ast.alias: lambda node: node.asname is not None,
-    ast.AnnAssign: _is_a_number,
-    ast.Assign: _is_a_number,
-    ast.Attribute: lambda node: isinstance(node.ctx, ast.Store) and node.attr not in chain(*FIELDS.values()),
-    ast.AugAssign: lambda node: not isinstance(node.target, ast.Attribute),
-    ast.Constant: lambda node: isinstance(node.value, int | float | bytes) and node.value not in (0, 1, 2),
-    ast.Dict: lambda node: None in node.keys,
-    ast.ImportFrom: lambda node: node.module not in _FROM and not node.module.startswith("protocol.kernel."),
-    ast.UnaryOp: lambda node: not isinstance(node.op, ast.Not) and ast.unparse(node) != "-1",
-    ast.Starred: lambda node: not isinstance(node.value, ast.ListComp),  # but a whole list in another one
-    ast.BinOp: lambda node: not isinstance(node.op, ast.BitOr),  # but a union of types
-    ast.Call: lambda node: not _is_known(node),
-    ast.Compare: _is_by_size,
-    ast.Name: lambda node: node.id == "require" and isinstance(node.ctx, ast.Store),
-    ast.Subscript: _is_one_of_many,
-    ast.arguments: lambda node: "*" in ast.unparse(node) or _defaults(node) not in ([], ["part: int=NO"]),
-    ast.ClassDef: _is_no_record,
-    ast.FunctionDef: lambda node: (
-        any(ast.unparse(each) != "property" for each in node.decorator_list)
-        or (node.name.startswith("__") and node.name != "__init__")
-    ),
-    ast.Module: lambda node: not all(_is_constant(each) for each in node.body),
+STORED = {  # by a class, beside fields of its own objects
+    "Ledger": "disk.phase disk.life disk.still pair.living pair.static living.end(disk.name).dead "
+    "binding.first binding.told self.disks[name] self.pairs[name] self.pairs[low.name][high.name] "
+    "self.pairs[high.name][low.name]",
+    "RobotLife": "bound.place bound.static self.bound[listed.number]",
 }
+EMPTY = {"self.pairs[low.name][high.name]", "self.pairs[high.name][low.name]"}  # by a pair without bindings
+ALIKE = {  # by loops: of each element something else
+    *["self._end(pair, disk)", "self._begin(pair, disk)", "self._release(disk, self.disks[peer])"],
+    *["bound.place", "bound.static", "self.bound[listed.number]", "self.held", "geometry.note(disk)"],
+}
+OF_PAIR = r"(pair|living|static)\..+"  # what `_end` and `_begin` read and store for a loop
+
+KINDS = {
+    "id": "name peer asked part",
+    "version": "version life number dead told acknowledged granted offered_number held_number seen each[0]",
+    "phase": "phase GONE ANNOUNCED PRESENT",
+    "state": "state ASKED LINES HALF",
+    "none": "NO 0",
+    "bool": "True False moved begins lives still static low holds tied fits behind within clear apart beside "
+    "inside keeps",
+}
+NOUNS = {word: kind for kind, words in KINDS.items() for word in words.split()}
+NUMBERS = NOUNS | {"disk": "id", "held": "version"}  # as arguments of type int
+CONSTANTS = {word for word in NOUNS if word.isupper()}
+TYPES = {*FIELDS, "LedgerGeometry", "RobotGeometry", "R", "L", "B", "L_contra", "B_contra"}
+WORDS = {*TYPES, "int", "bool", "str", "list", "dict", "tuple", "Iterable", "None"}  # of annotations
+IMPORTS = {"__future__": {"annotations"}, "collections.abc": {"Iterable"}, "mypy_extensions": {"mypyc_attr"}}
+IMPORTS |= {"typing": {"Final", "Generic", "Protocol", "TypeVar"}, "protocol.errors": {"DisknavError"}}
+IMPORTS |= {f"protocol.kernel.{name}": {*TYPES, *CONSTANTS, "require"} for name in SOURCES}
+
+COMPARED = r".+ is (not )?None|other is not disk|\w+\.name < \w+\.(name|peer)|disk == self\.low\.disk"
+COMPARED += r"|number == held|line in self\.kept\(bound\)"
+PAIRS = r"self\.pairs\[\w+\.name\]"
+ENTRIES = rf"self\.disks\[(name|peer)\]|self\.disks\.get\(name\)|{PAIRS}(\.get\(\w+\.name\))?"
+ENTRIES += r"|known\.get\(listed\.number\)|(\w+\.)+regions\[(0|-1)\](\[1\])?|each\[0\]"
+MANY = rf"({PAIRS}|self\.(disks|bound)|places)\.(values|items)\(\)|list\({PAIRS}\)"
+ELEMENTS = rf"(disk|other) in self\.disks\.values\(\)|pair in {PAIRS}\.values\(\)|peer in list\({PAIRS}\)"
+ELEMENTS += rf"|peer, pair in {PAIRS}\.items\(\)|binding in \(pair\.living, pair\.static\)|name in places"
+ELEMENTS += r"|name, place in places\.items\(\)|name in self\._geometry\.around\(disk, region\)"
+ELEMENTS += r"|listed in told\.bindings|bound in self\.bound\.values\(\)"
+ELEMENTS += r"|(each|(_|number), line) in self\.(open|regions)"
+CHANGES = r"(found|listed|self\.open|self\.regions)\.(append|extend)\(.+\)"
+CHANGES += r"|self\.pairs\[(one|other)\.name\]\.pop\((one|other)\.name, None\)"
+
+TEXT = '("""|\'|")(?s:.)*?\\1'
+TOP = rf"{TEXT}|({'|'.join(CONSTANTS)}): Final = [012]"  # what a module has beside classes and imports
+TOP += r"|(?P<name>\w+) = TypeVar\('(?P=name)'(, contravariant=True)?\)"
+TOP += r'|def require\(holds: bool, what: str\) -> None:\n    """[^"]*"""\n    if not holds:\n'
+TOP += r"        raise RefusedError\(what\)"
+HEADS = r"class RefusedError\(DisknavError\):\n|class \w+Geometry\(Protocol\[[RLB, _contra]+\]\):\n"
+HEADS += r"|@mypyc_attr\(allow_interpreted_subclasses=True\)\nclass \w+(\(Generic\[[RLB, ]+\]\))?:\n"
+
+PLAIN = ast.Return | ast.Continue | ast.Tuple | ast.List | ast.Dict
+PLAIN |= ast.expr_context | ast.boolop | ast.unaryop | ast.cmpop | ast.operator
 
 
-def _is_known(node: ast.Call) -> bool:
-    """Whether a rule calls what the kernel has, or a method that leaves out no element."""
-    called, of = _called(node), ast.unparse(node.func).removesuffix(f".{_called(node)}")
-    if called in METHODS and hasattr(list, called):
-        return of == "self._geometry"
-    return called in CALLED and (called != "pop" or len(node.args) == 2)
+class StrangeError(Exception):
+    """The kernel says what the language does not have."""
 
 
-def _called(node: ast.AST) -> str:
-    called = getattr(node, "func", None)
-    return getattr(called, "id", "") or getattr(called, "attr", "")
+def need(holds: object, node: ast.AST, why: str = "is not of the language") -> None:
+    if not holds:
+        raise StrangeError(f"line {getattr(node, 'lineno', 0)}: {ast.unparse(node)[:60]} {why}")
 
 
-def _fields_of(node: ast.ClassDef) -> set[str]:
-    """Fields of itself that a class writes."""
-    fields = [each for each in ast.walk(node) if isinstance(each, ast.Attribute)]
-    stored = [each for each in fields if isinstance(each.ctx, ast.Store)]
-    return {each.attr for each in stored if ast.unparse(each.value) == "self"}
+def said(node: ast.AST, pattern: str) -> bool:
+    return bool(re.fullmatch(pattern, ast.unparse(node)))
 
 
-def _defaults(node: ast.arguments) -> list[str]:
-    return [each for each in ast.unparse(node).split(", ") if "=" in each]
+def is_word(name: str) -> bool:
+    """Whether an argument, a local or a method may be called so."""
+    return bool(re.fullmatch(r"_?[a-z][a-z_]*|_", name)) and name not in ("require", "list")
 
 
-def _is_constant(node: ast.stmt) -> bool:
-    """Whether a statement of a module makes nothing that a rule could change."""
-    if isinstance(node, ast.Assign | ast.AnnAssign):
-        return isinstance(node.value, ast.Constant) or ast.unparse(node.value or node).startswith("TypeVar(")
-    is_text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
-    return is_text or isinstance(node, ast.ImportFrom | ast.FunctionDef | ast.ClassDef)
+def noun(node: ast.expr) -> str:
+    """The kind of a number or condition, by its last word."""
+    if isinstance(node, ast.Compare | ast.BoolOp) or isinstance(getattr(node, "op", None), ast.Not):
+        return "bool"
+    if isinstance(node, ast.IfExp):
+        kinds = {noun(node.body), noun(node.orelse)}
+        return (kinds - {"none"} if len(kinds) > 1 else kinds).pop()
+    kind = NOUNS.get(getattr(getattr(node, "func", node), "attr", ast.unparse(node)), "")
+    return kind if kind == "bool" or not isinstance(node, ast.Call) else ""
 
 
-def _strange_loop(loop: ast.For, function: ast.FunctionDef) -> Iterator[str]:
-    inside = [each for statement in loop.body for each in ast.walk(statement)]
-    for node in inside:
-        again = isinstance(node, ast.Call) and _called(node) in LOOPING
-        again |= isinstance(node, ast.For) and not isinstance(node.iter, ast.Tuple)
-        if again or isinstance(node, ast.Return | ast.AugAssign | ast.ListComp):
-            yield f"line {node.lineno}: {ast.unparse(node)[:60]} in a loop"
-    yield from _of_another(inside, loop)
-    yield from _looked_at(inside, function)
-    names = [each for each in inside if isinstance(each, ast.Name)]
-    outside = {each.id for each in ast.walk(function) if isinstance(each, ast.Name) and each not in names}
-    outside -= {each.id for each in ast.walk(loop.target) if isinstance(each, ast.Name)}
-    first: dict[str, ast.Name] = {}
-    for name in sorted(names, key=lambda each: (each.lineno, isinstance(each.ctx, ast.Store))):
-        first.setdefault(name.id, name)
-    always = [
-        each
-        for around in ast.walk(loop)
-        if isinstance(around, ast.For | ast.ListComp)
-        for assigned in (*getattr(around, "body", ()), getattr(around, "target", around))
-        if isinstance(assigned, ast.Assign | ast.AnnAssign | ast.expr)
-        for each in ast.walk(assigned)
-    ]
-    for word in sorted({each.id for each in names if isinstance(each.ctx, ast.Store)}):
-        if not isinstance(first[word].ctx, ast.Store) or first[word] not in always or word in outside:
-            yield f"line {first[word].lineno}: {word} is of another element"
+def goes(given: str, wanted: str) -> bool:
+    """Whether what is of one kind may be given as another; "" is of none."""
+    return given == wanted or (given, wanted) in (("none", "id"), ("none", "version"), ("bool", ""))
 
 
-def _of_another(inside: list[ast.AST], loop: ast.For) -> Iterator[str]:
-    """Fields by which a rule could tell one element what it did with another."""
-    fields = [each for each in inside if isinstance(each, ast.Attribute)]
-    written = {each.attr for each in fields if isinstance(each.ctx, ast.Store)}
-    of_element = {each.id for each in ast.walk(loop.target) if isinstance(each, ast.Name)}
-    for node in fields:
-        mine = isinstance(node.value, ast.Name) and node.value.id in of_element
-        if node.attr in written and not isinstance(node.ctx, ast.Store) and not mine:
-            yield f"line {node.lineno}: {node.attr} may be of another element"
+def assigned(node: Any) -> list[tuple[ast.expr, ast.expr]]:
+    """Targets of a statement, and what each gets."""
+    pairs = [(each, node.value) for each in getattr(node, "targets", [getattr(node, "target", None)])]
+    for target, value in pairs:
+        need(not isinstance(target, ast.Tuple) or len(target.elts) == len(getattr(value, "elts", ())), node)
+    parts = [zip(a.elts, b.elts, strict=True) if isinstance(a, ast.Tuple) else [(a, b)] for a, b in pairs]
+    return [each for part in parts for each in part]
 
 
-def _looked_at(inside: list[ast.AST], function: ast.FunctionDef) -> Iterator[str]:
-    """Lists that a loop extends are given away whole."""
-    grows = [each.func.value for each in inside if isinstance(each, ast.Call) and _grows(each.func)]
-    given = [each for node in ast.walk(function) for each in _given(node)]
-    for word in {each.id for each in grows if isinstance(each, ast.Name)}:
-        looked_at = [each for each in ast.walk(function) if isinstance(each, ast.Name) and each.id == word]
-        for name in looked_at:
-            if isinstance(name.ctx, ast.Load) and name not in grows and name not in given:
-                yield f"line {name.lineno}: {word} is looked at"
+def parts_of(node: ast.AST) -> Iterator[ast.AST]:
+    """All of it but annotations."""
+    yield node
+    for name, field in ast.iter_fields(node):
+        for each in field if isinstance(field, list) else [field]:
+            if isinstance(each, ast.AST) and name != "annotation":
+                yield from parts_of(each)
 
 
-def _given(node: ast.AST) -> list[ast.expr | None]:
-    """What a function returns, or makes a record of."""
-    if isinstance(node, ast.Return):
-        return [node.value]
-    return [*node.args] if isinstance(node, ast.Call) and _called(node) in FIELDS else []
+def names_in(node: ast.AST) -> set[str]:
+    return {each.id for each in ast.walk(node) if isinstance(each, ast.Name)}
 
 
-def _grows(called: ast.expr) -> bool:
-    return isinstance(called, ast.Attribute) and called.attr in ("append", "extend")
+def is_loop(node: ast.AST) -> bool:
+    """Whether it goes through elements, and not through parts of one, which the solver knows."""
+    return isinstance(node, ast.For) and not isinstance(node.iter, ast.Tuple)
 
 
-@pytest.mark.parametrize("name", TREES)
-def test_all_elements_are_treated_alike(name: str) -> None:
-    assert list(strange(TREES[name])) == []
+class Kernel:
+    """Modules of a kernel, by name."""
+
+    def __init__(self, sources: dict[str, str]) -> None:
+        self._top = [node for source in sources.values() for node in ast.parse(source).body]
+        parts = [(node, each) for node in self._top if isinstance(node, ast.ClassDef) for each in node.body]
+        methods = [(of, each) for of, each in parts if isinstance(each, ast.FunctionDef)]
+        self._methods = {(of.name, each.name): each for of, each in methods}
+
+    def strange(self) -> Iterator[str]:
+        """What is not of the language."""
+        checks: list[tuple[Any, Any]] = [(self._check_top, [node]) for node in self._top]
+        for check, of in [*checks, *((self._check, name) for name in self._methods)]:
+            try:
+                check(*of)
+            except StrangeError as error:
+                yield str(error)
+
+    def _check_top(self, node: ast.stmt) -> None:
+        match node:
+            case ast.ImportFrom(module=module, names=names):
+                need({ast.unparse(each) for each in names} <= IMPORTS.get(f"{module}", set()), node)
+            case ast.ClassDef(name=name, body=[ast.Expr(value=ast.Constant()), *methods]):
+                need(re.fullmatch(HEADS, ast.unparse(node).partition('    """')[0]), node)
+                need(len([each for each in self._methods if each[0] == name]) == len(methods), node)
+                made = self._methods.get((name, "__init__"), ast.Module([], [])).body
+                targets = [target for each in made if hasattr(each, "value") for target, _ in assigned(each)]
+                fields = {each.attr for each in targets if isinstance(each, ast.Attribute)}
+                need(fields == set(FIELDS.get(name, ())), node, "has other fields")
+            case _:
+                need(said(node, TOP), node)
+
+    def _check(self, owner: str, name: str) -> None:
+        node, args = self._methods[owner, name], self._methods[owner, name].args
+        made = [ast.unparse(each) for each in (*node.decorator_list, *args.defaults)]
+        need(made in ([], ["property"]) or (made == ["NO"] and args.args[-1].arg == "part"), node)
+        need((is_word(name) or name == "__init__") and "*" not in ast.unparse(args), node)
+        for each in ast.walk(node):
+            for word in {"annotation", "returns"} & {*each._fields}:
+                text = ast.unparse(getattr(each, word) or ast.Name("None"))
+                need(re.fullmatch(r"[\w\[\], |]+", text) and {*re.findall(r"\w+", text)} <= WORDS, each)
+        for arg in args.args[1:]:
+            kind, text = NUMBERS.get(arg.arg, ""), said_of(arg)
+            is_record = re.fullmatch(r"End|[A-Z]\w+\[.*\]", text) or arg.arg == "held"
+            kinds = {"int": kind not in ("", "bool"), "bool": kind in ("", "bool")}
+            need(is_word(arg.arg) and kinds.get(text, not kind or is_record), arg, "is of another kind")
+        names = {each.arg for each in args.args}
+        self._check_names(node.body, names, names)
+        self._check_acts(owner, node)
+        parts = [each for statement in node.body for each in parts_of(statement)]
+        known = [each.func for each in parts if isinstance(each, ast.Call)]
+        of_some = [each.value for each in parts if isinstance(each, ast.Attribute)]
+        known += [each for each in of_some if said(each, "self")]
+        for part in parts:
+            need(part in known or self._is_known(part, owner), part)
+
+    def _is_known(self, node: ast.AST, owner: str) -> bool:
+        """Whether an expression may be said."""
+        match node:
+            case ast.Name(id=name):
+                return (is_word(name) and name != "self") or name in CONSTANTS
+            case ast.Attribute(value=of, attr=name, ctx=ast.Load()):
+                mine = [owner] if said(of, "self") else [*FIELDS]
+                asked = [self._methods[each, name] for each in mine if (each, name) in self._methods]
+                is_field = any(name in FIELDS[each] for each in mine if each in FIELDS)
+                return is_field or any(each.decorator_list for each in asked)
+            case ast.Subscript(ctx=ast.Load()):
+                return said(node, ENTRIES)
+            case ast.Attribute() | ast.Subscript():
+                is_own = said(node, rf"self\.({'|'.join(FIELDS.get(owner, ()))})")
+                return is_own or ast.unparse(node) in STORED.get(owner, "").split()
+            case ast.Compare(left=left, ops=[op], comparators=[right]):
+                kinds = {noun(left), noun(right)}
+                is_equal = isinstance(op, ast.Eq | ast.NotEq) and not kinds & {"", "bool"}
+                is_later = isinstance(op, ast.Lt | ast.LtE | ast.Gt | ast.GtE) and kinds == {"version"}
+                return is_later or (is_equal and len(kinds - {"none"}) == 1) or said(node, COMPARED)
+            case ast.Call(keywords=[]):
+                return self._is_call(node, owner)
+            case ast.Constant() | ast.UnaryOp(op=ast.USub()):
+                return said(node, f"None|True|False|0|1|-1|{TEXT}")
+        return isinstance(node, PLAIN) or self._is_statement(node)
+
+    def _is_statement(self, node: ast.AST) -> bool:
+        """Whether a statement, or what has conditions, may be said."""
+        match node:
+            case ast.BoolOp(values=tests):
+                return {noun(each) for each in tests} == {"bool"}
+            case ast.UnaryOp(op=ast.Not(), operand=test) | ast.If(test=test) | ast.IfExp(test=test):
+                return noun(test) == "bool"
+            case ast.For(orelse=[]) | ast.comprehension():
+                head = f"{ast.unparse(node.target).strip('()')} in {ast.unparse(node.iter)}"
+                is_tested = all(noun(each) == "bool" for each in getattr(node, "ifs", ()))
+                return bool(re.fullmatch(ELEMENTS, head)) and is_tested
+            case ast.AugAssign(target=ast.Attribute() as target, op=ast.Add(), value=value):
+                return noun(target) == "version" and said(value, "1")
+            case ast.Assign() | ast.AnnAssign():
+                return all(self._gets(*each) for each in assigned(node))
+            case ast.Starred(value=value) | ast.Expr(value=value):
+                return isinstance(value, ast.ListComp | ast.Call | ast.Constant)
+        return isinstance(node, ast.ListComp | ast.DictComp) and len(node.generators) == 1
+
+    def _gets(self, target: ast.expr, value: ast.expr) -> bool:
+        """Whether a field gets a number of its kind, or a local an object or a condition."""
+        wanted, given = NOUNS.get(getattr(target, "attr", ast.unparse(target)), ""), noun(value)
+        if isinstance(target, ast.Name):
+            return wanted in (given, "") and given in ("", "bool")
+        return goes(given, wanted) or (given, wanted) == ("", "bool") or said(value, "held")
+
+    def _is_call(self, node: ast.Call, owner: str) -> bool:
+        """Whether a call gives numbers and conditions of their kinds to a method, or is a listed one."""
+        if said(node.func, "require"):
+            return noun(node.args[0]) == "bool" and isinstance(node.args[-1], ast.Constant)
+        taken = [self._methods[each].args.args[1:] for each in self._called(node, owner)]
+        given = [
+            (said_of(arg), arg.arg, noun(each))
+            for args in taken
+            for arg, each in zip(args, node.args, strict=False)
+        ]
+        kinds = [
+            (kind, {"int": NUMBERS.get(word, ""), "bool": "bool"}.get(text, "")) for text, word, kind in given
+        ]
+        return said(node, f"{CHANGES}|{ENTRIES}|{MANY}") or (
+            bool(taken) and all(goes(*each) for each in kinds)
+        )
+
+    def _called(self, node: ast.Call, owner: str) -> list[tuple[str, str]]:
+        """Methods that a call may mean."""
+        if not isinstance(node.func, ast.Attribute):
+            return [each for each in self._methods if each == (getattr(node.func, "id", ""), "__init__")]
+        of, name = ast.unparse(node.func.value), node.func.attr
+        asks = of in ("geometry", "self._geometry")
+        found = [each for each in self._methods if each[1] == name and (each[0] == owner) == (of == "self")]
+        found = [each for each in found if each[0].endswith("Geometry") == asks]
+        return [each for each in found if not self._methods[each].decorator_list]
+
+    def _check_names(self, body: list[ast.stmt], names: set[str], fixed: set[str]) -> None:
+        """A block reads what has a value; arguments, and in a loop all names around it, keep theirs."""
+        names = set(names)
+        for node in body:
+            inner, around = set(names), fixed
+            parts = [*parts_of(getattr(node, "test", getattr(node, "iter", node)))]
+            through = [each for each in (node, *parts) if isinstance(each, ast.For | ast.comprehension)]
+            within = set().union(*(names_in(each.target) for each in through))
+            need(not within & names, node, "names what has a value")
+            words = [each for each in parts if isinstance(each, ast.Name)]
+            read = {each.id for each in words if isinstance(each.ctx, ast.Load) and is_word(each.id)}
+            stored = {each.id for each in words if isinstance(each.ctx, ast.Store)} - within
+            need(read <= names | within, node, "reads what has no value")
+            need(not stored & fixed, node, "gives another value")
+            names |= stored
+            if isinstance(node, ast.For):
+                inner |= within
+                around = inner if is_loop(node) else fixed
+            for block in (getattr(node, "body", []), getattr(node, "orelse", [])):
+                self._check_names(block if isinstance(block, list) else [], inner, around)
+
+    # -- effects
+
+    def _acts(self, owner: str, body: list[ast.stmt], deep: bool = True) -> list[str]:
+        """What statements do, in order: require, or what they store; one branch, or the other, in a row."""
+        acts: list[str] = []
+        for node in body:
+            match node:
+                case ast.If(body=one, orelse=other):
+                    both = [self._acts(owner, each, deep) for each in (one, other)]
+                    is_ordered = all(each == sorted(each, key="require".__ne__) for each in both)
+                    acts += sorted([*both[0], *both[1]], key="require".__ne__ if is_ordered else lambda _: 0)
+                case ast.For(body=inner):
+                    acts += self._acts(owner, inner, deep)
+                case ast.Expr(value=ast.Call() as call) if said(call.func, "require"):
+                    acts.append("require")
+                case ast.Expr(value=ast.Call() as call) if not said(call, r"(found|listed)\..*"):
+                    called = self._called(call, owner) if deep and not said(call.func, r".*\.note") else []
+                    inner_acts = [self._acts(each[0], self._methods[each].body) for each in called]
+                    acts += [act for each in inner_acts for act in each] if called else [ast.unparse(call)]
+                case ast.Assign() | ast.AnnAssign() | ast.AugAssign():
+                    targets = [each for each, _ in assigned(node) if not isinstance(each, ast.Name)]
+                    acts += [ast.unparse(each) for each in targets if ast.unparse(each) not in EMPTY]
+        return acts
+
+    def _check_acts(self, owner: str, node: ast.FunctionDef) -> None:
+        acts = self._acts(owner, node.body)
+        first = min((at for at, each in enumerate(acts) if each != "require"), default=len(acts))
+        need("require" not in acts[first:], node, "stores before a precondition")
+        is_question = not said(node.returns or node, "None") and node.name != "announce"
+        need(not is_question or first == len(acts), node, "is a question, and stores")
+        if node.name in ("_begin", "_end"):
+            read = [ast.unparse(each) for each in ast.walk(node) if isinstance(each, ast.Attribute)]
+            need(all(re.fullmatch(OF_PAIR, each) for each in acts), node, "stores what is of no pair")
+            need(all(re.fullmatch(OF_PAIR + r"|self\.version|disk\.name", each) for each in read), node)
+        for each in ast.walk(node):
+            if is_loop(each):
+                self._check_loop(owner, node, each)
+
+    def _check_loop(self, owner: str, node: ast.FunctionDef, loop: Any) -> None:
+        """Nothing goes from an element to another, or to what follows."""
+        inside = [each for statement in loop.body for each in ast.walk(statement)]
+        acts = set(self._acts(owner, loop.body, deep=False))
+        need(acts <= {"require"} or acts <= ALIKE, loop, "stores what is of no element, or requires, too")
+        for each in inside:
+            need(not is_loop(each) and not isinstance(each, ast.Return | ast.ListComp), each, "is in a loop")
+            if isinstance(each, ast.Call):
+                called = [self._methods[name] for name in self._called(each, owner)]
+                need(not any(map(is_loop, chain(*map(ast.walk, called)))), each, "loops in a loop")
+                is_made = getattr(each.func, "attr", "get") in ("get", "append", "extend")
+                need(
+                    acts <= {"require"} or is_made or ast.unparse(each) in acts, each, "asks what may change"
+                )
+        stored = [re.sub(r"\[.*|\.pop.*", "", each) for each in self._acts(owner, loop.body)]
+        words = {each.rpartition(".")[2] for each in stored}
+        entered = [
+            each.value
+            for each in inside
+            if isinstance(each, ast.Subscript | ast.Attribute) and isinstance(each.ctx, ast.Store)
+        ]
+        for each in ast.walk(node):
+            if isinstance(each, ast.Attribute) and isinstance(each.ctx, ast.Load) and each.attr in words:
+                is_before = each in entered or (each not in inside and each.lineno <= loop.end_lineno)
+                need(is_before or ast.unparse(each.value) in names_in(loop.target), each, "may be of another")
 
 
-@pytest.mark.parametrize(
-    "loop",
-    [
-        "for each in all:\n  take(each)\n  break", "for each in all[:2]:\n  pass",
-        "for each in all:\n  if each:\n    return", "for each in all:\n  count += 1",
-        "for each in all:\n  if last == each:\n    pass\n  last = each",
-        "for each in all:\n  count = count + 1", "found = all[: len(all) - 1]", "found = [*rest]",
-        "for each in all:\n  if not found:\n    take(each)\n  found.append(each)",
-        "for each in all:\n  count = each\nreturn count", "first = all[0]", "all.popitem()",
-        "if count > NO:\n  return", "if count == 1:\n  return", "last = count + 1",
-        "for each in all:\n  for other in all:\n    take(each, other)",
-        "for each in all:\n  last.phase = each.phase == last.phase",
-        "for each in all:\n  rest.append(each)\nif rest:\n  return", "all.pop()", "all.remove(last)",
-        "del all[last]", "if all == []:\n  return", "global LAST",
-        "class Held:\n  def grant(self):\n    self.hidden = last", "@cache\ndef tied():\n  return last",
-        "if last is NO:\n  return", "match count:\n  case 7:\n    return", "if count in {7}:\n  return",
-        "if count == -7:\n  return", "seven = 1", "try:\n  take(last)\nexcept* RefusedError:\n  return",
-        "from os import environ", "def grant(self, sure=True):\n  return", "class Held:\n  (kept := last)",
-        "class Held(list):\n  def grant(self):\n    return", "def __getattr__(self, name):\n  return last",
-        "last.hidden = count", "found = [each for each in all]\nif found:\n  return",
-        "if all.values():\n  return", "if list(all) == rest:\n  return",
-        "if last.region == count:\n  return",
-        "for each in all:\n  if each.still:\n    kept = each\n  if kept.still:\n    continue",
+def said_of(arg: ast.arg) -> str:
+    """The type of an argument."""
+    return ast.unparse(arg.annotation or ast.Name(""))
+
+
+def strange(old: str = "", new: str = "") -> list[str]:
+    """What is strange in the kernel, or as it would read with a few words changed."""
+    (name, *_) = [name for name, text in SOURCES.items() if old in text]
+    return list(Kernel(SOURCES | {name: SOURCES[name].replace(old, new, 1)}).strange())
+
+
+def test_the_kernel_is_of_the_language() -> None:
+    assert strange() == []
+
+
+REFUSED = {  # words of the kernel, and what may not follow them
+    "and not self.tied(disk, other)": [
+        " and other.name != 7", " and other.name < other.life", " and NO == other.life > other.name",
+        " and other.life is not NO", " and other.name.__class__ != other.phase.__class__", " and self.pairs",
+        " and self.disks[PRESENT].still", " and self.pairs[name] != self.pairs[disk.name]", " and __spec__",
+        " and require.__doc__ is None", " and (lambda: begins)()", " and other.held.regions[0][1] == region",
+        " and (still := begins)", " and disk.still == begins",
     ],
-)  # fmt: skip
-def test_another_form_is_seen(loop: str) -> None:
-    assert list(strange(ast.parse(f"def f(all, last, count, rest):\n{_indented(loop)}"))) != []
+    "\n        disk.life = self.version": [
+        "; Pair.told = disk", "; disk.told = self.version", "; disk.held.regions = []", "; made = self",
+        "; self.version /= 1", "; self.version += 1.0", "; del self.disks[NO]", "; self.disks[self] = disk",
+        "; require(disk.still, 'late: still')", "; require.told = disk", "; pass",
+    ],
+    "\n            self._end(pair, disk)": [
+        "; disk.still = True", "; self.version += 1", "; moved = pair.static is None", "; self.rejoin(disk)",
+        "; break",
+    ],
+    "\n        living, static = pair.living, pair.static": ["; disk.still = True", "; static = self.pairs"],
+    "\n            bound = known.get(listed.number)": ["; known = self.bound", "; listed = bound"],
+    "\n                found.extend(bound.obeyed)": ["; asked = found[0]", "; asked.static = True"],
+    "\n        self.told = NO": ["; self.hidden = NO"], "import Generic": [", sys"], "name: int": [" | L"],
+    "class Pair(Generic[L]": [", list", " and dict"], "NO: Final = 0": [" - 7"],
+    'R = TypeVar("R")': [" and []"], "    if not holds": [" and what"],
+    "\n    def ": ["__getattr__", "kept(self): pass\n    def "],
+}  # fmt: skip
+CASES = [(words, more) for words, others in REFUSED.items() for more in others]
 
 
-def test_a_module_keeps_nothing() -> None:
-    assert list(strange(ast.parse("KEPT = []"))) != []
+@pytest.mark.parametrize(("words", "more"), CASES)
+def test_another_form_is_refused(words: str, more: str) -> None:
+    assert strange(words, f"{words}{more}") != []
 
 
 @pytest.mark.parametrize("holds", [True, False])
 def test_a_precondition_that_does_not_hold_is_refused(holds: bool) -> None:
-    (require,) = [each for each in TREES["records.py"].body if isinstance(each, ast.FunctionDef)]
-    assert ast.unparse(require.body[-1]).split() == ["if", "not", "holds:", "raise", "RefusedError(what)"]
     (records,) = interpreted("protocol.kernel.records")
     with nullcontext() if holds else pytest.raises(records.RefusedError, match="rule: what"):
         records.require(holds, "rule: what")
-
-
-def _indented(text: str) -> str:
-    return "".join(f"  {line}\n" for line in text.splitlines())
