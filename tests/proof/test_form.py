@@ -202,8 +202,25 @@ class Kernel:
         known = [each.func for each in parts if isinstance(each, ast.Call)]
         of_some = [each.value for each in parts if isinstance(each, ast.Attribute)]
         known += [each for each in of_some if said(each, "self")]
+        made: dict[str, list[str]] = {}
+        for target, value in chain(
+            *(assigned(each) for each in parts if isinstance(each, ast.Assign | ast.AnnAssign))
+        ):
+            made.setdefault(ast.unparse(target), []).append(ast.unparse(value))
+        growing = [
+            each.value
+            for each in parts
+            if isinstance(each, ast.Attribute) and each.attr in ("append", "extend")
+        ]
+        done = [each.value for each in parts if isinstance(each, ast.Expr)]
         for part in parts:
             need(part in known or self._is_known(part, owner), part)
+            if isinstance(part, ast.Call) and part not in done:
+                asked = [each for each in self._called(part, owner) if each[1] != "__init__"]
+                changes = any(self._acts(each[0], self._methods[each].body) for each in asked)
+                need(not changes and not said(part, CHANGES), part, "changes something")
+            if isinstance(part, ast.Name) and part.id in ("found", "listed") and part in growing:
+                need(made.get(part.id) == ["[]"], part, "is no list of its own")
 
     def _is_known(self, node: ast.AST, owner: str) -> bool:
         """Whether an expression may be said."""
@@ -391,7 +408,7 @@ REFUSED = {  # words of the kernel, and what may not follow them
         " and other.life is not NO", " and other.name.__class__ != other.phase.__class__", " and self.pairs",
         " and self.disks[PRESENT].still", " and self.pairs[name] != self.pairs[disk.name]", " and __spec__",
         " and require.__doc__ is None", " and (lambda: begins)()", " and other.held.regions[0][1] == region",
-        " and (still := begins)", " and disk.still == begins",
+        " and (still := begins)", " and disk.still == begins", " and self.announce(name, region).still",
     ],
     "\n        disk.life = self.version": [
         "; Pair.told = disk", "; disk.told = self.version", "; disk.held.regions = []", "; made = self",
@@ -404,7 +421,8 @@ REFUSED = {  # words of the kernel, and what may not follow them
     ],
     "\n        living, static = pair.living, pair.static": ["; disk.still = True", "; static = self.pairs"],
     "\n            bound = known.get(listed.number)": ["; known = self.bound", "; listed = bound"],
-    "\n                found.extend(bound.obeyed)": ["; asked = found[0]", "; asked.static = True"],
+    "\n                found.extend(bound.obeyed)": ["; asked = found[0]", "; found = bound.obeyed"],
+    "\n        held = disk.held": ["; listed = held.regions; listed.append(NO)"],
     "\n        self.told = NO": ["; self.hidden = NO"], "import Generic": [", sys"], "name: int": [" | L"],
     "class Pair(Generic[L]": [", list", " and dict"], "NO: Final = 0": [" - 7"],
     'R = TypeVar("R")': [" and []"], "    if not holds": [" and what"],
