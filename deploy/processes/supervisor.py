@@ -25,8 +25,6 @@ from protocol.process.signals import STOP
 STEADY = 60.0  # s of run time after which a failure counts as the first
 _FIRST = 0.25  # s, after the second failure in a row
 _LONGEST = 10.0  # s, well below the time that a world waits for a robot
-
-
 _MOST = 1000  # unread reports
 _UNHEARD = 2 * MAX_NEWS  # characters of unread reports
 

@@ -25,7 +25,7 @@ import stat
 import struct
 import zlib
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from functools import cache
 from pathlib import Path
 from typing import Final, NoReturn
@@ -127,7 +127,8 @@ class Checkpoint:
             _refuse(path, f"cannot be kept: {error.strerror}")
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            if not os.path.samestat(os.fstat(self._file), path.stat()):
+            self._opened = os.fstat(self._file)
+            if not os.path.samestat(self._opened, path.stat()):
                 raise BlockingIOError  # removed, and perhaps created anew, since it was opened
             self._number, state = _newest(path, self._file)
             self.progress = SavedRun() if state is None else self._checked(state)
@@ -180,8 +181,9 @@ class Checkpoint:
         """Remove the file: the run is over, or cannot be continued. Raises CheckpointError if it remains."""
         if self.kept:
             try:
-                if os.fstat(self._file).st_nlink:  # else its path may be of another world's
-                    self.path.unlink(missing_ok=True)
+                with suppress(FileNotFoundError):
+                    if os.path.samestat(self._opened, self.path.lstat()):  # else it is another world's
+                        self.path.unlink()
             except OSError as error:
                 _refuse(self.path, f"cannot be removed: {error.strerror}")
             finally:

@@ -173,16 +173,14 @@ def test_two_worlds_cannot_have_one_checkpoint(written: Path) -> None:
 
 
 @pytest.mark.parametrize("again", [True, False])
-def test_a_file_that_another_world_replaced_meanwhile_is_not_taken(
-    again: bool, path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_that_another_world_replaced_meanwhile_is_not_taken(again: bool, path: Path) -> None:
     def locked(*_: object) -> None:
         path.unlink()
         if again:
             Checkpoint.create(path)
 
-    monkeypatch.setattr(module.fcntl, "flock", locked)
-    with pytest.raises(CheckpointError, match="in use by another world"):
+    locks = patch.object(module.fcntl, "flock", locked)
+    with locks, pytest.raises(CheckpointError, match="in use by another world"):
         opened(path)
 
 
@@ -201,11 +199,9 @@ def test_what_is_no_file_is_refused(path: Path, monkeypatch: pytest.MonkeyPatch)
         opened(path)
 
 
-def test_a_file_that_cannot_be_made_whole_leaves_none(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(module, "_frame", Mock(side_effect=OSError(28, "No space left on device")))
-    with pytest.raises(CheckpointError, match="No space left"):
+def test_a_file_that_cannot_be_made_whole_leaves_none(tmp_path: Path) -> None:
+    full = patch.object(module, "_frame", side_effect=OSError(28, "No space left on device"))
+    with full, pytest.raises(CheckpointError, match="No space left"):
         Checkpoint.create(tmp_path / "made")
     assert list(tmp_path.iterdir()) == []
 
@@ -229,42 +225,35 @@ def test_what_is_there_is_not_overwritten(written: Path) -> None:
     assert left(written).past.tick == STATES[-1].past.tick
 
 
-def test_in_place_of_a_deleted_file_another_is_left_alone(path: Path) -> None:
+@pytest.mark.parametrize("linked", [False, True])
+def test_in_place_of_its_file_another_is_left_alone(path: Path, linked: bool) -> None:
     said: list[str] = []
     checkpoint = Checkpoint(path, "yard", SCENARIO, said.append)
+    if linked:
+        os.link(path, path.with_name("backup"))
     path.unlink()
     Checkpoint.create(path)
     for state in STATES:
         checkpoint.write(state)
-    assert (len(said), "it was deleted" in said[0], checkpoint.kept) == (1, True, False)
+    assert (["it was deleted" in text for text in said], checkpoint.kept) == ([True] * (not linked), linked)
     checkpoint.remove()
     assert left(path) == SavedRun()
 
 
-@pytest.mark.parametrize("room", [0, 5, None])
-def test_a_full_disk_is_said_once_and_leaves_nothing_to_go_on_from(
-    path: Path, room: int | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def write(*_: object) -> int:
-        if room is None:
-            raise OSError(28, "No space left on device")
-        return room
-
+@pytest.mark.parametrize("room", [0, 5, OSError(28, "No space left on device")])
+def test_a_full_disk_is_said_once_and_leaves_nothing_to_go_on_from(path: Path, room: int | OSError) -> None:
     said: list[str] = []
     checkpoint = Checkpoint(path, "yard", SCENARIO, said.append)
-    monkeypatch.setattr(os, "pwrite", write)
-    for state in STATES[:2]:
-        checkpoint.write(state)
+    with patch.object(os, "pwrite", side_effect=[room]):
+        checkpoint.write(STATES[0])
+    checkpoint.write(STATES[1])
     assert (len(said), path.exists(), checkpoint.kept) == (1, False, False)
     assert "full" in said[0] or "No space" in said[0]
     checkpoint.remove()
 
 
-def test_where_it_can_be_neither_written_nor_removed_nothing_goes_on(
-    path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_where_it_can_be_neither_written_nor_removed_nothing_goes_on(path: Path) -> None:
     checkpoint, fail = opened(path), Mock(side_effect=OSError(5, "Input/output error"))
-    monkeypatch.setattr(os, "pwrite", fail)
-    monkeypatch.setattr(Path, "unlink", fail)
-    with pytest.raises(CheckpointError, match=r"cannot be removed: .*; nor can it be written"):
+    fails = patch.multiple(os, pwrite=fail, unlink=fail)
+    with fails, pytest.raises(CheckpointError, match=r"cannot be removed: .*; nor can it be written"):
         checkpoint.write(STATES[0])
