@@ -146,7 +146,7 @@ class Operator:
         """
         self._bus.subscribe(robot_key(self._run, robot, "goalstatus"))
         deadline = time.monotonic() + within
-        status = self.operate().goal(robot)  # covers changes before the subscription
+        status = self._repeat(None, lambda _: True, within).goal(robot)  # as of before the subscription
         while status is None or (status.number == number and status.status == "under way"):
             STOP.check()
             event = self._bus.receive(max(0.0, deadline - time.monotonic()))

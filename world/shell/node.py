@@ -127,10 +127,12 @@ class WorldNode:
             self._advance()  # events of the scenario precede admissions in a tick
 
     def _save(self) -> None:
+        """Write the state; what became of orders is published afterwards, so that no successor unsays it."""
         checkpoint, run = self._checkpoint, self._run
         if checkpoint is not None and checkpoint.kept:
             began = time.time() - (time.monotonic() - run.began)
             checkpoint.write(SavedRun(self._epochs, began, self._admissions.processes, run.world.past))
+        self._publishers.goals(run.world.missions.news())
 
     @property
     def world(self) -> WorldCore:
@@ -149,8 +151,10 @@ class WorldNode:
         elif isinstance(event, Presence):
             self._on_presence(event)
         elif isinstance(event, Query):
-            reply = self._reply(event)
+            halted, reply = self.world.halted, self._reply(event)
             self._save()
+            if self.world.halted != halted:
+                self._inform(due=True)
             event.reply(reply)
             self._advance()
 
@@ -305,7 +309,6 @@ class WorldNode:
     def _close(self) -> None:
         run = self._run
         run.world.close_tick()
-        self._publishers.goals(run.world.missions.news())
         run.opened = False
         if run.world.verdict:
             self._end()

@@ -74,16 +74,13 @@ class Operations:
             if operation.halt != world.stopped:
                 self._say(asked)
             outcome = world.operate(operation)
-            self._publishers.watched(self._run.clock(), world.referee.record.news())
-            contested = world.contested and not operation.halt
-            return Outcome(False, text=OTHER_WORLD) if contested else outcome
+            return Outcome(False, text=OTHER_WORLD) if world.contested and not operation.halt else outcome
         if self._run.phase is not Phase.RUNNING:
             outcome = Outcome(False, text="the run is over")
         else:
             outcome = world.operate(operation)
         if outcome.accepted and operation.add is not None:
             self._welcome(operation.add.id)
-        self._publishers.goals(world.missions.news())
         self._note(asked + ("" if outcome.accepted else f": refused, {outcome.text}"))
         return outcome
 

@@ -2,6 +2,7 @@
 
 import itertools
 from pathlib import Path
+from unittest.mock import patch
 
 import msgspec
 import pytest
@@ -16,16 +17,17 @@ from protocol.bus.local import LocalNetwork
 from protocol.codec import decode, encode
 from protocol.errors import BusError
 from protocol.keys import robot_key, world_key
-from protocol.messages import Command, Message, PlacedObstacle, Tick
+from protocol.messages import Command, GoalStatus, Message, PlacedObstacle, Tick
 from protocol.operations import Reply
 from protocol.scenario.model import Operation
 from tests.listening import overhear
-from tests.mortal import MortalFleet
+from tests.mortal import Death, MortalFleet
 from tests.system.orders.turnover import asked, step
 from world.shell import node as shell
 from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
 from world.shell.operations import OTHER_WORLD
+from world.shell.publishers import Publishers
 from world.shell.run import drawn_epoch
 
 SWAP = load("swap-4")
@@ -114,14 +116,17 @@ def test_an_emergency_stop_outlasts_the_other_world() -> None:
     assert not asked(fleet, {"halt": False}).halted
 
 
-def test_an_emergency_stop_outlasts_its_world(tmp_path: Path) -> None:
+def test_a_stop_and_an_order_of_which_anyone_heard_outlast_their_world(tmp_path: Path) -> None:
     fleet = MortalFleet(SWAP, tmp_path / "checkpoint")
     step(fleet, 10)
-    assert asked(fleet, {"halt": True}).halted
-    fleet.kill_world()
-    fleet.start_world()
+    go = {"goal": {"robot": 1, "points": [[0.0, 0.1]]}}
+    for told, order in ("watched", {"halt": True}), ("goals", go):
+        with pytest.raises(Death), patch.object(Publishers, told, side_effect=Death):
+            asked(fleet, order)
+        fleet.kill_world()
+        fleet.start_world()
     step(fleet, 3)
-    assert asked(fleet).halted
+    assert (asked(fleet).halted, [goal.number for goal in asked(fleet).goals]) == (True, [1, 0, 0, 0])
 
 
 def test_a_robot_does_not_choose_between_two_worlds() -> None:
@@ -196,7 +201,9 @@ class Answers:
             raise BusError("no answer")
         return [msgspec.msgpack.encode(reply) for reply in replies]
 
-    def receive(self, timeout: float) -> None: ...
+    def receive(self, _: object) -> None: ...
+
+    subscribe = receive
 
 
 def test_a_stop_is_repeated_until_all_of_all_worlds_stand() -> None:
@@ -215,8 +222,11 @@ def test_a_stop_is_repeated_until_all_of_all_worlds_stand() -> None:
 
 
 def test_what_became_of_an_order_is_asked_while_its_world_may_be_restarted() -> None:
-    there = Reply(True, tick=4, obstacles=(PlacedObstacle(1, "standing", ((0.0, 0.0),), 0.1),))
+    goal = GoalStatus(1, 4, 1, "arrived", (0.0, 0.0))
+    obstacle = PlacedObstacle(1, "standing", ((0.0, 0.0),), 0.1)
+    there = Reply(True, tick=4, obstacles=(obstacle,), goals=(goal,))
     Operator(Answers((), (there,)), "r").stands(1, 60.0)  # type: ignore[arg-type]
+    assert Operator(Answers((), (there,)), "r").outcome(1, 1, 60.0) == goal  # type: ignore[arg-type]
     away = Operator(Answers(()), "r")  # type: ignore[arg-type]
     away._heard = -1e9
     with pytest.raises(BusError, match="obstacle 1 was accepted, but has not appeared: no world of run 'r'"):
