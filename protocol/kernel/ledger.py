@@ -176,11 +176,13 @@ class Ledger(Generic[R, L]):
 
     def _bind(self, low: DiskRecord[R], high: DiskRecord[R], asked: int, first: L | None) -> None:
         pair = self.pairs[low.name].get(high.name)
-        if pair is None:
-            pair = self.pairs[low.name][high.name] = self.pairs[high.name][low.name] = Pair()
         lives = low.life != NO and high.life != NO  # noqa: PLR1714  # the solver reads comparisons
         require(low.life != NO or high.life != NO, "bind: one of the two has a life")
-        require((pair.living if lives else pair.static) is None, "bind: the two are not bound")
+        require(
+            pair is None or (pair.living if lives else pair.static) is None, "bind: the two are not bound"
+        )
+        if pair is None:
+            pair = self.pairs[low.name][high.name] = self.pairs[high.name][low.name] = Pair()
         self.version += 1
         binding = Binding(
             self.version,

@@ -21,22 +21,34 @@ from tests.proof.model import (
     invariant,
     real,
 )
-from tests.proof.objects import SOURCE, held_claims, ledger_claims, ledger_of, ledger_state, own_claims
+from tests.proof.objects import (
+    SOURCE,
+    begins,
+    holds_its_regions,
+    ledger_claims,
+    ledger_of,
+    ledger_state,
+    own_claims,
+)
 from tests.proof.outcomes import ANY_LINE, EPOCH, NAMES, NEXT, SAID, Case, Geometry, Outcome, S, apart
+from tests.proof.symbolic import question
 
 Rule = Callable[[Any, Any, Any], object]  # of the ledger, the disk and the other one
 Besides = Callable[[str, Outcome], None]  # what else happens to the disk
 
 _PLACES = {name: z3.Int(f"{x}.first place") for name, x in NAMES.items()}
+UNBOUND = [z3.Not(S[f"{b}.on"]) for b in "LS"]
 _OF_ALL_PAIRS = ("fence", "grant", "announce", "remove")  # rules that change all bindings of their disk
 
 
-def of_ledger(rule: str, does: Rule, x: str, besides: Besides | None = None, *given: Any) -> Case:
-    """A rule of the ledger whose first disk is X."""
+def of_ledger(
+    rule: str, does: Rule, x: str, besides: Besides | None = None, *given: Any, alone: bool = False
+) -> Case:
+    """A rule of the ledger whose first disk is X, which may have no bindings at all."""
 
     def run() -> Outcome:
         geometry = Geometry()
-        made = ledger_of(geometry)
+        made = ledger_of(geometry, alone=alone)
         does(made, made.disks[CODE[x]], made.disks[CODE[OTHER[x]]])
         outcome = Outcome(geometry)
         outcome.after = ledger_state(made)
@@ -46,7 +58,7 @@ def of_ledger(rule: str, does: Rule, x: str, besides: Besides | None = None, *gi
             besides(x, outcome)
         return outcome
 
-    return Case(f"{rule} {x}", run, [*given])
+    return Case(f"{rule} {x} alone", run, [*UNBOUND, *given]) if alone else Case(f"{rule} {x}", run, [*given])
 
 
 def history(after: State) -> dict[str, Any]:
@@ -81,17 +93,17 @@ def history(after: State) -> dict[str, Any]:
 
 def noted(geometry: Geometry, after: State) -> dict[str, Any]:
     """What geometry was told last covers all that each disk holds."""
-    return {
-        f"{x}: is noted": z3.Implies(
-            after[f"{x}.phase"] != GONE,
-            z3.And(
-                geometry.noted[x]["phase"] != GONE,
-                geometry.noted[x]["acked"] <= after[f"{x}.acked"],
-                geometry.noted[x]["granted"] >= after[f"{x}.granted"],
-            ),
+    found = {}
+    for x, told in geometry.noted.items():
+        covers = z3.And(
+            told.phase != GONE,
+            told.acknowledged <= after[f"{x}.acked"],
+            told.granted >= after[f"{x}.granted"],
         )
-        for x in "AB"
-    }
+        found[f"{x}: is noted"] = z3.Implies(after[f"{x}.phase"] != GONE, covers)
+        if told.regions is not None:
+            found[f"{x}: is noted as it is"] = holds_its_regions(told, x)
+    return found
 
 
 def _goes_on(after: State, b: str, old: str) -> Iterator[Any]:
@@ -159,7 +171,10 @@ def _granted(x: str, outcome: Outcome) -> None:
     )
 
 
-def _announce(made: Any, disk: Any) -> None:
+def _announce(made: Any, disk: Any, *, is_new: bool = False) -> None:
+    if is_new:
+        del made.disks[disk.name], made.pairs[disk.name]
+        begins(made)
     found = made.announce(disk.name, NEXT)
     found.held.disk = NAMES[disk.name]
 
@@ -180,15 +195,20 @@ def ledger_cases() -> Iterator[Case]:
     """Every rule of the ledger, of either disk."""
     for x in "AB":
         yield of_ledger("rejoin", lambda m, d, _: m.rejoin(d), x, _joined)
-        yield of_ledger("fence", lambda m, d, _: m.fence(d, NEXT), x, _fenced)
+        for alone in (False, True):
+            yield of_ledger("fence", lambda m, d, _: m.fence(d, NEXT), x, _fenced, alone=alone)
+            yield of_ledger("grant", lambda m, d, _: m.grant(d, NEXT), x, _granted, alone=alone)
+            yield of_ledger("remove", lambda m, d, _: m.remove(d), x, alone=alone)
         yield of_ledger("settle", lambda m, d, _: m.settle(d, NEXT), x, _settled)
-        yield of_ledger("grant", lambda m, d, _: m.grant(d, NEXT), x, _granted)
         yield _acknowledge(x)
         yield of_ledger("ask", lambda m, d, o: m.ask(d, o), x)
         yield of_ledger("announce", lambda m, d, _: _announce(m, d), x, _announced)
+        is_gone, first = S[f"{x}.phase"] == GONE, lambda m, d, _: _announce(m, d, is_new=True)
+        yield of_ledger("announce", first, x, _announced, is_gone, alone=True)
         yield of_ledger("appear", lambda m, d, _: m.appear(d), x)
-        yield of_ledger("remove", lambda m, d, _: m.remove(d), x)
         yield of_ledger("part", lambda m, d, o: m.part(d, o), x)
+        yield of_ledger("question: tied", question(lambda m, d, o: m.tied(d, o)), x)
+        yield of_ledger("question: told", question(lambda m, d, _: m.told(d)), x)
     yield of_ledger("introduce", lambda m, d, o: m.introduce(d, o, LINE_OF(NEXT, 0)), "A")
     yield of_ledger("elsewhere", lambda m, *_: _elsewhere(m), "A")
     for b, slot in (("L", "living"), ("S", "static")):
@@ -230,7 +250,7 @@ def _restart() -> Outcome:
     outcome.claims["a version of its epoch"] = after["v"] == EPOCH
     outcome.claims["each disk has its place"] = all(has)
     for x in "AB":
-        outcome.claims |= held_claims(made.disks[CODE[x]].held, x)
+        outcome.claims[f"{x}: regions"] = holds_its_regions(made.disks[CODE[x]].held, x)
         outcome.claims[f"{x}: is there"] = after[f"{x}.phase"] == PRESENT
         body = z3.Const(f"{x}.restarted", BODY)
         after[f"{x}.phase"] = z3.If(S[f"{x}.phase"] == PRESENT, PRESENT, GONE)

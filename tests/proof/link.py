@@ -19,9 +19,9 @@ import z3
 
 from protocol.kernel import pair as pairs
 from protocol.kernel.ledger import Ledger, Pair
-from protocol.kernel.records import NO, Binding, DiskRecord, End
+from protocol.kernel.records import Binding, DiskRecord, End
 from protocol.kernel.robot import Bound, RobotLife
-from tests.proof.model import BOOL, CODE, FIELDS, INT, bindings_of, end_fields, ledger_fields
+from tests.proof.model import BOOL, FIELDS, INT, bindings_of, end_fields, ledger_fields
 from tests.proof.prove import GENERAL, TEMPLATE
 
 Record = dict[str, Any]
@@ -162,7 +162,7 @@ Processes = Mapping[tuple[int, int], RobotLife[Any, Any, Any]]  # by disk and li
 
 def record(ledger: Ledger[Any, Any], processes: Processes, low: int, high: int) -> Record:
     """What the kernel keeps of two disks, but for messages: what every record of the model has."""
-    found = _NOTHING | ledger_fields(ledger, low, high)
+    found = _NOTHING | {"id.A": low, "id.B": high} | ledger_fields(ledger, low, high)
     for x, name, other in (("A", low, high), ("B", high, low)):
         process = processes.get((name, ledger.disks[name].life))
         if process is not None:
@@ -170,7 +170,6 @@ def record(ledger: Ledger[Any, Any], processes: Processes, low: int, high: int) 
             found |= {f"{x}.obeyed": process.number, f"{x}.reach": process.part == other}
             found |= {f"{x}.body": process.body, f"{x}.own": process.own}
     for b, binding in bindings_of(ledger, low, high).items():
-        found[f"{b}.asked"] = {NO: 0, low: CODE["A"], high: CODE["B"]}[binding.asked]
         for x, end in (("A", binding.low), ("B", binding.high)):
             process = processes.get((end.disk, end.life))
             bound = None if process is None else process.bound.get(binding.number)

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from itertools import product
+from itertools import pairwise, product
 from typing import Any
 
 import z3
@@ -38,14 +38,35 @@ LINE_OF = z3.Function("line", INT, INT, LINE)  # of a binding's number and its o
 OTHER = {"A": "B", "B": "A"}
 
 
-class Code(int):
-    """A disk's id among terms of the solver, of which a dictionary asks whether it equals them."""
+def _of_ids(compares: str) -> Any:
+    of_places, of_terms = getattr(int, compares), getattr(z3.ArithRef, compares)
+    return lambda one, other: (
+        of_places(one.place, other.place) if isinstance(other, Code) else of_terms(one, other)
+    )
+
+
+class Code(z3.ArithRef):
+    """A disk's id: any number but 0, in the order of its place among all ids."""
+
+    def __init__(self, name: str, place: int) -> None:
+        super().__init__(z3.Int(name).as_ast())
+        self.place = place
 
     def __hash__(self) -> int:
         return 0
 
+    __eq__, __ne__, __lt__ = map(_of_ids, ("__eq__", "__ne__", "__lt__"))
 
-CODE = {"A": Code(1), "B": Code(3)}  # ids of others are below, between and above
+
+CODE = {"A": Code("id.A", 3), "B": Code("id.B", 5)}
+THIRDS = {  # disks beside A and B, with ids below, between and above, and the kind of their bindings
+    Code(f"id.{place}", place): kind
+    for place, kind in zip(
+        (1, 2, 8, 4, 6, 9, 0), ["asked", "told", "loose", "asked", "asked", "told", "loose"], strict=True
+    )
+}
+_IDS = sorted([*CODE.values(), *THIRDS])
+IDS = z3.And(*[z3.ArithRef.__lt__(*each) for each in pairwise(_IDS)], *[name != 0 for name in _IDS])
 GONE, ANNOUNCED, PRESENT = 0, 1, 2
 ASKED, LINES, HALF = 0, 1, 2
 
@@ -183,8 +204,6 @@ def invariant(s: State, ra: z3.ArithRef, rb: z3.ArithRef, k: z3.ArithRef) -> dic
         z3.And(both, z3.Not(both_still), holds(s, "A", ra), holds(s, "B", rb)),
         z3.Or(APART(ra, rb), counts(s, "L"), counts(s, "S")),
     )
-    found["two that stand are disjoint"] = z3.Implies(z3.And(both, both_still), safe(s))
-
     for x in "AB":
         y = OTHER[x]
         phase, life, still = s[f"{x}.phase"], s[f"{x}.life"], s[f"{x}.still"]
@@ -341,12 +360,12 @@ def invariant(s: State, ra: z3.ArithRef, rb: z3.ArithRef, k: z3.ArithRef) -> dic
                 ]
             ),
         )  # fmt: skip
-    found["two bindings"] = z3.Implies(z3.And(s["L.on"], s["S.on"]), s["L.number"] != s["S.number"])
     return found
 
 
 def axioms(t: Terms) -> Iterator[z3.BoolRef]:
-    """The axioms of geometry, of these terms."""
+    """The axioms of geometry, of these terms, and of ids."""
+    yield IDS
     for x in "AB":  # a body in a region that is beside a line fits the line
         for body, region, line in product(t.bodies[x], t.regions[x], t.lines):
             is_inside = z3.And(INSIDE[x](body, region), BESIDE[x](region, line))

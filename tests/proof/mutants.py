@@ -32,6 +32,7 @@ _TAKES_OVER = "        elif living and static:\n            living.first = stati
 _COVERED, _UNLESS = "covered = own if bound.peer == part else body\n", "            if "
 _NEXT = "                continue\n"
 _NOTED = "self._geometry.note(disk)\n"
+_GRANTED = "disk.held.grant(self.version, region)\n"
 _CHANGED = (  # name, rule, words of its source, and what is said in their place
     ("a follower adopts what its body does not fit", "adopt", "        if fits:", "        if True:"),
     ("an owner obeys only what it holds", "propose", "self.number += 1", "self.number += 1; self.seen += 1"),
@@ -53,6 +54,8 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
      "bound.half = listed.place, None"),
     ("a first line is not recorded", "answer", "binding.first, binding.told = line,", "binding.told ="),
     ("tied by a binding that is not told", "grant", f"{_LIVING} != NO:", "if living is not None:"),
+    ("tied because they were once", "grant", f"        {_LIVING} != NO:",
+     f"        if living is None and static is None:\n            return True\n        {_LIVING} != NO:"),
     ("tied by a place of its own", "grant", " and static.end(disk.name).dead == NO", ""),
     ("what is kept towards a place goes on", "grant", f"{_STATIC}(disk.name).dead != NO:", "if False:"),
     ("an ask towards a place goes on", "grant", f"{_LIVING} == NO and living.asked != disk.name:",
@@ -68,6 +71,8 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
     ("a place that is left is kept", "settle", "self.regions = [(number, place)]", "pass"),
     ("all disks have the last place", "restart", "for name, place in places.items()}",
      "for name in places for place in places.values()}"),
+    ("a grant is noted before it is held", "grant", f"        {_GRANTED}        {_NOTED}",
+     f"        disk.held.granted = self.version\n        {_NOTED}        {_GRANTED}"),
     ("a grant is not noted", "grant", f"region)\n        {_NOTED}", "region)\n"),
     ("a fence is not noted", "fence", f"place)\n            {_NOTED}", "place)\n"),
     ("a settled place is not noted", "settle", f"place)\n        {_NOTED}", "place)\n"),

@@ -23,6 +23,7 @@ from tests.proof.model import (
     LINES,
     OTHER,
     PRESENT,
+    THIRDS,
     Code,
     bindings_of,
     ledger_fields,
@@ -48,8 +49,6 @@ class Source:
             module.require = symbolic.require
 
 
-THIRDS = (Code(-1), Code(2), Code(4))  # disks beside A and B
-
 SOURCE = Source()
 SOURCE.read()
 
@@ -71,7 +70,7 @@ class Known(_Many, dict[Any, Any]):
 
 
 def _comparing(method: Callable[..., Any]) -> Callable[..., Any]:
-    return lambda known, key, *rest: method(known, Code(key) if isinstance(key, int) else key, *rest)
+    return lambda known, key, *rest: method(known, symbolic.expression(key), *rest)
 
 
 for _name in ("get", "pop", "setdefault", "__getitem__", "__setitem__", "__delitem__", "__contains__"):
@@ -96,7 +95,7 @@ class Frame:
             for thing, changing in self._things
             for item in (thing.items() if isinstance(thing, dict) else _fields_of(thing))
             if not changing or item[0] not in changing.split()
-            for each in item
+            for each in (*item, getattr(item[1], "appended", ()))
         ]
 
     @property
@@ -138,16 +137,16 @@ class Some(_Many):
 
     def __init__(self, elements: Callable[[], Iterable[Any]]) -> None:
         self._elements = elements
-        self._appended: list[Any] = []
+        self.appended: list[Any] = []
 
     def __iter__(self) -> Iterator[Any]:
-        return iter([*self._elements(), *self._appended])
+        return iter([*self._elements(), *self.appended])
 
     def __getitem__(self, index: int) -> Any:
         return list(self)[index]
 
     def append(self, element: Any) -> None:
-        self._appended = [*self._appended, element]
+        self.appended = [*self.appended, element]
 
 
 def held_of(x: str) -> Any:
@@ -164,24 +163,23 @@ def held_of(x: str) -> Any:
     return held
 
 
-def held_claims(held: Any, x: str) -> dict[str, Any]:
-    """A disk holds the regions that its record numbers, each of its number, and drops none but older ones."""
+def holds_its_regions(held: Any, x: str) -> Any:
+    """Whether a disk holds the regions that are numbered, each of its number, and drops only older ones."""
     acked, granted = held.acknowledged, held.granted
     regions = list(held.regions)
     kept = z3.And(S[f"{x}.acked"] <= HELD[x], HELD[x] <= S[f"{x}.granted"], acked <= HELD[x])
-    return {
-        f"{x}: regions": z3.And(
-            *[number == acked for number, _ in regions[:1]],
-            *[number == granted for number, _ in regions[-1:]],
-            bool(regions),
-            *[z3.And(number == region, acked <= number, number <= granted) for number, region in regions],
-            z3.Implies(kept, z3.Or(*[number == HELD[x] for number, _ in regions])),
-        )
-    }
+    return z3.And(
+        *[number == acked for number, _ in regions[:1]],
+        *[number == granted for number, _ in regions[-1:]],
+        bool(regions),
+        *[z3.And(number == region, acked <= number, number <= granted) for number, region in regions],
+        z3.Implies(kept, z3.Or(*[number == HELD[x] for number, _ in regions])),
+    )
 
 
-def disk_of(x: str) -> Any:
-    disk = SOURCE.records.DiskRecord(CODE[x], held_of(x), 0)
+def disk_of(name: Code) -> Any:
+    x = NAMES[name]
+    disk = SOURCE.records.DiskRecord(name, held_of(x), 0)
     disk.phase, disk.life = S[f"{x}.phase"], S[f"{x}.life"]
     disk.still = S[f"{x}.still"]
     return disk
@@ -194,54 +192,74 @@ def binding_of(b: str) -> Any:
     return with_optional(binding, first=(LINE_OF(S[f"{b}.number"], 0), binding.told != 0))
 
 
-def ledger_of(geometry: Geometry) -> Any:
-    """The ledger of the state; a way through it for each of the bindings that may be in force."""
+def ledger_of(geometry: Geometry, *, alone: bool = False) -> Any:
+    """The ledger of the state; a way through it for each of the bindings that may be in force. The two may be
+    alone: they have no bindings with third disks.
+    """
     made = SOURCE.ledger.Ledger(0, {}, geometry)
     made.version = S["v"]
-    two = {CODE[x]: disk_of(x) for x in "AB"}
-    before, *thirds = (third_of(name) for name in THIRDS)
-    made.disks = Known({before.name: before, **two, **{disk.name: disk for disk in thirds}})
-    geometry.disks = made.disks
-    made.held = Frame(*[each for disk in two.values() for each in ((disk.held, ""), (disk.held.regions, ""))])
-    geometry.is_asked_before = lambda: made.held.holds
-    made.pairs = Known({name: Known() for name in made.disks})
-    for name in CODE.values():
-        made.pairs[name][before.name] = made.pairs[before.name][name] = pair_with_third(name, before.name)
-    living, static = (bool(S[f"{b}.on"]) for b in "LS")
-    if living or static:
-        both = SOURCE.ledger.Pair()
-        made.pairs[CODE["A"]][CODE["B"]] = made.pairs[CODE["B"]][CODE["A"]] = both
-        both.living = binding_of("L") if living else None
-        both.static = binding_of("S") if static else None
-    for name, third in product(CODE.values(), THIRDS[1:]):
-        made.pairs[name][third] = made.pairs[third][name] = pair_with_third(name, third)
-    made.others = {name: others_of(made, name) for name in CODE.values()}
+    names = [*THIRDS]
+    names[3:3] = CODE.values()
+    geometry.disks = made.disks = Known(
+        {name: (third_of if name in THIRDS else disk_of)(name) for name in names}
+    )
+    made.pairs = Known({name: Known() for name in names})
+    both = pair_of()
+    for other, one in product(names, NAMES):
+        pair = both if other in NAMES else None if alone else pair_with_third(one, other)
+        if one != other and pair is not None:
+            made.pairs[one][other] = made.pairs[other][one] = pair
+    made.others = {name: others_of(made, name) for name in NAMES}
     bindings = bindings_of(made).values()
     ends = [(end, "life dead") for binding in bindings for end in (binding.low, binding.high)]
     disks = [(disk, "phase life still" if name in NAMES else "") for name, disk in made.disks.items()]
-    helds = [(disk.held, "") for name, disk in made.disks.items() if name not in NAMES]
+    regions = "acknowledged granted regions"
+    helds = [(disk.held, regions if name in NAMES else "") for name, disk in made.disks.items()]
     told = [(each, "told first") for each in bindings]
-    made.frame = Frame((made, "version frame held"), *disks, *helds, *told, *ends)
+    made.frame = Frame((made, "version others frame held"), *disks, *helds, *told, *ends)
+    made.held = {x: Frame((made.disks[CODE[x]].held, "")) for x in "AB"}
+    begins(made)
     return made
 
 
-def third_of(name: int) -> Any:
+def pair_of() -> Any:
+    """Bindings of A and B; a pair that was bound, of disks that are still there, may have none."""
+    living, static = (bool(S[f"{b}.on"]) for b in "LS")
+    if not (living or static or z3.And(z3.Bool("was bound"), *[S[f"{x}.phase"] != GONE for x in "AB"])):
+        return None
+    both = SOURCE.ledger.Pair()
+    both.living = binding_of("L") if living else None
+    both.static = binding_of("S") if static else None
+    return both
+
+
+def third_of(name: Code) -> Any:
     """A disk that is neither A nor B, of which nothing is asked."""
     held = SOURCE.records.Held(2, z3.Int("third.region"))
     held.disk, held.regions = "", (*held.regions,)
-    disk = SOURCE.records.DiskRecord(name, held, {-1: PRESENT, 2: ANNOUNCED, 4: GONE}[int(name)])
+    disk = SOURCE.records.DiskRecord(name, held, {4: ANNOUNCED, 6: GONE}.get(name.place, PRESENT))
     disk.life, disk.still = z3.Int("third.life"), z3.Bool("third.still")
     return disk
 
 
-def pair_with_third(name: int, third: int) -> Any:
-    """Its bindings with A or B: one that it is asked about, and an older one towards a place of its own."""
-    both, lives = SOURCE.ledger.Pair(), {name: S[f"{NAMES[name]}.life"], third: 1}
-    ends = [SOURCE.records.End(each, lives[each], 0) for each in sorted(lives)]
-    both.living = SOURCE.records.Binding(z3.IntVal(2), *ends, third, None)
-    ends = [SOURCE.records.End(each, lives[each], 2 if each == third else 0) for each in sorted(lives)]
+def pair_with_third(name: Code, third: Code) -> Any:
+    """Its bindings with A or B: one that it is asked about, and an older one towards a place of its own; one
+    that both obey; or one that only it obeys, towards an earlier place.
+    """
+    both, life = SOURCE.ledger.Pair(), S[f"{NAMES[name]}.life"]
     line = z3.Const(f"{name}-{third}.line", LINE)
-    both.static = SOURCE.records.Binding(z3.IntVal(1), *ends, 0, line)
+
+    def binding(number: int, mine: tuple[Any, int], other: tuple[Any, int], *first: Any) -> Any:
+        ends = {name: SOURCE.records.End(name, *mine), third: SOURCE.records.End(third, *other)}
+        return SOURCE.records.Binding(z3.IntVal(number), *[ends[each] for each in sorted(ends)], *first)
+
+    if THIRDS[third] == "asked":
+        both.living = binding(2, (life, 0), (1, 0), third, None)
+        both.static = binding(1, (life, 0), (1, 2), 0, line)
+    elif THIRDS[third] == "told":
+        both.living = binding(2, (life, 0), (1, 0), 0, line)
+    else:
+        both.static = binding(2, (0, 2), (1, 0), 0, line)
     return both
 
 
@@ -266,6 +284,20 @@ def treated(made: Any, name: int, third: int) -> list[Any]:
     return found
 
 
+def begins(made: Any) -> None:
+    """A rule of a ledger or robot begins, which changes nothing before the last question that may end it."""
+    found, waiting = {}, [made]
+    while waiting:
+        each = waiting.pop()
+        if id(each) in found or isinstance(each, z3.AstRef | Geometry | Frame):
+            continue
+        if isinstance(each, dict) or hasattr(each, "__dict__"):
+            found[id(each)] = each, ""
+            waiting += each.values() if isinstance(each, dict) else vars(each).values()
+    before = Frame(*found.values())
+    symbolic.begins(lambda: before.holds)
+
+
 def ledger_state(made: Any) -> dict[str, Any]:
     """The state that the ledger has become."""
     after = dict(S)
@@ -280,18 +312,21 @@ def ledger_claims(made: Any, x: str = "") -> dict[str, Any]:
     kept = [(made.others[CODE[y]], others_of(made, CODE[y])) for y in "AB" if y != x]
     found = {
         "both disks know the pair": both is made.pairs[CODE["B"]].get(CODE["A"]),
+        "only disks that are there are a pair": both is None
+        or z3.And(*[made.disks[name].phase != GONE for name in NAMES]),
         "others stay as they are": all(list(map(id, old)) == list(map(id, now)) for old, now in kept),
         "others are treated alike": all(
-            treated(made, name, THIRDS[0]) == treated(made, name, third)
-            for name, third in product(NAMES, THIRDS)
+            treated(made, name, one) == treated(made, name, third)
+            for name, one, third in product(NAMES, THIRDS, THIRDS)
+            if THIRDS[one] == THIRDS[third]
         ),
         "there are no other disks": {*made.disks} == {*NAMES, *THIRDS},
         "nothing else changes": made.frame.holds,
         **own_claims(made),
     }
-    if not made.held.holds:
-        for x in "AB":
-            found |= held_claims(made.disks[CODE[x]].held, x)
+    for x in "AB":
+        if not made.held[x].holds:
+            found[f"{x}: regions"] = holds_its_regions(made.disks[CODE[x]].held, x)
     for binding in bindings_of(made).values():
         found[f"{binding.number} has its first line"] = _has_its_first_line(binding)
     return found
@@ -406,8 +441,7 @@ def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any]) -> Any:
     is_offered = z3.Or(made.number != 0, made.offered_number != 0)
     regions = {"region": (made.number, made.number != 0), "offered": (made.offered_number, is_offered)}
     with_optional(made, **regions)
-    frame = frame_of(made, "")
-    geometry.is_asked_before = lambda: frame.holds
+    begins(made)
     return made
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import z3
 
+from tests.proof import symbolic
 from tests.proof.model import (
     APART,
     BESIDE,
@@ -96,6 +97,16 @@ class Case:
     starts: bool = False
 
 
+@dataclass
+class _Noted:
+    """What geometry was told of a disk; its regions, unless that was before the rule."""
+
+    phase: Any
+    acknowledged: Any
+    granted: Any
+    regions: list[Any] | None = None
+
+
 class Geometry:
     """Answers that the solver chooses; a yes says something of every region held."""
 
@@ -103,13 +114,12 @@ class Geometry:
         self.facts: list[Facts] = []
         self.terms = Terms()
         self._count = 0
-        self.noted = {x: {f: S[f"{x}.{f}"] for f in ("acked", "granted", "phase")} for x in "AB"}
-        self.disks: dict[int, Any] = {}
-        self.is_asked_before: Callable[[], bool] = lambda: True  # any change of what it is asked of
+        self.noted = {x: _Noted(*[S[f"{x}.{f}"] for f in ("phase", "acked", "granted")]) for x in "AB"}
+        self.disks: dict[Any, Any] = {}
 
     def _answer(self, says: Facts) -> z3.BoolRef:
+        assert symbolic.is_unchanged(), "geometry is asked after a change"
         self._count += 1
-        says = says if self.is_asked_before() else lambda _: []
         answer = z3.Bool(f"answer{self._count}")
         self.facts.append(lambda terms: [z3.Implies(answer, each) for each in says(terms)])
         return answer
@@ -123,15 +133,13 @@ class Geometry:
 
     def note(self, disk: Any) -> None:
         held = disk.held
-        noted = {"acked": held.acknowledged, "granted": held.granted, "phase": disk.phase}
-        self.noted[NAMES[disk.name]] = noted
+        self.noted[NAMES[disk.name]] = _Noted(disk.phase, held.acknowledged, held.granted, [*held.regions])
 
     def around(self, disk: Any, region: Any) -> list[int]:
         """A disk that is not named holds nothing that meets the region, or what the disk holds."""
         other = self.disks[CODE[OTHER[NAMES[disk.name]]]]
         far = z3.And(self.clear(other.held, region), self.apart(other.held, disk.held))
-        thirds = [name for name in self.disks if name not in NAMES]
-        return [thirds[0], disk.name, *([] if far else [other.name]), thirds[-1]]
+        return [name for name in self.disks if name != other.name or not far]
 
     def apart(self, one: Any, other: Any) -> z3.BoolRef:
         if one is other:

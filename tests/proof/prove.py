@@ -9,7 +9,7 @@ from typing import Any
 import z3
 
 from tests.proof.ledger_rules import ledger_cases
-from tests.proof.model import LINE_OF, Terms, axioms, ends, invariant, safe, smaller
+from tests.proof.model import IDS, LINE_OF, Terms, axioms, ends, invariant, safe, smaller
 from tests.proof.outcomes import HALF_PLANE, NEXT, PROPOSED, Case, Outcome, S
 from tests.proof.robot_rules import robot_cases, tells
 from tests.proof.symbolic import Execution, expression, judged, ways
@@ -119,7 +119,7 @@ def _solver_with(facts: list[z3.BoolRef]) -> z3.Solver:
 
 def steps_of(case: Case, without: str = "") -> Iterator[Step]:
     """Every way through a rule, with a precondition left out or none."""
-    for way in ways(case.run, [*case.given, z3.BoolVal(True) if case.starts else ALL], without):
+    for way in ways(case.run, [*case.given, IDS, *([] if case.starts else [ALL])], without):
         yield Step(case, way.result, way.conditions)
 
 

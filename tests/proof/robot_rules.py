@@ -8,13 +8,14 @@ from typing import Any
 
 import z3
 
-from tests.proof.model import ASKED, BODY, CODE, HALF, LINE_OF, OTHER, PRESENT, end_fields, ends
+from tests.proof.ledger_rules import UNBOUND
+from tests.proof.model import ASKED, BODY, CODE, HALF, LINE, LINE_OF, OTHER, PRESENT, THIRDS, end_fields, ends
 from tests.proof.objects import (
     SOURCE,
-    THIRDS,
     UNKNOWN,
     Frame,
     Some,
+    begins,
     bound_claims,
     bound_of,
     frame_of,
@@ -26,17 +27,25 @@ from tests.proof.objects import (
     with_optional,
 )
 from tests.proof.outcomes import HALF_PLANE, OBEYED, PART, PROPOSED, Case, Geometry, Outcome, S
-from tests.proof.symbolic import Impossible
+from tests.proof.symbolic import Impossible, question
 
 
 def of_bound(
-    rule: str, b: str, x: str, does: Callable[[Any, Any], object], *given: Any, says: str = ""
+    rule: str,
+    b: str,
+    x: str,
+    does: Callable[[Any, Any], object],
+    *given: Any,
+    says: str = "",
+    alone: bool = False,
 ) -> Case:
-    """A rule of one end that was taken, be its life the present one or over; what it says is under way."""
+    """A rule of one end that was taken, be its life the present one or over; what it says is under way. The
+    process may have no other end of a binding in force.
+    """
 
     def run() -> Outcome:
         geometry = Geometry()
-        others = [each for each in ends_of(x, S[f"{b}.{x}.life"]) if each != b]
+        others = [] if alone else [each for each in ends_of(x, S[f"{b}.{x}.life"]) if each != b]
         bounds = [bound_of(each, x) for each in (b, *others)]
         bound, made = bounds[0], robot_of(x, geometry, bounds)
         frame = frame_of(made, "", bound)
@@ -79,14 +88,16 @@ def ends_of(x: str, life: Any, *, taken: bool = True) -> list[str]:
 
 def robot_cases() -> Iterator[Case]:
     """Every rule of a robot, which knows each binding by its number."""
+    distinct = z3.Distinct(S["L.number"], S["S.number"], UNKNOWN, *_NUMBERS)
     for case in _cases():
-        yield Case(case.rule, case.run, [*case.given, *[S[f"{b}.number"] != UNKNOWN for b in "LS"]])
+        yield Case(case.rule, case.run, [*case.given, distinct])
 
 
 def _cases() -> Iterator[Case]:
     for b in "LS":
         yield from _line_cases(b)
         for x in "AB":
+            yield of_bound("question:", b, x, question(_ask), alone=True)
             yield _freeze("freeze", b, x)
     for x in "AB":
         line, half, held = _line("L", 0), S[f"S.{x}.half"], _line("S", OBEYED["S"])
@@ -134,6 +145,10 @@ def _send(b: str) -> Outcome:
         outcome.after[f"{b}.{h}"] = z3.If(sends, S[f"{b}.B.held"], S[f"{b}.{h}"])
         outcome.after[f"{b}.{s}"] = z3.If(sends, S[f"{b}.B.seen"], S[f"{b}.{s}"])
     return outcome
+
+
+def _ask(made: Any, bound: Any) -> None:
+    made.fits(bound, HALF_PLANE), made.behind(bound, HALF_PLANE), made.kept(bound), bound.obeyed
 
 
 def _freeze(rule: str, b: str, x: str, *given: Any) -> Case:
@@ -201,6 +216,20 @@ def _listed(x: str) -> list[Any]:
     return listed
 
 
+_NUMBERS = z3.Ints("first_listed last_listed")  # of bindings with third disks
+
+
+def _is_taken(made: Any, listed: Any) -> bool:
+    """Whether a binding with a third disk has been taken."""
+    bound = made.bound.get(listed.number)
+    if bound is None:
+        return False
+    lines = [] if listed.first is None else [listed.first]
+    kept = zip(bound.obeyed, lines, strict=True)
+    same = all(getattr(bound, each) is getattr(listed, each) for each in ("peer", "place", "static"))
+    return same and bound.low == (made.name < listed.peer) and all(mine is line for mine, line in kept)
+
+
 def _hear(x: str, late: str) -> Outcome:
     """A Tick is heard, of which every binding in force is told as it was at its version (`history`)."""
     geometry = Geometry()
@@ -209,10 +238,14 @@ def _hear(x: str, late: str) -> Outcome:
     made.life = LIFE
     if late:
         made.version = S[f"{late}.{x}.taken"]
-    listed = _listed(x)
+    each = zip(_NUMBERS, [*THIRDS][::2], (z3.Const("listed line", LINE), None), strict=False)
+    told = z3.Int("listed place"), z3.Bool("listed static")
+    others = [SOURCE.records.Listed(*third, *told) for third in each]
+    listed = [others[0], *_listed(x), others[1]]
     ends = [(bound, "place static") for bound in made.bound.values()]
     ends += [(bound.lines, "") for bound in known if bound.lines is not None]
     frame = Frame((made, "version offered_number offered bound"), *ends)
+    begins(made)
     made.hear(SOURCE.records.Told(TO, AT, NUMBER, NUMBER, Some(lambda: listed)))
     outcome = Outcome(geometry)
     after, claims = outcome.after, outcome.claims
@@ -222,6 +255,7 @@ def _hear(x: str, late: str) -> Outcome:
         after[f"{x}.taken"], after[f"{x}.offered"] = made.version, made.offered_number
     claims[f"{x}: offered"] = made.offered == made.offered_number
     claims[f"{x}: nothing else changes"] = frame.holds
+    claims[f"{x}: takes others alike"] = all(_is_taken(made, each) for each in others)
     for b in ends_of(x, LIFE, taken=False):
         after[f"{b}.{x}.has"] = False
         for bound in made.bound.values():
@@ -242,10 +276,11 @@ def tells() -> Iterator[Case]:
     for x in "AB":
         now = [S["v"] == AT, S[f"{x}.life"] == LIFE, LIFE == TO, TO != 0]
         yield Case(f"tell {x}", partial(_told_now, x), now)
+        yield Case(f"tell {x} alone", partial(_told_now, x, alone=True), [*now, *UNBOUND])
 
 
-def _told_now(x: str) -> Outcome:
-    made = ledger_of(Geometry())
+def _told_now(x: str, *, alone: bool = False) -> Outcome:
+    made = ledger_of(Geometry(), alone=alone)
     told, listed, outcome = made.told(made.disks[CODE[x]]), _listed(x), Outcome()
     for each in listed:
         each.place = each.place if S[f"{OTHER[x]}.still"] else None
@@ -257,7 +292,8 @@ def _told_now(x: str) -> Outcome:
             len(told.bindings) == len(listed) + len(thirds),
             *[z3.Or(*[_same(one, each) for one in told.bindings]) for each in listed],
         ),
-        "told: all others": thirds == [*THIRDS],
+        "told: all others": thirds
+        == [third for third, kind in THIRDS.items() if kind != "loose" and not alone],
     } | ledger_claims(made)
     outcome.after = ledger_state(made)
     return outcome
