@@ -8,6 +8,7 @@ from typing import Any
 import z3
 
 from tests.proof.model import (
+    ANNOUNCED,
     BESIDE,
     BODY,
     CODE,
@@ -39,6 +40,7 @@ Besides = Callable[[str, Outcome], None]  # what else happens to the disk
 _PLACES = {name: z3.Int(f"{x}.first place") for name, x in NAMES.items()}
 UNBOUND = [z3.Not(S[f"{b}.on"]) for b in "LS"]
 _OF_ALL_PAIRS = ("fence", "grant", "announce", "remove")  # rules that change all bindings of their disk
+_BECOMES = {"announce": ANNOUNCED, "appear": PRESENT, "remove": GONE}  # a disk's phase, once a rule says so
 
 
 def of_ledger(
@@ -54,6 +56,8 @@ def of_ledger(
         outcome.after = ledger_state(made)
         outcome.claims = history(outcome.after) | noted(geometry, outcome.after)
         outcome.claims |= ledger_claims(made, x if rule in _OF_ALL_PAIRS else "")
+        if rule in _BECOMES:
+            outcome.claims[f"{x}: is where it is said to be"] = outcome.after[f"{x}.phase"] == _BECOMES[rule]
         if besides is not None:
             besides(x, outcome)
         return outcome
@@ -139,9 +143,10 @@ def _joined(x: str, outcome: Outcome) -> None:
     """The process of the new life begins as the robot's part of the kernel makes it."""
     outcome.begins(x)
     body = outcome.after[f"{x}.own"] = outcome.after[f"{x}.body"]
-    made = SOURCE.robot.RobotLife(CODE[x], outcome.after[f"{x}.life"], body, Geometry())
+    life = outcome.after[f"{x}.life"]
+    made = SOURCE.robot.RobotLife(CODE[x], life, body, Geometry())
     numbers = (made.version, made.number, made.offered_number, made.part)
-    begun = z3.And(made.body == body, made.own == body, made.life == outcome.after[f"{x}.life"])
+    begun = z3.And(made.body == body, made.own == body, made.life == life, life != 0)
     heard = z3.Or(*[number != 0 for number in numbers])
     empty = made.region is made.offered is None and not made.bound and made.name == CODE[x]
     outcome.claims[f"{x}: has heard nothing"] = z3.And(empty, begun, z3.Not(heard))

@@ -100,6 +100,11 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
     ("any part makes a body small", "freeze", "bound.peer == self.part", "self.part != NO"),
     ("telling forgets regions", "tell", "        held = disk.held\n",
      "        held = disk.held\n        held.acknowledge(held.granted)\n"),
+    ("a life begins that is none", "rejoin", "disk.life = self.version", "disk.life = NO"),
+    ("what has appeared is not present", "appear", "        disk.phase = PRESENT", "        pass"),
+    ("a proposed line has an older one's number", "propose", 'fits the line")\n        self.number',
+     'fits the line")\n        return\n        self.number'),
+    ("an end is of the disk that was asked", "ask", "End(low.name, low.life", "End(asked, low.life"),
     ("the small body keeps off everything", "command", "own if bound.peer == part else body", "own"),
 )  # fmt: skip
 

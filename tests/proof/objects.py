@@ -329,6 +329,9 @@ def ledger_claims(made: Any, x: str = "") -> dict[str, Any]:
             found[f"{x}: regions"] = holds_its_regions(made.disks[CODE[x]].held, x)
     for binding in bindings_of(made).values():
         found[f"{binding.number} has its first line"] = _has_its_first_line(binding)
+        found[f"{binding.number} has its ends"] = z3.And(
+            binding.low.disk == CODE["A"], binding.high.disk == CODE["B"]
+        )
     return found
 
 

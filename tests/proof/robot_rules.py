@@ -37,10 +37,11 @@ def of_bound(
     does: Callable[[Any, Any], object],
     *given: Any,
     says: str = "",
+    numbers: int = 0,
     alone: bool = False,
 ) -> Case:
-    """A rule of one end that was taken, be its life the present one or over; what it says is under way. The
-    process may have no other end of a binding in force.
+    """A rule of one end that was taken, be its life the present one or over; what it says is under way, and
+    it numbers so many lines. The process may have no other end of a binding in force.
     """
 
     def run() -> Outcome:
@@ -57,6 +58,9 @@ def of_bound(
         outcome.after |= {says: True} if says else {}
         outcome.claims = bound_claims(bound, outcome.after, b, x)
         outcome.claims[f"{x}: nothing else changes"] = frame.holds and read == bound.obeyed
+        if numbers:
+            newest = outcome.after[f"{b}.A.number"]
+            outcome.claims["a line has its own number"] = newest == S[f"{b}.A.number"] + numbers
         return outcome
 
     return Case(f"{rule} {x} {b}", run, [S[f"{b}.on"], S[f"{b}.{x}.has"], *given])
@@ -120,7 +124,11 @@ def _line(b: str, number: Any) -> z3.ExprRef:
 def _line_cases(b: str) -> Iterator[Case]:
     """Rules of the line of a binding; answers arrive late, repeated or never."""
     line = _line(b, S[f"{b}.A.number"] + 1)
-    yield of_bound("propose", b, "A", lambda m, bound: _lines(bound).propose(line, m.fits(bound, line)))
+
+    def propose(made: Any, bound: Any) -> None:
+        _lines(bound).propose(line, made.fits(bound, line))
+
+    yield of_bound("propose", b, "A", propose, numbers=1)
     proposed = _line(b, PROPOSED)
 
     def adopt(made: Any, bound: Any) -> None:
