@@ -2,7 +2,6 @@
 
 import itertools
 from pathlib import Path
-from unittest.mock import patch
 
 import msgspec
 import pytest
@@ -21,13 +20,12 @@ from protocol.messages import Command, GoalStatus, Message, PlacedObstacle, Tick
 from protocol.operations import Reply
 from protocol.scenario.model import Operation
 from tests.listening import overhear
-from tests.mortal import Death, MortalFleet
+from tests.mortal import Death, Doom, DoomedFleet
 from tests.system.orders.turnover import asked, step
 from world.shell import node as shell
 from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
 from world.shell.operations import OTHER_WORLD
-from world.shell.publishers import Publishers
 from world.shell.run import drawn_epoch
 
 SWAP = load("swap-4")
@@ -117,11 +115,11 @@ def test_an_emergency_stop_outlasts_the_other_world() -> None:
 
 
 def test_a_stop_and_an_order_of_which_anyone_heard_outlast_their_world(tmp_path: Path) -> None:
-    fleet = MortalFleet(SWAP, tmp_path / "checkpoint")
+    fleet = DoomedFleet(SWAP, tmp_path / "checkpoint", Doom())
     step(fleet, 10)
-    go = {"goal": {"robot": 1, "points": [[0.0, 0.1]]}}
-    for told, order in ("watched", {"halt": True}), ("goals", go):
-        with pytest.raises(Death), patch.object(Publishers, told, side_effect=Death):
+    for order in {"halt": True}, {"goal": {"robot": 1, "points": [[0.0, 0.1]]}}:
+        fleet.doom = Doom([0])  # it dies as it publishes next
+        with pytest.raises(Death):
             asked(fleet, order)
         fleet.kill_world()
         fleet.start_world()
