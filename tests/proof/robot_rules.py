@@ -8,13 +8,12 @@ from typing import Any
 
 import z3
 
+from tests.proof.containers import Frame, Some, with_optional
 from tests.proof.ledger_rules import UNBOUND
 from tests.proof.model import ASKED, BODY, CODE, HALF, LINE, LINE_OF, OTHER, PRESENT, THIRDS, end_fields, ends
 from tests.proof.objects import (
     SOURCE,
     UNKNOWN,
-    Frame,
-    Some,
     begins,
     bound_claims,
     bound_of,
@@ -24,7 +23,6 @@ from tests.proof.objects import (
     ledger_state,
     robot_of,
     unknown_is_static,
-    with_optional,
 )
 from tests.proof.outcomes import HALF_PLANE, OBEYED, PART, PROPOSED, Case, Geometry, Outcome, S
 from tests.proof.symbolic import Impossible, question

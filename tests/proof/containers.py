@@ -1,0 +1,106 @@
+"""What the kernel keeps, of which the solver knows a part: dictionaries, lists, fields that may be None."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from functools import cache, cached_property
+from operator import itemgetter
+from typing import Any
+
+from tests.proof import symbolic
+
+_UNKNOWN_SIZE = TypeError("how many there are, or whether any, is not known")
+
+
+class _Many:  # noqa: PLW1641  # nothing is kept by it
+    def __len__(self) -> int:
+        raise _UNKNOWN_SIZE
+
+    def __eq__(self, other: object) -> bool:
+        raise _UNKNOWN_SIZE
+
+    __ne__ = __eq__
+
+
+class Known(_Many, dict[Any, Any]):
+    """A dictionary of which the solver knows some entries, and compares their keys with any other."""
+
+
+def _comparing(method: Callable[..., Any]) -> Callable[..., Any]:
+    return lambda known, key, *rest: method(known, symbolic.expression(key), *rest)
+
+
+for _name in ("get", "pop", "setdefault", "__getitem__", "__setitem__", "__delitem__", "__contains__"):
+    setattr(Known, _name, _comparing(getattr(dict, _name)))
+
+
+class Frame:
+    """What objects were: all of their fields that no rule names keep the very same values, fields that the
+    state has no number for as well.
+
+    Args:
+        things: each with the names of the fields that may change; a dictionary has entries.
+    """
+
+    def __init__(self, *things: tuple[Any, str]) -> None:
+        self._things = things
+        self._before = self._now()
+
+    def _now(self) -> list[Any]:
+        return [
+            each
+            for thing, changing in self._things
+            for item in (thing.items() if isinstance(thing, dict) else _fields_of(thing))
+            if not changing or item[0] not in changing.split()
+            for each in (*item, getattr(item[1], "appended", ()))
+        ]
+
+    @property
+    def holds(self) -> bool:
+        """Whether nothing else has changed."""
+        now = self._now()
+        return len(now) == len(self._before) and all(map(_is_kept, self._before, now))
+
+
+def _fields_of(thing: Any) -> list[tuple[str, Any]]:
+    return sorted((vars(type(thing)).get("optional", {}) | vars(thing)).items(), key=itemgetter(0))
+
+
+def _is_kept(before: Any, now: Any) -> bool:
+    return now is before or (isinstance(before, Optional) and now is before.found())
+
+
+class Optional(cached_property[Any]):
+    """A field that is None unless a condition holds, which is asked when a rule first looks at the field."""
+
+    def __init__(self, value: Any, condition: Any) -> None:
+        self.found = cache(lambda: value if condition else None)
+        super().__init__(lambda _: self.found())
+
+
+def with_optional(made: Any, **fields: tuple[Any, Any]) -> Any:
+    """An object with fields that have a value under a condition each."""
+    optional = {name: Optional(*field) for name, field in fields.items()}
+    made.__class__ = type(type(made).__name__, (type(made),), {**optional, "optional": optional})
+    for name in fields:
+        delattr(made, name)
+    return made
+
+
+class Some(_Many):
+    """A list of any length: the elements that the solver can tell from others, which are all treated alike
+    (`test_form`), and what is appended.
+    """
+
+    def __init__(self, elements: Callable[[], Iterable[Any]]) -> None:
+        self._elements = elements
+        self.appended: list[Any] = []
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter([*self._elements(), *self.appended])
+
+    def __getitem__(self, index: int) -> Any:
+        return list(self)[index]
+
+    def append(self, element: Any) -> None:
+        self.appended = [*self.appended, element]
