@@ -297,7 +297,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     active: tuple[Id, ...]  # robots that state and command this tick
     standing: tuple[Standing, ...]  # robots that are fenced, or that no process has joined for
     verdict: str  # empty while the run continues
-    clearance: Real = 0.0  # m, smallest gap during the tick before; negative is overlap
+    clearance: Real = 0.0  # m, smallest gap so far, over continuous time; negative is overlap
     phi: Real = 0.0  # navigation function, 0 at the goal, 1 on the boundary
     reason: str = ""  # for the verdict, for people
     founded: bool = False  # whether the first tick has begun; until then the world waits for every robot

@@ -128,7 +128,7 @@ def execute(
 
 def _show(scenario: Scenario, show: Callable[[float, str], None], clock: Clock) -> None:
     """Show the newest Clock."""
-    figures = f"t = {clock.time:5.2f} s  clearance {1000 * clock.clearance:6.2f} mm"
+    figures = f"t = {clock.time:5.2f} s  smallest clearance {1000 * clock.clearance:6.2f} mm"
     with suppress(Stopped):  # after a signal the run still ends with a report
         show(clock.time / scenario.time.limit, f"{scenario.name}  {figures}")
 

@@ -294,6 +294,7 @@ class FleetView:
 
     def _on_clock(self, clock: Clock) -> None:
         self.tick, self.verdict, self.reason = max(self.tick, clock.tick), clock.verdict, clock.reason
+        self.smallest = clock.clearance if self.smallest is None else min(self.smallest, clock.clearance)
         self.missed, self.rejected = clock.missed, clock.rejected
         self.obstacles, self.halted = clock.obstacles, clock.halted
         down = {each.robot for each in clock.standing}
@@ -318,7 +319,6 @@ class FleetView:
                 view.moved(position, elapsed)
                 if self.lockstep and view.active and view.alive is not False:
                     view.said(truth.tick - 1, now)  # the tick ended once all active robots had sent States
-        self.smallest = truth.clearance if self.smallest is None else min(self.smallest, truth.clearance)
         self.history.append((truth.tick * step, truth.clearance, truth.log_potential))
         self.recent.append(truth)
         self.tick = max(self.tick, truth.tick)

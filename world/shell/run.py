@@ -62,7 +62,7 @@ class JudgedRun:
 
     def clock(self) -> Clock:
         """The present Clock."""
-        world, truth = self.world, self.world.truth
+        world, totals = self.world, self.world.referee.record.totals
         seconds = world.tick * self.scenario.time.step
         return Clock(
             world.tick,
@@ -70,8 +70,8 @@ class JudgedRun:
             world.exchange.active,
             world.lives.roster.standing,
             world.verdict,
-            truth.clearance,
-            truth.phi,
+            totals.clearance,
+            totals.truth.phi,
             world.referee.reason,
             world.lives.founded,
             world.halted,

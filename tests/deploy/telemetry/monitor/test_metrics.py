@@ -28,7 +28,7 @@ def watched() -> Source:
     source.change(lambda view, _: view.begin(SCENARIO, False))
     for robot in (None, 1):
         source.change(lambda view, _, robot=robot: view.present(robot, True))
-    clock = Clock(7, 0.35, (1,), (), "", missed=3, rejected={"identity": 4})
+    clock = Clock(7, 0.35, (1,), (), "", 0.005, missed=3, rejected={"identity": 4})
     truths = [Truth(tick, (1, 2), ((0.0, 0.0), (0.0, 0.2)), gap, 0.5) for tick, gap in ((6, 0.01), (7, 0.02))]
     healths = [
         Health(robot, life, 7, 0.001, 10, 9, {"shape": 2}, (), ((3 - robot, 1.0, 0.0, 0.1),))
@@ -58,7 +58,7 @@ def test_what_an_operator_asks_for_is_there() -> None:
     assert found["disknav_ticks_total", ()] == 7
     assert found["disknav_missed_commands_total", ()] == 3
     assert found["disknav_clearance_meters", ()] == 0.02
-    assert found["disknav_smallest_clearance_meters", ()] == 0.01
+    assert found["disknav_smallest_clearance_meters", ()] == 0.005
     assert found["disknav_rejected_messages_total", ("identity", "world")] == 4
     assert found["disknav_rejected_messages_total", ("robot-2", "shape")] == 2
     assert found["disknav_restarts_total", ("robot-2",)] == 1

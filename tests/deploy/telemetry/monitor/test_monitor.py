@@ -34,7 +34,7 @@ def test_a_watcher_sees_what_the_world_judged_and_changes_nothing() -> None:
     frame = watcher.snapshot()
     assert frame["verdict"] == report["verdict"] == "arrived"
     assert frame["tick"] == report["ticks"]
-    assert frame["smallest"] >= report["min_clearance"] - 1e-12
+    assert frame["smallest"] == report["min_clearance"]
     assert {row["status"] for row in frame["robots"]} == {"at goal"}
     assert watcher.overview()["history"][-1][2] == pytest.approx(report["log_potential"]["last"])
 
@@ -86,9 +86,9 @@ def sent(*points: Point) -> Operation:
 
 def entries(ticks: int) -> Iterator[tuple[float, Clock | Truth]]:
     for tick in range(ticks):
-        yield 0.05 * tick, Clock(tick, 0.05 * tick, (1, 2), (), "")
+        yield 0.05 * tick, Clock(tick, 0.05 * tick, (1, 2), (), "", 0.02)
         yield 0.05 * (tick + 1), Truth(tick + 1, (1, 2), ((0.0, 0.0), (0.1, 0.1)), 0.01, 0.5)
-    yield 0.05 * ticks, Clock(ticks, 0.05 * ticks, (), (), "arrived")
+    yield 0.05 * ticks, Clock(ticks, 0.05 * ticks, (), (), "arrived", 0.01)
 
 
 def test_a_recording_plays_at_its_speed_and_can_be_held() -> None:
