@@ -15,7 +15,6 @@ from agents.law import GuardedLaw, View
 from agents.law.pace import may_move
 from agents.parts.carrier import PartCarrier
 from agents.peers.neighbours import PeerInbox
-from agents.peers.roster import KnownRoster
 from agents.peers.state import plausible
 from agents.safety_filter import SafetyFilter
 from protocol.crowd import period
@@ -68,9 +67,9 @@ class Robot:
         self.scenario, self._spec = scenario, spec
         self._body, self._plausible = body_of(scenario, robot), plausible(scenario)
         self._estimate = self._nothing_known()
-        self._roster = KnownRoster(robot, scenario.shapes)
         self._filter = SafetyFilter(scenario, robot, spec.radius, self._body)
         self.hearing = PeerInbox(scenario, robot, self._filter.lines.on_state, lockstep=lockstep)
+        self._peers = self.hearing.neighbours
         self._law = GuardedLaw(scenario, robot)
         self._mover = PartCarrier(scenario, robot) if scenario.parts else None
         self._reports = scenario.is_external
@@ -92,8 +91,8 @@ class Robot:
         if tick.roster is not None:
             self._follow(tick.roster)
         if tick.grants is not None:
-            self._filter.lines.hear(tick.grants, self.hearing.neighbours)
-            self.hearing.neighbours.attend(self._filter.lines.peers)
+            self._filter.lines.hear(tick.grants, self._peers)
+            self._peers.attend(self._filter.lines.peers)
         self._filter.locate(self.tick, self._estimate, blind=self._blind)
         self.hearing.open(tick, self._estimate.position)
         if self._mover is not None:
@@ -122,12 +121,9 @@ class Robot:
         self._moved = STILL if sense is None else sense.displacement
 
     def _follow(self, roster: Roster) -> None:
-        first = self._roster.version == 0
-        news = self._roster.update(roster)
-        self.hearing.neighbours.lives = self._roster.lives
-        for member in news:
-            self.hearing.neighbours.on_member(member)
-        own = self._roster.members.get(self.robot)
+        first = self._peers.version == 0
+        self._peers.on_roster(roster)
+        own = self._peers.members.get(self.robot)
         if first and own is not None and own.radius != self._filter.radius:
             self._filter.resize(own.radius)  # an earlier life may carry a part
 
@@ -178,14 +174,14 @@ class Robot:
             self._desired = self._wish(position)
             velocity = filter_.velocity(self._desired, self._estimate)
         lines, report = filter_.lines, self._report() if self._reports else None
-        versions, obeyed = (self.epoch, self._roster.version), (lines.version, lines.region)
+        versions, obeyed = (self.epoch, self._peers.version), (lines.version, lines.region)
         found, norm = lines.firsts(), self._summed_up()
         return Command(*self._life, velocity, *versions, (), report, *obeyed, found, handles, norm)
 
     def complaint(self) -> Command:
         """A Command without a velocity; it lists the robots with missing States."""
         lacking = tuple(self.hearing.missing[:NAMED])
-        return Command(*self._life, STILL, self.epoch, self._roster.version, lacking)
+        return Command(*self._life, STILL, self.epoch, self._peers.version, lacking)
 
     def _wish(self, position: Vector) -> Vector:
         """The velocity that the law desires; of a carrier with a waypoint, straight to that."""
@@ -199,8 +195,8 @@ class Robot:
         return rate * dx, rate * dy
 
     def _view(self, position: Vector) -> View:
-        neighbours, obstacles = self.hearing.neighbours, self._roster.shapes
-        return View(self.tick, position, self.goal, self._moved, neighbours, obstacles)
+        peers = self._peers
+        return View(self.tick, position, self.goal, self._moved, peers, peers.shapes)
 
     def _report(self) -> Report | None:
         """The position as the tick began; None in a tick without odometry."""
@@ -223,8 +219,8 @@ class Robot:
     def _move_parts(self, mover: PartCarrier) -> None:
         """Decide on parts in this tick; a robot with an order leaves them alone."""
         position = self._estimate.position
-        if position is not None and self._roster.version:
-            mover.look(self.tick, position, self._roster, self.hearing.neighbours, self._ordered)
+        if position is not None and self._peers.version:
+            mover.look(self.tick, position, self._peers, self._ordered)
             self.goal = mover.goal
 
     def _fit_to_load(self, mover: PartCarrier, filter_: SafetyFilter) -> Handling | None:
@@ -232,7 +228,7 @@ class Robot:
 
         It is never smaller than the roster's, which is the obstacle if this robot fails.
         """
-        own = self._roster.members.get(self.robot)
+        own = self._peers.members.get(self.robot)
         before = filter_.radius
         told = before if own is None else own.radius
         part, radius = -mover.held, mover.radius
@@ -287,7 +283,7 @@ class Robot:
 
     def health(self, published: int, received: int, rejected: dict[str, int]) -> Health:
         """The report for monitors."""
-        heard = tuple(sorted((state.robot, state.tick) for state in self.hearing.neighbours.heard()))
+        heard = tuple(sorted((state.robot, state.tick) for state in self._peers.heard()))
         _, bound = self.place
         life = self.robot, self.incarnation, max(self.tick, 0)
         return Health(*life, bound, published, received, rejected, heard, self.lines, self.note)

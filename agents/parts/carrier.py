@@ -15,7 +15,6 @@ from agents.parts.grid import Layout
 from agents.parts.perception import Perception, Traffic, Traveller
 from agents.parts.planner import Planner
 from agents.peers.neighbours import Neighbours
-from agents.peers.roster import KnownRoster
 from protocol.messages import Claim, Handling, Vector
 from protocol.scenario.model import Part, Scenario
 
@@ -64,13 +63,11 @@ class PartCarrier:
         self._anchor, self._since = spec.start, 0  # place and tick of its last stop
         self._avoided: dict[int, int] = {}  # unreachable parts, avoided until a tick
 
-    def look(
-        self, tick: int, position: Vector, roster: KnownRoster, peers: Neighbours, ordered: Vector | None
-    ) -> None:
+    def look(self, tick: int, position: Vector, peers: Neighbours, ordered: Vector | None) -> None:
         """Decide for a tick, at `position`, m. `ordered`: goal of an operator's order, m, which takes
         precedence."""
         self._tick, self._position = tick, position
-        self._perception = Perception(self._scenario, roster, peers)
+        self._perception = Perception(self._scenario, peers)
         self.goal, self.claim, self.handles = self._home, None, None
         self.radius, self.held, self.aim = self._small, 0, None
         if ordered is not None:

@@ -16,8 +16,7 @@ from typing import Final
 import numpy as np
 
 from agents.parts.grid import Cells, Grid, Layout, Reals
-from agents.peers.neighbours import Neighbours
-from agents.peers.roster import KnownRoster, radii_of
+from agents.peers.neighbours import Neighbours, radii_of
 from agents.peers.state import PeerState
 from protocol.geometry import Disk, Shape
 from protocol.messages import Claim, Member, Vector
@@ -139,22 +138,22 @@ class Perception:
         claims: robot and claim of each live peer that claims a part of the scenario.
     """
 
-    def __init__(self, scenario: Scenario, roster: KnownRoster, neighbours: Neighbours) -> None:
+    def __init__(self, scenario: Scenario, neighbours: Neighbours) -> None:
         self._scenario = scenario
         stand = neighbours.standing
-        carried = {each.carrier: each.part for each in roster.parts if each.carrier}
+        carried = {each.carrier: each.part for each in neighbours.parts if each.carrier}
         self.peers = neighbours.moving()
         self.claims = self._claims()
         self.carriers = {robot: part for robot, part in carried.items() if robot not in stand}
-        self.obstacles = {each.part: each.obstacle for each in roster.parts if not each.carrier}
+        self.obstacles = {each.part: each.obstacle for each in neighbours.parts if not each.carrier}
         fallen = {part: stand[robot] for robot, part in carried.items() if robot in stand}
-        shapes = {part: roster.numbered.get(number) for part, number in self.obstacles.items()}
+        shapes = {part: neighbours.numbered.get(number) for part, number in self.obstacles.items()}
         at = {part: (disk.x, disk.y) for part, disk in shapes.items() if isinstance(disk, Disk)}
         at |= {part: each.position for part, each in fallen.items() if each.position is not None}
         robots = {each.robot: self._empty(each, carried) for each in stand.values() if each.position}
         self._under = {part: robots[each.robot] for part, each in fallen.items() if each.robot in robots}
-        parts = {each.obstacle for each in roster.parts}
-        others = [shape for number, shape in sorted(roster.numbered.items()) if number not in parts]
+        parts = {each.obstacle for each in neighbours.parts}
+        others = [shape for number, shape in sorted(neighbours.numbered.items()) if number not in parts]
         self.layout = Layout(
             at,
             (*others, *robots.values()),

@@ -1,4 +1,4 @@
-"""A robot's peers: the tick in which each State takes effect, and the newest of each peer.
+"""A robot's peers by roster and States, and the tick in which each State takes effect.
 
 Sender and tick of a State decide whether it is accepted; its arrival time does not. Proposals and answers
 take effect only between a Tick and the own Command, when no command is in force; later ones wait for the
@@ -7,40 +7,77 @@ next Tick.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from typing import Final
 
 from agents.peers.far import NOTHING, Arrivals, FarPicture, SummaryPlaces
 from agents.peers.link import StateLink
-from agents.peers.roster import radii_of
 from agents.peers.state import Peer, PeerState
-from protocol.messages import Member, Tick, Vector
-from protocol.scenario.model import Scenario
+from protocol.codec import keeps_newest
+from protocol.geometry import Shape
+from protocol.messages import Member, PartPlace, PlacedObstacle, Roster, Tick, Vector
+from protocol.scenario.model import RobotSpec, Scenario
 
 _NEVER: Final = 2**62
 
 
+@keeps_newest
+def radii_of(robots: tuple[RobotSpec, ...]) -> dict[int, float]:
+    """Radii of the robots of a fleet, m, by id. Immutable: robots of one process share them."""
+    return {robot.id: robot.radius for robot in robots}
+
+
+@keeps_newest
+def _by_id(members: tuple[Member, ...]) -> tuple[dict[int, Member], dict[int, int]]:
+    """Members, and incarnations of live ones, by id. Immutable: robots of one process share them."""
+    lives = {each.robot: each.incarnation if each.status == "live" else -1 for each in members}
+    return {each.robot: each for each in members}, lives
+
+
 class Neighbours:
-    """The newest States of peers, of the lives that the roster names.
+    """All disks, obstacles and parts of the newest roster, and the newest States of peers, of the lives that
+    the roster names.
 
     Args:
         radii: of all robots, m, by id; not modified.
+        robot: the own id.
+        listed: shapes of the scenario's obstacles, by number; not modified.
         hears_all: whether this robot receives the States of all peers, not of near ones only.
 
     Attributes:
-        lives: of the newest roster (`KnownRoster`); shared, not modified.
+        version: of the roster; 0 before the first.
+        members: its entries, by id, in its order.
+        lives: incarnation of each live robot, by id; -1 if the disk is not live.
+        obstacles: its added and removed obstacles.
+        parts: the place of each part.
+        shapes: of all obstacles that are present or appearing.
+        numbered: the same shapes, by number.
         standing: roster entries of disks that are static or appearing, by id.
         picture: the newest summary of all positions, if there is any.
         far: terms in the slice of the peers whose States are not received.
         radii: newest known, m, by id.
     """
 
-    def __init__(self, radii: dict[int, float], *, hears_all: bool = True) -> None:
+    def __init__(
+        self,
+        radii: dict[int, float],
+        *,
+        robot: int = 0,
+        listed: Mapping[int, Shape] | None = None,
+        hears_all: bool = True,
+    ) -> None:
+        self.version = 0
+        self.members: dict[int, Member] = {}
+        self.obstacles: tuple[PlacedObstacle, ...] = ()
+        self.parts: tuple[PartPlace, ...] = ()
+        self._listed = {} if listed is None else listed
+        self.numbered = self._listed
+        self.shapes = tuple(self._listed.values())
         self.standing: dict[int, Member] = {}
         self.picture: FarPicture | None = None
         self.far = NOTHING
         self.radii = radii
-        self._hears_all = hears_all
+        self._robot, self._hears_all = robot, hears_all
         self.lives: dict[int, int] = {}  # not Mapping, nor are `radii`: compiled, looked up thrice as fast
         self._states: dict[int, PeerState | None] = {}
 
@@ -64,8 +101,26 @@ class Neighbours:
             self.standing.pop(state.robot, None)
         return True
 
-    def on_member(self, member: Member) -> None:
-        """Apply a changed entry of a newer roster. A peer that restarts is static until its first State."""
+    def on_roster(self, roster: Roster) -> None:
+        """Adopt a roster if it is newer."""
+        if roster.version <= self.version:
+            return
+        before = self.members
+        self.members, self.lives = _by_id(roster.members)
+        if roster.obstacles != self.obstacles:
+            shapes = dict(self._listed)
+            for obstacle in roster.obstacles:
+                shapes.pop(obstacle.number, None)
+                if obstacle.status != "gone":
+                    shapes[obstacle.number] = obstacle.shape
+            self.numbered, self.shapes = shapes, tuple(shapes.values())
+        self.version, self.obstacles, self.parts = roster.version, roster.obstacles, roster.parts
+        for robot, member in self.members.items():
+            if robot != self._robot and before.get(robot) != member:
+                self._on_member(member)
+
+    def _on_member(self, member: Member) -> None:
+        """Apply a changed entry. A peer that restarts is static until its first State."""
         robot = member.robot
         if self.radii.get(robot) != member.radius:
             self.radii = {**self.radii, robot: member.radius}  # the others share the one given
@@ -143,7 +198,12 @@ class PeerInbox:
     def __init__(
         self, scenario: Scenario, robot: int, accepted: Callable[[PeerState], None], *, lockstep: bool
     ) -> None:
-        self.neighbours = Neighbours(radii_of(scenario.robots), hears_all=not scenario.hears_near)
+        self.neighbours = Neighbours(
+            radii_of(scenario.robots),
+            robot=robot,
+            listed=scenario.shapes,
+            hears_all=not scenario.hears_near,
+        )
         self._accepted = accepted
         self._robot, self._tick, self._lockstep = robot, -1, lockstep
         self._link = StateLink(scenario, robot)

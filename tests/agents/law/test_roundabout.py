@@ -16,7 +16,7 @@ from agents.peers.state import PeerState
 from deploy.library.encounters import circle
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
-from protocol.messages import Member, Summary, Vector
+from protocol.messages import Member, Roster, Summary, Vector
 from world.coordinator.exchange import runs
 
 RADIUS, PERIOD, AHEAD, BETWEEN = 0.25, 0.5, 20.0, 2
@@ -78,7 +78,7 @@ def test_a_robot_that_is_heard_too_counts_once_and_one_that_stands_does_not() ->
     assert encounters.met(_view(BETWEEN, known), WAY) == once
     known.on_state(PeerState(2, 1, BETWEEN, True, *ahead, 0.0, 0.0, 0.0, *back, radius=RADIUS), BETWEEN)
     assert encounters.met(_view(BETWEEN, known), WAY) == once
-    known.on_member(Member(2, 1, "standing", RADIUS, ahead))
+    known.on_roster(Roster(1, (Member(2, 1, "standing", RADIUS, ahead),)))
     assert encounters.met(_view(BETWEEN, known), WAY) == []
 
 

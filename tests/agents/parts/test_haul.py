@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from agents.peers.roster import KnownRoster
+from agents.peers.neighbours import Neighbours
 from protocol.messages import Claim, Handling
 from protocol.scenario.model import Carrying, Part, Scenario
 from tests.agents.lines.models.product import Product
@@ -79,14 +79,14 @@ class _Porter:
         self.claim: Claim | None = None
         self.radius, self.handles, self.held = 0.0, None, 0
 
-    def look(self, _: int, position: Vector, roster: KnownRoster, *__: Any) -> None:
+    def look(self, _: int, position: Vector, peers: Neighbours, *__: Any) -> None:
         self.radius, self.claim, self.held = self._scenario.spec(self._robot).radius, None, 0
         self.handles: Handling | None = None
-        carried = next((each.part for each in roster.parts if each.carrier == self._robot), 0)
+        carried = next((each.part for each in peers.parts if each.carrier == self._robot), 0)
         if carried:
             self._put(carried, position)
         else:
-            self._take(position, roster)
+            self._take(position, peers)
 
     def _put(self, part: int, position: Vector) -> None:
         self.radius = self._scenario.loaded_radius(self._robot, part)
@@ -96,22 +96,22 @@ class _Porter:
             self._place = position[0] + distance * math.cos(angle), position[1] + distance * math.sin(angle)
         self.handles = Handling(part, self.radius, self._place)
 
-    def _take(self, position: Vector, roster: KnownRoster) -> None:
+    def _take(self, position: Vector, peers: Neighbours) -> None:
         self._place = None
-        near = [place for place in roster.parts if self._is_near(place.obstacle, position, roster)]
+        near = [place for place in peers.parts if self._is_near(place.obstacle, position, peers)]
         if near and self._rng.random() < 0.9:
             wanted = self._rng.choice(near)
             self.held = wanted.obstacle
             self.radius = self._scenario.loaded_radius(self._robot, wanted.part)
             if self._rng.random() < 0.7:  # else it only makes ready to
                 self.handles = Handling(wanted.part, self.radius)
-        elif roster.parts and self._rng.random() < 0.3:  # from a robot, or out of reach
-            part = self._rng.choice(roster.parts).part
+        elif peers.parts and self._rng.random() < 0.3:  # from a robot, or out of reach
+            part = self._rng.choice(peers.parts).part
             self.radius = self._scenario.loaded_radius(self._robot, part)
             self.handles = Handling(part, self.radius)
 
-    def _is_near(self, obstacle: int, position: Vector, roster: KnownRoster) -> bool:
-        came = {each.number: each.shape for each in roster.obstacles if each.status == "standing"}
+    def _is_near(self, obstacle: int, position: Vector, peers: Neighbours) -> bool:
+        came = {each.number: each.shape for each in peers.obstacles if each.status == "standing"}
         shape = {**self._scenario.shapes, **came}.get(obstacle)
         if shape is None:
             return False

@@ -2,7 +2,8 @@
 
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import PeerState
-from protocol.messages import Member, Vector
+from protocol.geometry import Disk
+from protocol.messages import Member, PlacedObstacle, Roster, Vector
 
 
 def state(robot: int, incarnation: int, tick: int) -> PeerState:
@@ -15,8 +16,8 @@ def standing(robot: int, place: Vector, radius: float = 0.1) -> Member:
 
 def tell(known: Neighbours, member: Member) -> None:
     """What a newer roster says of a peer."""
-    known.lives = {**known.lives, member.robot: member.incarnation if member.status == "live" else -1}
-    known.on_member(member)
+    members = {**known.members, member.robot: member}
+    known.on_roster(Roster(known.version + 1, tuple(members.values())))
 
 
 def test_only_news_is_taken_over() -> None:
@@ -70,3 +71,30 @@ def test_in_which_order_peers_are_heard_first_changes_nothing() -> None:
     for robot in (4, 2, 3):
         assert known.on_state(state(robot, 1, 5), 5)
     assert [each.robot for each in known.moving()] == [2, 3, 4]
+
+
+def test_only_a_newer_roster_counts() -> None:
+    known = Neighbours({2: 0.1})
+    known.on_roster(Roster(3, (standing(2, (7.0, 7.0)),)))
+    known.on_roster(Roster(3, (standing(2, (8.0, 8.0)),)))
+    known.on_roster(Roster(2, (Member(2, 1, "gone", 0.1),)))
+    assert known.position(2) == (7.0, 7.0)
+    assert known.version == 3
+    known.on_roster(Roster(4, (Member(2, 1, "gone", 0.1),)))
+    assert known.position(2) is None
+
+
+def test_the_own_entry_of_a_roster_is_no_peer() -> None:
+    known = Neighbours({2: 0.1}, robot=1)
+    known.on_roster(Roster(1, (standing(1, (7.0, 7.0)), standing(2, (8.0, 8.0)))))
+    assert list(known.standing) == [2]
+    assert list(known.members) == [1, 2]
+
+
+def test_obstacles_are_those_of_the_scenario_but_for_what_came_and_went() -> None:
+    listed = {1: Disk(0.0, 0.0, 0.1), 2: Disk(1.0, 0.0, 0.1)}
+    came = PlacedObstacle(3, "appearing", ((2.0, 0.0),), 0.2)
+    known = Neighbours({}, listed=listed)
+    assert known.shapes == tuple(listed.values())
+    known.on_roster(Roster(2, (), (PlacedObstacle(1, "gone"), came)))
+    assert known.shapes == (listed[2], came.shape)

@@ -13,7 +13,7 @@ _KERNEL = [
     "protocol.region",
 ]
 _LINES = [
-    *("agents.peers.roster", "agents.peers.neighbours"),
+    "agents.peers.neighbours",
     *(f"agents.lines.{name}" for name in ("own_set", "boundary", "negotiation", "separating_lines")),
 ]
 _ROBOT = [

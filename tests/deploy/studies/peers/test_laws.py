@@ -10,7 +10,7 @@ from agents.peers.state import PeerState
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.errors import LawError, UsageError
-from protocol.messages import Member, Vector
+from protocol.messages import Member, Roster, Vector
 from protocol.scenario.model import Control, RobotSpec, Scenario, Time
 
 LAWS = ("Orca", "Barrier")
@@ -102,7 +102,7 @@ def test_a_barrier_binds_with_equality_and_a_robot_that_is_down_takes_no_half_of
     vx, vy = own.velocity(view(STILL, STILL, known))
     assert 2.0 * 0.1 * vx == pytest.approx(0.5 * (0.1**2 - 0.08**2), rel=1e-6)
     assert vy == pytest.approx(0.0, abs=1e-9)
-    known.on_member(Member(2, 1, "standing", 0.04, (0.1, 0.0)))
+    known.on_roster(Roster(1, (Member(2, 1, "standing", 0.04, (0.1, 0.0)),)))
     assert 2.0 * 0.1 * own.velocity(view(STILL, STILL, known))[0] == pytest.approx(0.1**2 - 0.08**2)
 
 
