@@ -78,12 +78,9 @@ def main(
                 raise _taken(run)
         if kept is not None:
             kept.remove()
-    except RunTakenError as error:
-        LOG.error(error)
-        return REFUSED
     except DisknavError as error:
         LOG.error(error)
-        return FAULT
+        return REFUSED if isinstance(error, RunTakenError) else FAULT
     return SUCCESS
 
 

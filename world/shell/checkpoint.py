@@ -17,17 +17,19 @@ disk: one from before the last start of the machine is refused, if the system id
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import hashlib
 import os
-import secrets
 import stat
 import struct
 import zlib
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from functools import cache
+from io import FileIO
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 from typing import Final, NoReturn
 
 import msgspec
@@ -108,7 +110,7 @@ class Checkpoint:
 
     Attributes:
         progress: of earlier worlds.
-        kept: whether it can be written; otherwise the file is removed, and no world continues from it.
+        kept: whether it can be written; otherwise it is emptied, and no world continues from it.
 
     Raises:
         CheckpointError: the file is missing, damaged, in use, or of another run; it is left unchanged.
@@ -120,20 +122,20 @@ class Checkpoint:
         self.path, self.kept = path, True
         self._of, self._say, self._buffer = (run, _digest(scenario), boot()), say, bytearray()
         try:
-            self._file = os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
+            self._file = FileIO(os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW), "r+")
         except FileNotFoundError:
             _refuse(path, "is not there: where the run was is not known, so it cannot go on")
         except OSError as error:
             _refuse(path, f"cannot be kept: {error.strerror}")
         try:
             fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            self._opened = os.fstat(self._file)
+            self._opened = os.fstat(self._file.fileno())
             if not os.path.samestat(self._opened, path.stat()):
                 raise BlockingIOError  # removed, and perhaps created anew, since it was opened
-            self._number, state = _newest(path, self._file)
+            self._number, state = _newest(path, self._file.fileno())
             self.progress = SavedRun() if state is None else self._checked(state)
         except BaseException as error:
-            os.close(self._file)
+            self._file.close()
             if isinstance(error, BlockingIOError | FileNotFoundError):
                 _refuse(path, "is in use by another world")
             if isinstance(error, OSError):
@@ -143,23 +145,21 @@ class Checkpoint:
     @staticmethod
     def create(path: Path) -> None:
         """Create the whole file for a run that has not begun; CheckpointError if it cannot, or exists."""
-        begun = path.with_name(f"{path.name}.{secrets.token_hex(4)}")
         try:
-            with begun.open("xb") as file, ExitStack() as stack:
-                stack.callback(begun.unlink, missing_ok=True)
+            with NamedTemporaryFile(dir=path.parent, prefix=f"{path.name}.") as file:
                 file.write(_MAGIC)
                 file.truncate(_place(2))
                 file.seek(_place(1))
                 file.write(_frame(1, bytearray(_FRAME.size)))
                 file.flush()
-                os.link(begun, path)  # unlike a renamed file, it replaces none
+                os.link(file.name, path)  # unlike a renamed file, it replaces none
         except OSError as error:
             _refuse(path, f"cannot be kept: {error.strerror}")
 
     def write(self, progress: SavedRun) -> None:
         """Replace the older of the two states; afterwards a successor would continue from this one.
 
-        Raises CheckpointError if it can neither be written nor removed, and would be outdated.
+        Raises CheckpointError if it can neither be written nor emptied, and would be outdated.
         """
         if not self.kept:
             return
@@ -168,38 +168,39 @@ class Checkpoint:
         _encoder.encode_into(_State(*self._of, progress), content, _FRAME.size)
         _frame(self._number, content)
         try:
-            if not os.fstat(self._file).st_nlink:
+            if not os.fstat(self._file.fileno()).st_nlink:
                 raise OSError(0, "it was deleted")
             if len(content) > _STATE:
                 raise OSError(0, "the state is too large")
-            if os.pwrite(self._file, content, _place(self._number % 2)) < len(content):
+            if os.pwrite(self._file.fileno(), content, _place(self._number % 2)) < len(content):
                 raise OSError(0, "the disk is full")
         except OSError as error:
             self._abandon(error)
 
     def remove(self) -> None:
-        """Remove the file: the run is over, or cannot be continued. Raises CheckpointError if it remains."""
-        if self.kept:
-            try:
-                with suppress(FileNotFoundError):
-                    if os.path.samestat(self._opened, self.path.lstat()):  # else it is another world's
-                        self.path.unlink()
-            except OSError as error:
-                _refuse(self.path, f"cannot be removed: {error.strerror}")
-            finally:
-                self.close()
+        """Remove the file at the end of the run, and close; raises CheckpointError if it remains."""
+        try:
+            with suppress(FileNotFoundError):
+                if os.path.samestat(self._opened, self.path.lstat()):  # else it is another world's
+                    self.path.unlink()
+        except OSError as error:
+            _refuse(self.path, f"cannot be removed: {error.strerror}")
+        finally:
+            self.close()
 
     def close(self) -> None:
         """Release the file for the next process."""
-        if self.kept:
-            self.kept = False
-            os.close(self._file)
+        self.kept = False
+        self._file.close()
 
     def _abandon(self, why: OSError) -> None:
+        """Empty the file, whatever its name is by now: no world may go on from an older state."""
+        self.kept = False
         try:
-            self.remove()
-        except CheckpointError as error:
-            raise CheckpointError(f"{error}; nor can it be written: {why.strerror}") from None
+            os.ftruncate(self._file.fileno(), 0)
+        except OSError as error:
+            if error.errno != errno.ESTALE:  # else another host has deleted it
+                _refuse(self.path, f"can be neither written ({why.strerror}) nor emptied: {error.strerror}")
         self._say(
             f"cannot keep the checkpoint {self.path}: {why.strerror}; "
             f"the run goes on, but the next death of this world ends it"
@@ -258,6 +259,8 @@ def _newest(path: Path, opened: int) -> tuple[int, _State | None]:
         _refuse(path, "is not a regular file")
     with open(opened, "rb", closefd=False) as file:
         content = file.read(_place(2) + 1)
+    if not content:
+        _refuse(path, "is empty: a world could not write it, so the run is over; delete it to begin another")
     if not content.startswith(_MAGIC):
         _refuse(path, "is of another version of disknav, or none at all")
     if len(content) != _place(2):

@@ -23,8 +23,7 @@ SCENARIO = two()
 
 @pytest.fixture(autouse=True, scope="module")
 def _small_files() -> object:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "_STATE", 1 << 13)
+    with patch.object(module, "_STATE", 1 << 13):
         yield
 
 
@@ -141,21 +140,17 @@ def test_of_a_file_that_was_cut_short_nothing_is_half_read(
     assert path.read_bytes() == content
 
 
-def test_a_checkpoint_of_something_else_is_refused_by_name(
-    written: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_checkpoint_of_something_else_is_refused_by_name(written: Path) -> None:
     with pytest.raises(CheckpointError, match="of run 'yard', not of 'other'"):
         opened(written, "other")
     with pytest.raises(CheckpointError, match="of another scenario than"):
         Checkpoint(written, "yard", replace(SCENARIO, seed=1))
-    with monkeypatch.context() as patch:
-        patch.setattr(module, "boot", lambda: "another")
-        with pytest.raises(CheckpointError, match="from before this machine was last started"):
-            opened(written)
-    with monkeypatch.context() as patch:
-        patch.setattr(module, "_decoder", msgspec.msgpack.Decoder(Standing))
-        with pytest.raises(CheckpointError, match="of another version of disknav"):
-            opened(written)
+    booted = patch.object(module, "boot", return_value="another")
+    with booted, pytest.raises(CheckpointError, match="from before this machine was last started"):
+        opened(written)
+    decodes = patch.object(module, "_decoder", msgspec.msgpack.Decoder(Standing))
+    with decodes, pytest.raises(CheckpointError, match="of another version of disknav"):
+        opened(written)
     written.write_text("something else entirely")
     with pytest.raises(CheckpointError, match="of another version of disknav, or none"):
         opened(written)
@@ -184,11 +179,10 @@ def test_a_file_that_another_world_replaced_meanwhile_is_not_taken(again: bool, 
         opened(path)
 
 
-def test_what_is_no_file_is_refused(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    with monkeypatch.context() as patch:
-        patch.setattr(module.fcntl, "flock", Mock(side_effect=OSError(37, "No locks available")))
-        with pytest.raises(CheckpointError, match="No locks available"):
-            opened(path)
+def test_what_is_no_file_is_refused(path: Path) -> None:
+    locks = patch.object(module.fcntl, "flock", side_effect=OSError(37, "No locks available"))
+    with locks, pytest.raises(CheckpointError, match="No locks available"):
+        opened(path)
     elsewhere = path.rename(path.with_name("elsewhere"))
     path.symlink_to(elsewhere)  # the file would outlast its removal
     with pytest.raises(CheckpointError, match="symbolic links"):
@@ -243,17 +237,24 @@ def test_in_place_of_its_file_another_is_left_alone(path: Path, linked: bool) ->
 @pytest.mark.parametrize("room", [0, 5, OSError(28, "No space left on device")])
 def test_a_full_disk_is_said_once_and_leaves_nothing_to_go_on_from(path: Path, room: int | OSError) -> None:
     said: list[str] = []
-    checkpoint = Checkpoint(path, "yard", SCENARIO, said.append)
+    checkpoint, elsewhere = Checkpoint(path, "yard", SCENARIO, said.append), path.with_name("elsewhere")
+    checkpoint.write(STATES[0])
+    path.rename(elsewhere)
     with patch.object(os, "pwrite", side_effect=[room]):
-        checkpoint.write(STATES[0])
-    checkpoint.write(STATES[1])
-    assert (len(said), path.exists(), checkpoint.kept) == (1, False, False)
+        checkpoint.write(STATES[1])
+    checkpoint.write(STATES[2])
+    assert (len(said), checkpoint.kept) == (1, False)
     assert "full" in said[0] or "No space" in said[0]
+    elsewhere.rename(path)
+    checkpoint.close()
+    with pytest.raises(CheckpointError, match="is empty: a world could not write it"):
+        opened(path)
     checkpoint.remove()
+    assert not path.exists()
 
 
-def test_where_it_can_be_neither_written_nor_removed_nothing_goes_on(path: Path) -> None:
+def test_where_it_can_be_neither_written_nor_emptied_nothing_goes_on(path: Path) -> None:
     checkpoint, fail = opened(path), Mock(side_effect=OSError(5, "Input/output error"))
-    fails = patch.multiple(os, pwrite=fail, unlink=fail)
-    with fails, pytest.raises(CheckpointError, match=r"cannot be removed: .*; nor can it be written"):
+    fails = patch.multiple(os, pwrite=fail, ftruncate=fail)
+    with fails, pytest.raises(CheckpointError, match=r"neither written \(Input.*\) nor emptied: Input"):
         checkpoint.write(STATES[0])
