@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from math import inf
 from pathlib import Path
+from typing import cast
 
 import msgspec
 
@@ -26,8 +27,8 @@ from protocol.scenario.model import Operation
 
 ANSWER = 5.0  # s for a router to accept, and for a world to answer
 _LOOK = 0.05  # s between queries of the state
+_PAUSE = 0.5  # s between them while nothing is published about an order
 _AWAY = 60.0  # s in which a world that has answered may be restarted
-_PRESENT = ("standing", "live")
 
 
 class Operator:
@@ -83,11 +84,11 @@ class Operator:
 
     def appeared(self, robot: int, within: float) -> str:
         """Wait until the disk of an added robot is present; returns its status.
-        Raises BusError if another robot still occupies its place after `within` s.
+        Raises BusError if another robot still occupies its place after `within` s, or it was removed.
         """
 
         def status(reply: Reply) -> str:
-            return next((each.status for each in reply.roster.members if each.robot == robot), "")
+            return next((each.status for each in reply.roster.members if each.robot == robot), "gone")
 
         return self._awaited(status, within, f"robot {robot}")
 
@@ -97,21 +98,19 @@ class Operator:
         """
 
         def status(reply: Reply) -> str:
-            for obstacle in reply.obstacles:
-                if obstacle.number == number:
-                    return obstacle.status
-            raise BusError("it was removed")
+            return next((each.status for each in reply.obstacles if each.number == number), "gone")
 
         self._awaited(status, within, f"obstacle {number}")
 
     def _awaited(self, status: Callable[[Reply], str], within: float, what: str) -> str:
         """Query the status of a disk until it is present, at most `within` s."""
         try:
-            found = status(self._repeat(None, lambda reply: status(reply) in _PRESENT, within))
+            found = status(self._repeat(None, lambda reply: status(reply) != "appearing", within))
         except BusError as error:
             raise BusError(f"{what} was accepted, but has not appeared: {error}") from error
-        if found not in _PRESENT:
-            raise BusError(f"{what} has not appeared within {within:g} s: a robot occupies its place")
+        if found in ("appearing", "gone"):
+            why = "it was removed" if found == "gone" else f"a robot occupies its place after {within:g} s"
+            raise BusError(f"{what} was accepted, but has not appeared: {why}")
         return found
 
     def stop(self, within: float) -> Reply:
@@ -142,23 +141,23 @@ class Operator:
 
     def outcome(self, robot: int, number: int, within: float) -> GoalStatus:
         """Wait until a goal is reached, cancelled, given up, or followed by another; returns its status.
-        Raises BusError after `within` s, or if there is no such robot.
+        Raises BusError after `within` s, or if the robot was removed.
         """
         self._bus.subscribe(robot_key(self._run, robot, "goalstatus"))
-        deadline = time.monotonic() + within
-        status = self._repeat(None, lambda _: True, within).goal(robot)  # as of before the subscription
-        while status is None or (status.number == number and status.status == "under way"):
-            STOP.check()
-            event = self._bus.receive(max(0.0, deadline - time.monotonic()))
-            if isinstance(event, Sample):
-                try:
-                    heard = decode(event.key, event.payload)
-                except MessageError:
-                    continue  # from another sender; wait for the world's
-                status = heard if isinstance(heard, GoalStatus) else status
-            elif time.monotonic() >= deadline:
+        deadline, heard = time.monotonic() + within, None
+        while True:
+            remaining = deadline - time.monotonic()
+            status = heard or self._repeat(None, lambda _: True, remaining).goal(robot)
+            if status is None:
+                raise BusError(f"there is no robot {robot}, or no longer")
+            if status.number != number or status.status != "under way":
+                return status
+            if remaining <= 0.0:
                 raise BusError(f"order {number} of robot {robot} has not ended within {within:g} s")
-        return status
+            event, heard = self._bus.receive(min(remaining, _PAUSE)), None
+            if isinstance(event, Sample):
+                with suppress(MessageError):  # from another sender
+                    heard = cast(GoalStatus, decode(event.key, event.payload))
 
 
 @contextmanager

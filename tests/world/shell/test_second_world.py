@@ -224,7 +224,13 @@ def test_what_became_of_an_order_is_asked_while_its_world_may_be_restarted() -> 
     obstacle = PlacedObstacle(1, "standing", ((0.0, 0.0),), 0.1)
     there = Reply(True, tick=4, obstacles=(obstacle,), goals=(goal,))
     Operator(Answers((), (there,)), "r").stands(1, 60.0)  # type: ignore[arg-type]
-    assert Operator(Answers((), (there,)), "r").outcome(1, 1, 60.0) == goal  # type: ignore[arg-type]
+    ahead = Reply(True, tick=4, goals=(GoalStatus(1, 4, 1, "under way", (0.0, 0.0)),))
+    operator = Operator(Answers((ahead,), (), (there,)), "r")  # type: ignore[arg-type]
+    assert operator.outcome(1, 1, 60.0) == goal, "also if the world died before it published that"
+    with pytest.raises(BusError, match="there is no robot 7"):
+        operator.outcome(7, 1, 60.0)
+    with pytest.raises(BusError, match="robot 7 was accepted, but has not appeared: it was removed"):
+        operator.appeared(7, 60.0)
     away = Operator(Answers(()), "r")  # type: ignore[arg-type]
     away._heard = -1e9
     with pytest.raises(BusError, match="obstacle 1 was accepted, but has not appeared: no world of run 'r'"):
