@@ -5,6 +5,7 @@ others; every robot that has all states sends the world its command; the world w
 commands. Same keys, payload sizes and phases as a real fleet.
 """
 
+import faulthandler
 import json
 import time
 from collections.abc import Callable
@@ -115,15 +116,15 @@ def raw_robot(endpoint: str, robot: int, robots: int, say: Payloads) -> int:
 def raw_world(
     endpoint: str, robots: int, seconds: float, say: Payloads, report: Callable[[str], None]
 ) -> int:
-    """The world on raw zenoh; reports the rate."""
+    """The world on raw zenoh; reports the rate. It ends where it waits for too long, and shows where."""
+    faulthandler.dump_traceback_later(seconds + 20.0, exit=True)
     session = _open(endpoint)
     commands = session.declare_subscriber(
         every_robot(RUN, "command"), zenoh.handlers.FifoChannel(4 * robots + 64)
     )
     measurements = [_publisher(session, robot_key(RUN, i, "tick")) for i in range(1, robots + 1)]
-    tokens = session.liveliness().declare_subscriber(robot_tokens(RUN), history=True)
-    for _ in range(robots):
-        tokens.recv()
+    while len(list(session.liveliness().get(robot_tokens(RUN)))) < robots:
+        pass
 
     def tick() -> None:
         for measurement in measurements:

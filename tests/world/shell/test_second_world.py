@@ -221,8 +221,7 @@ def test_a_stop_is_repeated_until_all_of_all_worlds_stand() -> None:
 
 def test_what_became_of_an_order_is_asked_while_its_world_may_be_restarted() -> None:
     goal = GoalStatus(1, 4, 1, "arrived", (0.0, 0.0))
-    obstacle = PlacedObstacle(1, "standing", ((0.0, 0.0),), 0.1)
-    there = Reply(True, tick=4, obstacles=(obstacle,), goals=(goal,))
+    there = Reply(True, tick=4, obstacles=(PlacedObstacle(1, "standing", ((0.0, 0.0),)),), goals=(goal,))
     Operator(Answers((), (there,)), "r").stands(1, 60.0)  # type: ignore[arg-type]
     ahead = Reply(True, tick=4, goals=(GoalStatus(1, 4, 1, "under way", (0.0, 0.0)),))
     operator = Operator(Answers((ahead,), (), (there,)), "r")  # type: ignore[arg-type]
