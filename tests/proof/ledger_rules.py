@@ -39,8 +39,12 @@ Besides = Callable[[str, Outcome], None]  # what else happens to the disk
 
 _PLACES = {name: z3.Int(f"{x}.first place") for name, x in NAMES.items()}
 UNBOUND = [z3.Not(S[f"{b}.on"]) for b in "LS"]
-_OF_ALL_PAIRS = ("fence", "grant", "announce", "remove")  # rules that change all bindings of their disk
 _BECOMES = {"announce": ANNOUNCED, "appear": PRESENT, "remove": GONE}  # a disk's phase, once a rule says so
+_REGIONS = "acknowledged granted regions"
+_CHANGES = {  # fields of its disk, and of no other; `all` its bindings with others, `new` the disk itself
+    "rejoin": "life", "settle": _REGIONS, "acknowledge": _REGIONS, "grant": f"all still {_REGIONS}",
+    "fence": f"all life still {_REGIONS}", "announce": "all new", "appear": "phase", "remove": "all phase",
+}  # fmt: skip
 
 
 def of_ledger(
@@ -48,14 +52,16 @@ def of_ledger(
 ) -> Case:
     """A rule of the ledger whose first disk is X, which may have no bindings at all."""
 
+    changes = _CHANGES.get(rule, "")
+
     def run() -> Outcome:
         geometry = Geometry()
-        made = ledger_of(geometry, alone=alone)
+        made = ledger_of(geometry, x, changes, alone=alone)
         does(made, made.disks[CODE[x]], made.disks[CODE[OTHER[x]]])
         outcome = Outcome(geometry)
         outcome.after = ledger_state(made)
         outcome.claims = history(outcome.after) | noted(geometry, outcome.after)
-        outcome.claims |= ledger_claims(made, x if rule in _OF_ALL_PAIRS else "")
+        outcome.claims |= ledger_claims(made, x if "all" in changes else "")
         if rule in _BECOMES:
             outcome.claims[f"{x}: is where it is said to be"] = outcome.after[f"{x}.phase"] == _BECOMES[rule]
         if besides is not None:
@@ -146,7 +152,7 @@ def _joined(x: str, outcome: Outcome) -> None:
     life = outcome.after[f"{x}.life"]
     made = SOURCE.robot.RobotLife(CODE[x], life, body, Geometry())
     numbers = (made.version, made.number, made.offered_number, made.part)
-    begun = z3.And(made.body == body, made.own == body, made.life == life, life != 0)
+    begun = z3.And(made.body == body, made.own == body, made.life == life, life == NEXT)
     heard = z3.Or(*[number != 0 for number in numbers])
     empty = made.region is made.offered is None and not made.bound and made.name == CODE[x]
     outcome.claims[f"{x}: has heard nothing"] = z3.And(empty, begun, z3.Not(heard))

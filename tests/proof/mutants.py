@@ -105,6 +105,8 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
     ("a proposed line has an older one's number", "propose", 'fits the line")\n        self.number',
      'fits the line")\n        return\n        self.number'),
     ("an end is of the disk that was asked", "ask", "End(low.name, low.life", "End(asked, low.life"),
+    ("parted disks are present", "part", "_release(one, other)\n", "_release(one, other); other.phase = 2\n"),
+    ("a place is absent", "settle", "\n        disk.held.stand", "\n        disk.phase = 1; disk.held.stand"),
     ("the small body keeps off everything", "command", "own if bound.peer == part else body", "own"),
 )  # fmt: skip
 

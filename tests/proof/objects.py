@@ -95,9 +95,9 @@ def binding_of(b: str) -> Any:
     return with_optional(binding, first=(LINE_OF(S[f"{b}.number"], 0), binding.told != 0))
 
 
-def ledger_of(geometry: Geometry, *, alone: bool = False) -> Any:
-    """The ledger of the state; a way through it for each of the bindings that may be in force. The two may be
-    alone: they have no bindings with third disks.
+def ledger_of(geometry: Geometry, x: str = "", changing: str = "", *, alone: bool = False) -> Any:
+    """The ledger of the state, with a disk X of which these fields may change; a way through it for each of
+    the bindings that may be in force. The two may be alone: they have no bindings with third disks.
     """
     made = SOURCE.ledger.Ledger(0, {}, geometry)
     made.version = S["v"]
@@ -115,11 +115,11 @@ def ledger_of(geometry: Geometry, *, alone: bool = False) -> Any:
     made.others = {name: others_of(made, name) for name in NAMES}
     bindings = bindings_of(made).values()
     ends = [(end, "life dead") for binding in bindings for end in (binding.low, binding.high)]
-    disks = [(disk, "phase life still" if name in NAMES else "") for name, disk in made.disks.items()]
-    regions = "acknowledged granted regions"
-    helds = [(disk.held, regions if name in NAMES else "") for name, disk in made.disks.items()]
+    disks = [(disk, changing if NAMES.get(name) == x else "") for name, disk in made.disks.items()]
+    helds = [(disk.held, changes) for disk, changes in disks]
     told = [(each, "told first") for each in bindings]
-    made.frame = Frame((made, "version others frame held"), *disks, *helds, *told, *ends)
+    entries = [] if "new" in changing else [(made.disks, "")]
+    made.frame = Frame((made, "version others frame held"), *entries, *disks, *helds, *told, *ends)
     made.held = {x: Frame((made.disks[CODE[x]].held, "")) for x in "AB"}
     begins(made)
     return made

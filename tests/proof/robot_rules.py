@@ -200,7 +200,7 @@ LIFE, TO = z3.Int("hearing life"), z3.Int("life told")
 def _heard(x: str) -> list[Any]:
     """A Tick of any version arrives at the present life."""
     present = [S[f"{x}.life"] == LIFE, LIFE != 0, S[f"{x}.phase"] == PRESENT]
-    told = [S["v"] >= AT, AT > TO, NUMBER <= AT]
+    told = [S["v"] >= AT, AT >= TO, NUMBER <= AT]
     return [*present, *told, z3.Implies(LIFE == TO, S[f"{x}.granted"] >= NUMBER)]
 
 
