@@ -58,7 +58,7 @@ class Ledger(Generic[R, L]):
         self.pairs: dict[int, dict[int, Pair[L]]] = {name: {} for name in places}
         self._geometry = geometry
         for disk in self.disks.values():
-            geometry.note(disk)
+            self._geometry.note(disk)
 
     # -- lives
 

@@ -9,6 +9,7 @@ Types are left to mypy; what may be None, and whether the right things are store
 from __future__ import annotations
 
 import ast
+import builtins
 import re
 from collections.abc import Iterator
 from contextlib import nullcontext
@@ -37,12 +38,11 @@ STORED = {  # by a class, beside fields of its own objects
     "self.pairs[high.name][low.name]",
     "RobotLife": "bound.place bound.static self.bound[listed.number]",
 }
-EMPTY = {"self.pairs[low.name][high.name]", "self.pairs[high.name][low.name]"}  # by a pair without bindings
 ALIKE = {  # by loops: of each element something else
     *["self._end(pair, disk)", "self._begin(pair, disk)", "self._release(disk, self.disks[peer])"],
-    *["bound.place", "bound.static", "self.bound[listed.number]", "self.held", "geometry.note(disk)"],
+    *["bound.place", "bound.static", "self.bound[listed.number]", "self.held", "self._geometry.note(disk)"],
 }
-OF_PAIR = r"(pair|living|static)\..+"  # what `_end` and `_begin` read and store for a loop
+OF_PAIR = r"(pair|living|static)\..+"  # what `_end` and `_begin` read, ask and store for a loop
 
 KINDS = {
     "id": "name peer asked part",
@@ -73,10 +73,11 @@ ELEMENTS += rf"|peer, pair in {PAIRS}\.items\(\)|binding in \(pair\.living, pair
 ELEMENTS += r"|name, place in places\.items\(\)|name in self\._geometry\.around\(disk, region\)"
 ELEMENTS += r"|listed in told\.bindings|bound in self\.bound\.values\(\)"
 ELEMENTS += r"|(each|(_|number), line) in self\.(open|regions)"
-CHANGES = r"(found|listed|self\.open|self\.regions)\.(append|extend)\(.+\)"
+GROWS = r"(found|listed)\.(append|extend)\(.+\)"  # a list of the method's own
+CHANGES = rf"{GROWS}|self\.(open|regions)\.(append|extend)\(.+\)"
 CHANGES += r"|self\.pairs\[(one|other)\.name\]\.pop\((one|other)\.name, None\)"
 
-TEXT = '("""|\'|")(?s:.)*?\\1'
+TEXT = '("""|\'|")((?!\\1)(?s:.))*\\1'
 TOP = rf"{TEXT}|({'|'.join(CONSTANTS)}): Final = [012]"  # what a module has beside classes and imports
 TOP += r"|(?P<name>\w+) = TypeVar\('(?P=name)'(, contravariant=True)?\)"
 TOP += r'|def require\(holds: bool, what: str\) -> None:\n    """[^"]*"""\n    if not holds:\n'
@@ -103,7 +104,8 @@ def said(node: ast.AST, pattern: str) -> bool:
 
 def is_word(name: str) -> bool:
     """Whether an argument, a local or a method may be called so."""
-    return bool(re.fullmatch(r"_?[a-z][a-z_]*|_", name)) and name not in ("require", "list")
+    taken = {"require", *dir(builtins), *dir(list), *dir(dict)} - {"clear", "remove"}
+    return bool(re.fullmatch(r"_?[a-z][a-z_]*|_", name)) and name not in taken
 
 
 def noun(node: ast.expr) -> str:
@@ -112,7 +114,7 @@ def noun(node: ast.expr) -> str:
         return "bool"
     if isinstance(node, ast.IfExp):
         kinds = {noun(node.body), noun(node.orelse)}
-        return (kinds - {"none"} if len(kinds) > 1 else kinds).pop()
+        return kinds.pop() if len(kinds) == 1 else (kinds - {"none"}).pop() if "none" in kinds else ""
     kind = NOUNS.get(getattr(getattr(node, "func", node), "attr", ast.unparse(node)), "")
     return kind if kind == "bool" or not isinstance(node, ast.Call) else ""
 
@@ -173,7 +175,7 @@ class Kernel:
                 need({ast.unparse(each) for each in names} <= IMPORTS.get(f"{module}", set()), node)
             case ast.ClassDef(name=name, body=[ast.Expr(value=ast.Constant()), *methods]):
                 need(re.fullmatch(HEADS, ast.unparse(node).partition('    """')[0]), node)
-                need(len([each for each in self._methods if each[0] == name]) == len(methods), node)
+                need(all(each in self._methods.values() for each in methods), node)
                 made = self._methods.get((name, "__init__"), ast.Module([], [])).body
                 targets = [target for each in made if hasattr(each, "value") for target, _ in assigned(each)]
                 fields = {each.attr for each in targets if isinstance(each, ast.Attribute)}
@@ -296,9 +298,8 @@ class Kernel:
         if not isinstance(node.func, ast.Attribute):
             return [each for each in self._methods if each == (getattr(node.func, "id", ""), "__init__")]
         of, name = ast.unparse(node.func.value), node.func.attr
-        asks = of in ("geometry", "self._geometry")
         found = [each for each in self._methods if each[1] == name and (each[0] == owner) == (of == "self")]
-        found = [each for each in found if each[0].endswith("Geometry") == asks]
+        found = [each for each in found if each[0].endswith("Geometry") == (of == "self._geometry")]
         return [each for each in found if not self._methods[each].decorator_list]
 
     def _check_names(self, body: list[ast.stmt], names: set[str], fixed: set[str]) -> None:
@@ -337,24 +338,25 @@ class Kernel:
                     acts += self._acts(owner, inner, deep)
                 case ast.Expr(value=ast.Call() as call) if said(call.func, "require"):
                     acts.append("require")
-                case ast.Expr(value=ast.Call() as call) if not said(call, r"(found|listed)\..*"):
-                    called = self._called(call, owner) if deep and not said(call.func, r".*\.note") else []
+                case ast.Expr(value=ast.Call() as call) if not said(call, GROWS):
+                    called = self._called(call, owner) if deep else []
                     inner_acts = [self._acts(each[0], self._methods[each].body) for each in called]
-                    acts += [act for each in inner_acts for act in each] if called else [ast.unparse(call)]
+                    acts += [act for each in inner_acts for act in each] or [ast.unparse(call)]
                 case ast.Assign() | ast.AnnAssign() | ast.AugAssign():
                     targets = [each for each, _ in assigned(node) if not isinstance(each, ast.Name)]
-                    acts += [ast.unparse(each) for each in targets if ast.unparse(each) not in EMPTY]
+                    acts += [ast.unparse(each) for each in targets]
         return acts
 
     def _check_acts(self, owner: str, node: ast.FunctionDef) -> None:
         acts = self._acts(owner, node.body)
         first = min((at for at, each in enumerate(acts) if each != "require"), default=len(acts))
         need("require" not in acts[first:], node, "stores before a precondition")
-        is_question = not said(node.returns or node, "None") and node.name != "announce"
+        is_question = node.decorator_list or not said(node.returns or node, "None|DiskRecord.*")
         need(not is_question or first == len(acts), node, "is a question, and stores")
+        if node.name in ("_begin", "_end", "_release"):
+            need(all(re.fullmatch(f"{OF_PAIR}|{CHANGES}", each) for each in acts), node, "is of no pair")
         if node.name in ("_begin", "_end"):
-            read = [ast.unparse(each) for each in ast.walk(node) if isinstance(each, ast.Attribute)]
-            need(all(re.fullmatch(OF_PAIR, each) for each in acts), node, "stores what is of no pair")
+            read = [ast.unparse(use) for use in ast.walk(node) if isinstance(use, ast.Attribute | ast.Call)]
             need(all(re.fullmatch(OF_PAIR + r"|self\.version|disk\.name", each) for each in read), node)
         for each in ast.walk(node):
             if is_loop(each):
@@ -422,11 +424,17 @@ REFUSED = {  # words of the kernel, and what may not follow them
     "\n        living, static = pair.living, pair.static": ["; disk.still = True", "; static = self.pairs"],
     "\n            bound = known.get(listed.number)": ["; known = self.bound", "; listed = bound"],
     "\n                found.extend(bound.obeyed)": ["; asked = found[0]", "; found = bound.obeyed"],
-    "\n        held = disk.held": ["; listed = held.regions; listed.append(NO)"],
-    "\n        self.told = NO": ["; self.hidden = NO"], "import Generic": [", sys"], "name: int": [" | L"],
+    "\n        held = disk.held": ["; listed = held.regions; listed.append(NO)"], "import Generic": [", sys"],
+    " if other.still else None": ["; found = other.held; found.acknowledge(NO)"], "name: int": [" | L"],
+    "\n        self.told = NO": ["; self.hidden = NO"],
     "class Pair(Generic[L]": [", list", " and dict"], "NO: Final = 0": [" - 7"],
     'R = TypeVar("R")': [" and []"], "    if not holds": [" and what"],
-    "\n    def ": ["__getattr__", "kept(self): pass\n    def "],
+    "\n    def ": ["__getattr__", "kept(self): pass\n    def ", "popitem(self): return\n    def "],
+    "pop(one.name, None)": ["; one.held.acknowledge(NO)"], "= living": ["; pair.static = Pair()"],
+    "@mypyc_attr(allow_interpreted_subclasses=True)\n": [
+        "class Pair:\n    'two'\n    def __init__(self): self.living = self.static = None\n"
+        "@mypyc_attr(allow_interpreted_subclasses=True)\n",
+    ],
 }  # fmt: skip
 CASES = [(words, more) for words, others in REFUSED.items() for more in others]
 
