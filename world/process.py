@@ -13,7 +13,7 @@ from typing import Any
 from protocol.bus.bus import Bus, Heartbeat, drive
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
-from protocol.errors import BusError, DisknavError, RunTakenError
+from protocol.errors import BusError, CheckpointError, DisknavError, RunTakenError
 from protocol.keys import checked_run, session_of, world_key, world_token, world_tokens
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
@@ -21,7 +21,7 @@ from world.shell.checkpoint import Checkpoint
 from world.shell.failure_detector import GATHERING
 from world.shell.node import WorldNode
 
-SUCCESS, REFUSED, FAULT = 0, 2, 3
+SUCCESS, REFUSED, FAULT, OVER = 0, 2, 3, 4
 _LOOK = 0.1  # s between looks at the tokens of other worlds
 _GONE = 4.0  # s after which a token is permanent: that of a dead world disappears within its lease
 
@@ -46,7 +46,7 @@ def main(
 
     0: there is a verdict, or this process was asked to stop (the result says interrupted).
     2: there is another world of this run.
-    3: the network is lost, or the checkpoint is invalid.
+    3: the network is lost. 4: the checkpoint is invalid, so no world can continue the run.
 
     Raises Stopped if a signal asks this process to end before there is a world.
     """
@@ -80,7 +80,7 @@ def main(
             kept.remove()
     except DisknavError as error:
         LOG.error(error)
-        return REFUSED if isinstance(error, RunTakenError) else FAULT
+        return {RunTakenError: REFUSED, CheckpointError: OVER}.get(type(error), FAULT)
     return SUCCESS
 
 

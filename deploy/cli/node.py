@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 import typer
 
 from deploy.cli import options
-from deploy.output import EXIT_ARRIVED
+from deploy.output import EXIT_ARRIVED, EXIT_FAULT
 from deploy.security.membership import KeyRing
 from deploy.security.roster import WORLD, robot_role
 from protocol.errors import UsageError
@@ -136,7 +136,7 @@ def world(
         tell=tell,
         beat=heartbeat(alive),
     )
-    raise typer.Exit(status or (verdicts[-1] if verdicts else EXIT_ARRIVED))
+    raise typer.Exit(min(status, EXIT_FAULT) or (verdicts[-1] if verdicts else EXIT_ARRIVED))
 
 
 @app.command()

@@ -73,7 +73,7 @@ class ProcessLife:
     number: int = 0  # given by its spawner; 0: it could not be started
     pid: int = 0
     exit_code: int | None = None
-    up: bool = False  # this or an earlier process of the row has worked, or has ended without saying why
+    up: bool = False  # a process of the row has worked, or ended without saying why; not after the last
     told_to_end: bool = False
     again: bool = False  # restart it as soon as it has ended
     began: float = 0.0  # s, monotonic: start of the latest process
@@ -120,7 +120,7 @@ class ProcessLife:
 
 
 _POLL = 0.05  # s
-_SAID = (2, 3)  # exit statuses of a process that has reported why it ends
+_SAID, _LAST = (2, 3, 4), 4  # exit statuses: the reason is reported; no successor could go on, either
 _STOPPING = 30.0  # s from SIGKILL to the end of a process
 
 
@@ -192,7 +192,7 @@ class Supervisor:
         """Mark processes that work; those that report are marked automatically.
 
         A process that ends with status 2 or 3 before it is marked could not start, and is not restarted
-        automatically.
+        automatically; nor is one that ends with status 4, since none could go on.
         """
         for name in names:
             if name in self._lives:
@@ -369,7 +369,7 @@ class Supervisor:
         life.exit_code = code
         failed = code != 0 and not life.told_to_end
         life.failures += failed
-        life.up |= code not in _SAID
+        life.up = code not in _SAID or (life.up and code != _LAST)
         again = life.again or (failed and life.up and life.failures <= life.process.restarts)
         self._exits.append(Exit(life.process, code, not failed, again, why))
         if life.again:

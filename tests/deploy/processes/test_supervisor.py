@@ -93,11 +93,12 @@ def test_a_process_that_could_not_start_is_not_started_again(supervisor: Supervi
     supervisor.start([row("vain", give, 3, restarts=1000, reports=True)])
     with pytest.raises(StartError, match="vain could not start"):
         supervisor.report("vain", PATIENCE)
-    supervisor.start([row("killed", wait, restarts=2)])
-    supervisor.amend(row("killed", give, 2, restarts=2))
-    supervisor.signal("killed", signal.SIGKILL)
-    seen = [(exit_.process.name, exit_.code, exit_.again) for exit_ in exits(supervisor, 4)]
-    assert seen == [("vain", 3, False), ("killed", -9, True), ("killed", 2, True), ("killed", 2, False)]
+    for status, name in (2, "killed"), (4, "last"):
+        supervisor.start([row(name, wait, restarts=2)])
+        supervisor.amend(row(name, give, status, restarts=2))
+        supervisor.signal(name, signal.SIGKILL)
+    seen = sorted((exit_.code, exit_.again) for exit_ in exits(supervisor, 6))
+    assert seen == [(-9, True), (-9, True), (2, False), (2, True), (3, False), (4, False)]
 
 
 def test_restart_replaces_a_process(supervisor: Supervisor) -> None:

@@ -145,7 +145,7 @@ def test_no_world_begins_without_its_checkpoint(
             checkpoints[0].unlink()
             fleet.supervisor.signal(table.WORLD, signal.SIGKILL)
 
-    report, _ = run(QUICK, RunOptions(restarts=1, speed=1.0), act)
+    report, _ = run(QUICK, RunOptions(restarts=1000, speed=1.0), act)
     assert report["verdict"] == "aborted"
     assert f"the checkpoint {checkpoints[0]} is not there" in capfd.readouterr().err
 

@@ -166,8 +166,7 @@ def test_six_robots_move_and_arrive(browser: Browser) -> None:
         assert it.page.title() == "ring · disknav"
         it.page.get_by_label("Speed").select_option("unlimited")
         it.sees("#verdict", "Arrived")
-        smallest = it.fleet.world.world.referee.record.totals.clearance
-        it.sees("#smallest", f"{1000.0 * smallest:.2f}")
+        it.sees("#smallest", f"{1000.0 * it.fleet.world.world.referee.record.totals.clearance:.2f}")
         assert it.page.locator("td.status").all_inner_texts() == ["at goal"] * 6
         assert it.page.get_by_role("button", name="Pause").is_disabled()
 
