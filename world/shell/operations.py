@@ -71,14 +71,13 @@ class Operations:
     def _operate(self, operation: Operation) -> Outcome:
         world, asked = self._run.world, f"tick {self._run.world.tick}: {operation}"
         if operation.halt is not None:
+            if world.contested and not operation.halt:
+                return Outcome(False, text=OTHER_WORLD)
             if operation.halt != world.stopped:
                 self._say(asked)
-            outcome = world.operate(operation)
-            return Outcome(False, text=OTHER_WORLD) if world.contested and not operation.halt else outcome
-        if self._run.phase is not Phase.RUNNING:
-            outcome = Outcome(False, text="the run is over")
-        else:
-            outcome = world.operate(operation)
+            return world.operate(operation)
+        over = self._run.phase is not Phase.RUNNING
+        outcome = Outcome(False, text="the run is over") if over else world.operate(operation)
         if outcome.accepted and operation.add is not None:
             self._welcome(operation.add.id)
         self._note(asked + ("" if outcome.accepted else f": refused, {outcome.text}"))

@@ -106,7 +106,7 @@ def test_an_emergency_stop_outlasts_the_other_world() -> None:
     step(fleet, 10)
     bus = fleet.network.connect()
     bus.announce("disknav/local/world/alive/another")
-    assert asked(fleet, {"halt": True}).halted
+    assert (asked(fleet, {"halt": True}).halted, asked(fleet, {"halt": False}).accepted) == (True, False)
     step(fleet, 3)
     bus.close()
     step(fleet, 3)
