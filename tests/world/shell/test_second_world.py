@@ -106,8 +106,9 @@ def test_an_emergency_stop_outlasts_the_other_world() -> None:
     step(fleet, 10)
     bus = fleet.network.connect()
     bus.announce("disknav/local/world/alive/another")
-    assert (asked(fleet, {"halt": True}).halted, asked(fleet, {"halt": False}).accepted) == (True, False)
+    assert asked(fleet, {"halt": True}).halted
     step(fleet, 3)
+    assert not asked(fleet, {"halt": False}).accepted
     bus.close()
     step(fleet, 3)
     assert (asked(fleet).halted, asked(fleet).moving) == (True, ())
@@ -239,8 +240,7 @@ def test_what_became_of_an_order_is_asked_while_its_world_may_be_restarted() -> 
 
 
 def test_a_join_request_names_a_session_that_can_stand_in_a_key() -> None:
-    world = WorldNode(LocalNetwork().connect(), "local", SWAP)
-    replies: list[bytes] = []
+    world, replies = WorldNode(LocalNetwork().connect(), "local", SWAP), list[bytes]()
     request = joining.encode_request(joining.Join(1, "a/b"))
     world.handle(Query(robot_key("local", 1, "join"), request, replies.append))
     assert "session" in joining.decode_reply(replies[0]).text  # type: ignore[union-attr]
