@@ -85,13 +85,16 @@ def main(
 
 
 def look_for_others(bus: Bus, run: str, epochs: Iterable[int] = ()) -> None:
-    """Raise RunTakenError if this run has a world other than those of `epochs`, which have died."""
+    """Raise RunTakenError if this run has a world other than those of `epochs`, which have died and do not
+    answer: the checkpoint of one that does was copied."""
     own = {world_token(run, session_of(epoch)) for epoch in epochs}
     deadline = time.monotonic() + _GONE
-    while set(bus.tokens(world_tokens(run))) - own:
+    while there := set(bus.tokens(world_tokens(run))):
         with suppress(BusError):
             bus.ask(world_key(run, "scenario"), b"", _LOOK)
             raise _taken(run)
+        if there <= own:
+            return
         if time.monotonic() >= deadline:
             raise _taken(run)
 
@@ -105,8 +108,4 @@ def _taken(run: str) -> RunTakenError:
 def supervised(*arguments: Any) -> int:
     """As `main`; the last argument takes the report as JSON text, also if the network fails."""
     *others, say = arguments
-
-    def tell(report: dict[str, Any]) -> None:
-        say(json.dumps(report))
-
-    return main(*others, tell=tell)
+    return main(*others, tell=lambda report: say(json.dumps(report)))

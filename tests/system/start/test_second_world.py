@@ -50,7 +50,7 @@ def test_a_second_world_is_refused_and_stops_reach_the_first(
     with Supervisor() as supervisor, Supervisor() as others:
         connection = router(supervisor)
         with driving(supervisor, connection, run) as operator:
-            others.start([table.Process("other", "world.process:main", (connection, run, [SCENARIO], True))])
+            others.start([table.Process("other", "world.process:main", (connection, run, SCENARIO, True))])
             while not (exits := others.poll(0.01)):
                 stopped = operator.stop(10.0)
                 assert (stopped.halted, stopped.moving) == (True, ())

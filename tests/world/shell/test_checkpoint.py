@@ -74,8 +74,7 @@ def test_what_was_written_last_is_read_again(path: Path) -> None:
     for state in STATES:
         write(path, state)
         found = left(path)
-        assert found.past.tick == state.past.tick
-        assert (found.epochs, found.began, found.processes) == (state.epochs, state.began, state.processes)
+        assert (found.past.tick, found) == (state.past.tick, msgspec.structs.replace(state, past=found.past))
         assert WorldCore(SCENARIO, found.past).truth == WorldCore(SCENARIO, state.past).truth
 
 
@@ -243,8 +242,7 @@ def test_a_full_disk_is_said_once_and_leaves_nothing_to_go_on_from(path: Path, r
     with patch.object(os, "pwrite", side_effect=[room]):
         checkpoint.write(STATES[1])
     checkpoint.write(STATES[2])
-    assert (len(said), checkpoint.kept) == (1, False)
-    assert "full" in said[0] or "No space" in said[0]
+    assert (["full" in text or "No space" in text for text in said], checkpoint.kept) == ([True], False)
     elsewhere.rename(path)
     checkpoint.close()
     with pytest.raises(CheckpointError, match="is empty: a world could not write it"):

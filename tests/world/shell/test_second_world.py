@@ -14,7 +14,7 @@ from protocol import joining
 from protocol.bus.bus import Query, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.codec import decode, encode
-from protocol.errors import BusError
+from protocol.errors import BusError, RunTakenError
 from protocol.keys import robot_key, world_key
 from protocol.messages import Command, GoalStatus, Message, PlacedObstacle, Tick
 from protocol.operations import Reply
@@ -22,6 +22,7 @@ from protocol.scenario.model import Operation
 from tests.listening import overhear
 from tests.mortal import Death, Doom, DoomedFleet
 from tests.system.orders.turnover import asked, step
+from world.process import look_for_others
 from world.shell import node as shell
 from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
@@ -146,8 +147,7 @@ def test_what_another_coordinator_or_its_robots_say_does_not_count() -> None:
     heard = list[Message]()
     overhear(fleet.network, lambda *said: heard.append(decode(*said)), robot_key("local", 1, "state"))
     step(fleet, 1)
-    state = heard[-1]
-    foreign = msgspec.structs.replace(state, epoch=77, tick=tick + 5)
+    foreign = msgspec.structs.replace(heard[-1], epoch=77, tick=tick + 5)
     robot.handle(Sample(robot_key("local", 2, "tick"), encode(Tick(2, 1, tick + 5, (), 77))))
     robot.handle(Sample(robot_key("local", 1, "state"), encode(foreign)))
     assert robot.core.tick <= tick + 1
@@ -167,11 +167,13 @@ def test_a_robot_does_not_go_back_to_a_coordinator_that_it_has_left(tmp_path: Pa
     checkpoint = Checkpoint(path, "local", SWAP)
     older.node = WorldNode(older, "local", SWAP, checkpoint=checkpoint)
     bus = network.connect()
-    robot = RobotNode(bus, "local", 1)
-    bus.node = robot
+    robot = bus.node = RobotNode(bus, "local", 1)
     robot.wake(robot.deadline)
     assert robot.core.epoch == 1
+    with pytest.raises(RunTakenError, match="end that one first"):
+        look_for_others(bus, "local", [1])  # with a copy of its checkpoint
     older.served, served = [], older.served  # it freezes
+    look_for_others(bus, "local", [1])
     network.tell_presence("disknav/local/world/alive/00000001", False, older)
     checkpoint.close()
     newer = network.connect()
