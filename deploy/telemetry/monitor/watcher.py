@@ -28,7 +28,7 @@ from protocol.scenario.model import Operation, Scenario
 PERIOD = 0.05  # s between handling requests of viewers
 RETRY = 0.5  # s between queries for the scenario
 _ASK_TIMEOUT = 2.0
-_UNANSWERED = "no answer: the world is gone, or this page lacks the operator's key"
+_UNANSWERED = "no answer, but it may be obeyed: the world is gone, or this page lacks the operator's key"
 _NO_RUN = "the run has not started"
 
 
