@@ -9,6 +9,8 @@ import z3
 
 from tests.proof.model import (
     ANNOUNCED,
+    ANY_LINE,
+    APART,
     BESIDE,
     BODY,
     CODE,
@@ -18,6 +20,7 @@ from tests.proof.model import (
     LINE_OF,
     OTHER,
     PRESENT,
+    REGION,
     State,
     invariant,
     real,
@@ -31,7 +34,7 @@ from tests.proof.objects import (
     ledger_state,
     own_claims,
 )
-from tests.proof.outcomes import ANY_LINE, EPOCH, NAMES, NEXT, SAID, Case, Geometry, Outcome, S, apart
+from tests.proof.outcomes import EPOCH, NAMES, NEXT, SAID, Case, Geometry, Outcome, S
 from tests.proof.symbolic import question
 
 Rule = Callable[[Any, Any, Any], object]  # of the ledger, the disk and the other one
@@ -129,15 +132,13 @@ def _goes_on(after: State, b: str, old: str) -> Iterator[Any]:
 
 
 def _settled(x: str, outcome: Outcome) -> None:
-    outcome.terms.regions[x].append(NEXT)
-    outcome.terms.lines.append(ANY_LINE)
     outcome.given(INSIDE[x](S[f"{x}.body"], NEXT))
 
 
 def _fenced(x: str, outcome: Outcome) -> None:
     body = z3.Const(f"{x}.stands", BODY)  # with a part that it carries, or without one that it may carry
     there = S[f"{OTHER[x]}.phase"] == PRESENT
-    outcome.stands_at(x, body, NEXT)
+    outcome.stands(x, body)
     outcome.given(
         z3.Or(body == S[f"{x}.body"], body == S[f"{x}.own"]),
         z3.Implies(z3.And(S[f"{x}.reach"], there), body == S[f"{x}.own"]),
@@ -160,26 +161,17 @@ def _joined(x: str, outcome: Outcome) -> None:
 
 def _announced(x: str, outcome: Outcome) -> None:
     body = z3.Const(f"{x}.announced", BODY)
-    outcome.stands_at(x, body, NEXT)
+    outcome.stands(x, body)
     outcome.begins(x)
     outcome.given(INSIDE[x](body, NEXT))
 
 
 def _granted(x: str, outcome: Outcome) -> None:
     """Numbers between the newest region and this one name no region of X, and are taken for empty ones."""
-    outcome.terms.regions[x].append(NEXT)
-    outcome.facts.append(
-        lambda t: [
-            z3.Implies(
-                z3.And(S[f"{x}.granted"] < r, r < NEXT),
-                z3.And(
-                    *[apart(x, r, other) for other in t.regions[OTHER[x]]],
-                    *[BESIDE[x](r, line) for line in t.lines],
-                ),
-            )
-            for r in t.regions[x]
-        ]
-    )
+    region = REGION[x]
+    is_empty = z3.And(S[f"{x}.granted"] < region, region < NEXT)
+    for so in (APART(*REGION.values()), BESIDE[x](region, ANY_LINE)):
+        outcome.given(z3.Implies(is_empty, so))
 
 
 def _announce(made: Any, disk: Any, *, is_new: bool = False) -> None:
@@ -192,8 +184,7 @@ def _announce(made: Any, disk: Any, *, is_new: bool = False) -> None:
 
 def _acknowledge(x: str) -> Case:
     """Any acknowledgement arrives, of all that are under way."""
-    zero = 0
-    said = invariant({**S, f"{x}.said": SAID[x]}, zero, zero, zero)[f"{x}: acknowledgement"]
+    said = invariant({**S, f"{x}.said": SAID[x]})[f"{x}: acknowledgement"]
     return of_ledger("acknowledge", lambda m, d, _: m.acknowledge(d, SAID[x]), x, None, said)
 
 
@@ -266,6 +257,6 @@ def _restart() -> Outcome:
         body = z3.Const(f"{x}.restarted", BODY)
         after[f"{x}.phase"] = z3.If(S[f"{x}.phase"] == PRESENT, PRESENT, GONE)
         outcome.begins(x)
-        outcome.stands_at(x, body, EPOCH)
+        outcome.stands(x, body)
         outcome.given(INSIDE[x](body, EPOCH), body == real(S, x))
     return outcome

@@ -21,8 +21,8 @@ from protocol.kernel import pair as pairs
 from protocol.kernel.ledger import Ledger, Pair
 from protocol.kernel.records import Binding, DiskRecord, End
 from protocol.kernel.robot import Bound, RobotLife
-from tests.proof.model import BOOL, FIELDS, INT, bindings_of, end_fields, ledger_fields
-from tests.proof.prove import GENERAL, TEMPLATE
+from tests.proof.model import BOOL, FIELDS, INT, bindings_of, end_fields, general_in, ledger_fields
+from tests.proof.prove import TEMPLATE
 
 Record = dict[str, Any]
 Conjunct = Callable[[Record, "Facts", Any, Any, Any], bool]
@@ -126,7 +126,7 @@ def conjuncts() -> dict[str, tuple[Conjunct, list[str]]]:
     return {
         name: (
             eval(f"lambda s, g, ra, rb, k: {python_of(claim)}"),  # of the solver's own terms
-            [_ARGUMENTS[str(term)] for term in GENERAL[name]],
+            [_ARGUMENTS[str(term)] for term in general_in(claim)],
         )
         for name, claim in TEMPLATE.items()
     }

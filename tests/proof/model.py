@@ -18,8 +18,8 @@ will have it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from functools import cache
 from itertools import pairwise, product
 from typing import Any
 
@@ -36,6 +36,11 @@ DISJOINT = z3.Function("disjoint", BODY, BODY, BOOL)
 LINE_OF = z3.Function("line", INT, INT, LINE)  # of a binding's number and its own
 
 OTHER = {"A": "B", "B": "A"}
+
+# What is said of these is said of all: regions and bodies of A and of B, a line, and the number of one.
+REGION, ANY_BODY = {x: z3.Int(f"any {x}") for x in "AB"}, {x: z3.Const(f"any body {x}", BODY) for x in "AB"}
+ANY_LINE, K = z3.Const("any line", LINE), z3.Int("any K")
+GENERAL = (*REGION.values(), *ANY_BODY.values(), ANY_LINE, K)
 
 
 def _of_ids(compares: str) -> Any:
@@ -91,19 +96,26 @@ FIELDS: dict[str, z3.SortRef] = {"v": INT} | {
 }
 
 
-@dataclass
-class Terms:
-    """The terms for which quantified facts are written out."""
-
-    bodies: dict[str, list[Any]] = field(default_factory=lambda: {"A": [], "B": []})
-    regions: dict[str, list[Any]] = field(default_factory=lambda: {"A": [], "B": []})
-    lines: list[Any] = field(default_factory=list)
-    numbers: list[Any] = field(default_factory=list)
-
-
 def fresh(tag: str) -> dict[str, z3.ExprRef]:
     """Any state."""
     return {name: z3.Const(f"{name}{tag}", sort) for name, sort in FIELDS.items()}
+
+
+@cache
+def general_in(claim: z3.BoolRef) -> list[z3.ExprRef]:
+    """The general terms that a claim mentions."""
+    return [term for term in GENERAL if mentions(claim, term)] if mentions(claim, *GENERAL) else []
+
+
+def mentions(claim: z3.BoolRef, *terms: z3.ExprRef) -> bool:
+    """Whether a claim mentions any of these terms."""
+    return not z3.substitute(claim, *((term, z3.Const("another", term.sort())) for term in terms)).eq(claim)
+
+
+def of_all(claim: z3.BoolRef) -> z3.BoolRef:
+    """What a claim says of all that it mentions."""
+    terms = general_in(claim)
+    return z3.ForAll(terms, claim) if terms else claim
 
 
 # -- what the kernel's objects say: those of the solver as those that run
@@ -191,18 +203,17 @@ def safe(s: State) -> z3.BoolRef:
     return z3.Implies(there, DISJOINT(real(s, "A"), real(s, "B")))
 
 
-def invariant(s: State, ra: z3.ArithRef, rb: z3.ArithRef, k: z3.ArithRef) -> dict[str, z3.BoolRef]:
-    """Every conjunct, for two regions and one number of a line."""
-    r = {"A": ra, "B": rb}
+def invariant(s: State) -> dict[str, z3.BoolRef]:
+    """Every conjunct, of two regions and one number of a line."""
     v = s["v"]
-    found: dict[str, z3.BoolRef] = {}
+    found = {"safe": safe(s)}
     both = z3.And(s["A.phase"] == PRESENT, s["B.phase"] == PRESENT)
     both_still = z3.And(s["A.still"], s["B.still"])
 
     # "Of any two present disks, all that they hold is apart, or a binding of the two counts, or both stand."
     found["regions apart, or bound"] = z3.Implies(
-        z3.And(both, z3.Not(both_still), holds(s, "A", ra), holds(s, "B", rb)),
-        z3.Or(APART(ra, rb), counts(s, "L"), counts(s, "S")),
+        z3.And(both, z3.Not(both_still), *[holds(s, x, REGION[x]) for x in "AB"]),
+        z3.Or(APART(*REGION.values()), counts(s, "L"), counts(s, "S")),
     )
     for x in "AB":
         y = OTHER[x]
@@ -286,8 +297,8 @@ def invariant(s: State, ra: z3.ArithRef, rb: z3.ArithRef, k: z3.ArithRef) -> dic
             )
             # "All that a disk held when the first line was told is beside it, but of the one that was asked."
             found[f"{b}.{x}: beside the first line"] = z3.Implies(
-                z3.And(on, told != 0, dead == 0, asked != CODE[x], holds(s, x, r[x]), r[x] < told),
-                BESIDE[x](r[x], first),
+                z3.And(on, told != 0, dead == 0, asked != CODE[x], holds(s, x, REGION[x]), REGION[x] < told),
+                BESIDE[x](REGION[x], first),
             )
             # "A body fits all lines that it obeys, and the first one before it knows of it."
             found[f"{b}.{x}: fits its lines"] = z3.Implies(
@@ -295,9 +306,9 @@ def invariant(s: State, ra: z3.ArithRef, rb: z3.ArithRef, k: z3.ArithRef) -> dic
                     on,
                     z3.Or(told != 0, z3.And(has, state == LINES)),
                     z3.Not(z3.And(has, state == HALF)),
-                    obeys(s, b, x, k),
+                    obeys(s, b, x, K),
                 ),
-                FITS[x](towards(s, x), LINE_OF(number, k)),
+                FITS[x](towards(s, x), LINE_OF(number, K)),
             )
             found[f"{b}.{x}: first line said"] = z3.Implies(
                 z3.And(on, s[f"{b}.frozen"], asked == CODE[x]), z3.And(has, state != ASKED)
@@ -363,26 +374,24 @@ def invariant(s: State, ra: z3.ArithRef, rb: z3.ArithRef, k: z3.ArithRef) -> dic
     return found
 
 
-def axioms(t: Terms) -> Iterator[z3.BoolRef]:
-    """The axioms of geometry, of these terms, and of ids."""
-    yield IDS
-    for x in "AB":  # a body in a region that is beside a line fits the line
-        for body, region, line in product(t.bodies[x], t.regions[x], t.lines):
-            is_inside = z3.And(INSIDE[x](body, region), BESIDE[x](region, line))
-            yield z3.Implies(is_inside, FITS[x](body, line))
-    for (a, ra), (b, rb) in product(*(product(t.bodies[x], t.regions[x]) for x in "AB")):
-        # bodies in regions that are apart
-        yield z3.Implies(z3.And(APART(ra, rb), INSIDE["A"](a, ra), INSIDE["B"](b, rb)), DISJOINT(a, b))
-    for a, b, line in product(t.bodies["A"], t.bodies["B"], t.lines):  # on the two sides of one line
-        yield z3.Implies(z3.And(FITS["A"](a, line), FITS["B"](b, line)), DISJOINT(a, b))
+def axioms() -> list[z3.BoolRef]:
+    """What is so of ids, and of all bodies, regions and lines."""
+    inside = {x: INSIDE[x](ANY_BODY[x], REGION[x]) for x in "AB"}
+    fits = {x: FITS[x](ANY_BODY[x], ANY_LINE) for x in "AB"}
+    disjoint = DISJOINT(*ANY_BODY.values())
+    return [
+        IDS,
+        *[z3.Implies(z3.And(inside[x], BESIDE[x](REGION[x], ANY_LINE)), fits[x]) for x in "AB"],
+        z3.Implies(z3.And(APART(*REGION.values()), *inside.values()), disjoint),
+        z3.Implies(z3.And(*fits.values()), disjoint),
+    ]
 
 
-def smaller(x: str, small: Any, large: Any, t: Terms) -> Iterator[z3.BoolRef]:
+def smaller(x: str, small: Any, large: Any) -> list[z3.BoolRef]:
     """One body of X covers no more than another: wherever that is, it is."""
-    for region in t.regions[x]:
-        yield z3.Implies(INSIDE[x](large, region), INSIDE[x](small, region))
-    for line in t.lines:
-        yield z3.Implies(FITS[x](large, line), FITS[x](small, line))
-    for other in t.bodies[OTHER[x]]:
-        one, two = ((body, other) if x == "A" else (other, body) for body in (small, large))
-        yield z3.Implies(DISJOINT(*two), DISJOINT(*one))
+    one, other = ([{**ANY_BODY, x: body}[y] for y in "AB"] for body in (small, large))
+    return [
+        z3.Implies(INSIDE[x](large, REGION[x]), INSIDE[x](small, REGION[x])),
+        z3.Implies(FITS[x](large, ANY_LINE), FITS[x](small, ANY_LINE)),
+        z3.Implies(DISJOINT(*other), DISJOINT(*one)),
+    ]

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import product
 from typing import Any
 
 import z3
 
 from tests.proof import symbolic
 from tests.proof.model import (
+    ANY_LINE,
     APART,
     BESIDE,
     CODE,
@@ -21,24 +21,20 @@ from tests.proof.model import (
     LINE_OF,
     LINES,
     OTHER,
-    Terms,
+    REGION,
+    K,
     fresh,
     obeys,
-    smaller,
 )
 
 NAMES = {CODE[x]: x for x in "AB"}
 S = fresh("")
 NEXT = S["v"] + 1
 PART, EPOCH = z3.Int("part"), z3.Int("epoch")
-ANY_LINE = z3.Const("any line", LINE)
 HALF_PLANE, PROPOSED = z3.Const("half", LINE), z3.Int("proposed")
 OBEYED = {b: z3.Int(f"{b}.any line") for b in "LS"}  # number of any line of a binding
 SAID = {x: z3.Int(f"{x}.also said") for x in "AB"}  # the region of any acknowledgement under way
 HELD = {x: z3.Int(f"{x}.any held") for x in "AB"}  # number of any region
-
-
-Facts = Callable[[Terms], Iterable[Any]]
 
 
 class Outcome:
@@ -46,33 +42,23 @@ class Outcome:
 
     Attributes:
         after: the state.
-        facts: further facts, given the terms.
-        terms: that occur in this way.
+        facts: that are known besides.
         claims: to be proved besides, by name.
     """
 
     def __init__(self, geometry: Geometry | None = None) -> None:
         self.after: dict[str, Any] = dict(S)
-        self.facts: list[Facts] = [] if geometry is None else geometry.facts
-        self.terms = Terms() if geometry is None else geometry.terms
+        self.facts: list[Any] = [] if geometry is None else geometry.facts
         self.claims: dict[str, Any] = {}
 
     def given(self, *facts: Any) -> None:
-        """Further facts, that do not depend on the terms."""
-        self.facts.append(lambda _: list(facts))
+        """What is known besides."""
+        self.facts += facts
 
-    def covers_less(self, x: str, small: Any, large: Any) -> None:
-        """One body of X covers no more than another."""
-        self.terms.bodies[x].append(small)
-        self.terms.bodies[x].append(large)
-        self.facts.append(lambda t: smaller(x, small, large, t))
-
-    def stands_at(self, x: str, body: Any, region: Any) -> None:
-        """The body of X is within a region, and no part is reached for."""
+    def stands(self, x: str, body: Any) -> None:
+        """The body of X is this one, and no part is reached for."""
         self.after[f"{x}.body"] = self.after[f"{x}.own"] = body
         self.after[f"{x}.reach"] = False
-        self.terms.bodies[x].append(body)
-        self.terms.regions[x].append(region)
 
     def begins(self, x: str) -> None:
         """A process that has heard nothing."""
@@ -108,26 +94,29 @@ class _Noted:
 
 
 class Geometry:
-    """Answers that the solver chooses; a yes says something of every region held."""
+    """Answers that the solver chooses; a yes says something of every region held. It is said of general terms
+    alone: solvers find those in what is to be shown.
+    """
 
     def __init__(self) -> None:
-        self.facts: list[Facts] = []
-        self.terms = Terms()
+        self.facts: list[Any] = []
         self._count = 0
         self.noted = {x: _Noted(*[S[f"{x}.{f}"] for f in ("phase", "acked", "granted")]) for x in "AB"}
         self.disks: dict[Any, Any] = {}
 
-    def _answer(self, says: Facts) -> z3.BoolRef:
+    def _answer(self, *says: Any) -> z3.BoolRef:
         assert symbolic.is_unchanged(), "geometry is asked after a change"
         self._count += 1
         answer = z3.Bool(f"answer{self._count}")
-        self.facts.append(lambda terms: [z3.Implies(answer, each) for each in says(terms)])
+        self.facts += [z3.Implies(answer, each) for each in says]
         return answer
 
-    def _answer_of(self, held: Any, says: Callable[[Any], Any]) -> z3.BoolRef:
-        """A yes says this of every region that a disk holds; of a third disk nothing is asked."""
-        holds = _held_by(held)
-        return self._answer(lambda t: [z3.Implies(holds(r), says(r)) for r in t.regions.get(held.disk, ())])
+    def _answer_of(self, says: Any, *helds: Any) -> z3.BoolRef:
+        """A yes says this of every region that disks hold; of a third disk nothing is asked."""
+        if not all(held.disk for held in helds):
+            return self._answer()
+        assert len({held.disk for held in helds}) == len(helds), "a disk is compared with itself"
+        return self._answer(z3.Implies(z3.And(*map(_is_held, helds)), says))
 
     # of the ledger
 
@@ -142,35 +131,23 @@ class Geometry:
         return [name for name in self.disks if name != other.name or not far]
 
     def apart(self, one: Any, other: Any) -> z3.BoolRef:
-        if one is other:
-            return False
-        if not (one.disk and other.disk):
-            return self._answer(lambda _: [])
-        holds = {each.disk: _held_by(each) for each in (one, other)}
-        return self._answer(
-            lambda t: [
-                z3.Implies(z3.And(holds["A"](ra), holds["B"](rb)), APART(ra, rb))
-                for ra, rb in product(t.regions["A"], t.regions["B"])
-            ]
-        )
+        return one is not other and self._answer_of(APART(*REGION.values()), one, other)
 
     def clear(self, held: Any, region: Any) -> z3.BoolRef:
-        return self._answer_of(held, lambda r: apart(held.disk, r, region))
+        y = OTHER.get(held.disk)
+        return self._answer_of(y and z3.Implies(REGION[y] == region, APART(*REGION.values())), held)
 
     def beside(self, held: Any, line: Any, low: bool) -> z3.BoolRef:
         assert low == (held.disk == "A")
-        return self._answer_of(held, lambda r: BESIDE[held.disk](r, line))
+        return self._answer_of(BESIDE[held.disk](REGION[held.disk], line), held)
 
     def within(self, place: Any, held: Any) -> z3.BoolRef:
-        x, holds = held.disk, _held_by(held)
-        around = z3.Int(f"around{x}")
-        self.terms.regions[x].append(around)
+        x, y = held.disk, OTHER[held.disk]
+        around, it_is = z3.Int(f"around{x}"), REGION[x] == place
         return self._answer(
-            lambda t: [
-                holds(around),
-                *[z3.Implies(BESIDE[x](around, line), BESIDE[x](place, line)) for line in t.lines],
-                *[z3.Implies(apart(x, around, r), apart(x, place, r)) for r in t.regions[OTHER[x]]],
-            ]
+            z3.substitute(_is_held(held), (REGION[x], around)),
+            z3.Implies(z3.And(it_is, BESIDE[x](around, ANY_LINE)), BESIDE[x](REGION[x], ANY_LINE)),
+            z3.Implies(z3.And(it_is, apart(x, around, REGION[y])), APART(*REGION.values())),
         )
 
     # of a robot
@@ -189,27 +166,20 @@ class Geometry:
     def keeps(self, body: Any, bound: Any) -> z3.BoolRef:
         x, b = self.x, bound.of
         if not b:
-            return self._answer(lambda _: [])
+            return self._answer()
+        state, number = S[f"{b}.{x}.state"], S[f"{b}.number"]
         return self._answer(
-            lambda t: [
-                z3.Implies(S[f"{b}.{x}.state"] == HALF, FITS[x](body, S[f"{b}.{x}.half"])),
-                *[
-                    z3.Implies(
-                        z3.And(S[f"{b}.{x}.state"] == LINES, obeys(S, b, x, k)),
-                        FITS[x](body, LINE_OF(S[f"{b}.number"], k)),
-                    )
-                    for k in t.numbers
-                ],
-            ]
+            z3.Implies(state == HALF, FITS[x](body, S[f"{b}.{x}.half"])),
+            z3.Implies(z3.And(state == LINES, obeys(S, b, x, K)), FITS[x](body, LINE_OF(number, K))),
         )
 
     x = ""  # disk of the robot that asks
 
 
-def _held_by(held: Any) -> Callable[[Any], Any]:
+def _is_held(held: Any) -> z3.BoolRef:
     """Whether a disk holds a region now."""
-    low, high = held.acknowledged, held.granted
-    return lambda r: z3.And(low <= r, r <= high)
+    region = REGION[held.disk]
+    return z3.And(held.acknowledged <= region, region <= held.granted)
 
 
 def apart(x: str, mine: Any, other: Any) -> Any:

@@ -10,7 +10,20 @@ import z3
 
 from tests.proof.containers import Frame, Some, with_optional
 from tests.proof.ledger_rules import UNBOUND
-from tests.proof.model import ASKED, BODY, CODE, HALF, LINE, LINE_OF, OTHER, PRESENT, THIRDS, end_fields, ends
+from tests.proof.model import (
+    ASKED,
+    BODY,
+    CODE,
+    HALF,
+    LINE,
+    LINE_OF,
+    OTHER,
+    PRESENT,
+    THIRDS,
+    end_fields,
+    ends,
+    smaller,
+)
 from tests.proof.objects import (
     SOURCE,
     UNKNOWN,
@@ -50,8 +63,6 @@ def of_bound(
         frame = frame_of(made, "", bound)
         does(made, bound)
         read, outcome = bound.obeyed, Outcome(geometry)
-        for each in (b, *others):
-            outcome.terms.numbers += [OBEYED[each], S[f"{each}.{x}.held"], S[f"{each}.h2"]]
         outcome.after |= end_fields(b, x, bound)
         outcome.after |= {says: True} if says else {}
         outcome.claims = bound_claims(bound, outcome.after, b, x)
@@ -172,7 +183,7 @@ def _command(x: str, made: Any, outcome: Outcome) -> None:
     body, own = z3.Const("next body", BODY), z3.Const("next own", BODY)
     made.command(body, own, PART)
     outcome.after[f"{x}.reach"] = made.part == CODE[OTHER[x]]
-    outcome.covers_less(x, own, body)
+    outcome.given(*smaller(x, own, body))
     kept = z3.And(made.body == body, made.own == own, made.part == PART)
     outcome.claims[f"{x}: what is covered from now on"] = kept
 
@@ -182,7 +193,7 @@ def _locate(x: str, made: Any, outcome: Outcome) -> None:
     body, own = z3.Const(f"{x}.less body", BODY), z3.Const(f"{x}.less own", BODY)
     made.locate(body, own)
     for less, more in ((body, S[f"{x}.body"]), (own, S[f"{x}.own"]), (own, body)):
-        outcome.covers_less(x, less, more)
+        outcome.given(*smaller(x, less, more))
     outcome.claims[f"{x}: what is covered"] = z3.And(made.body == body, made.own == own)
 
 
