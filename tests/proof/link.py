@@ -17,8 +17,8 @@ from unittest.mock import patch
 
 import z3
 
-from protocol.kernel import pair as pairs
 from protocol.kernel.ledger import Ledger, Pair
+from protocol.kernel.pair import Follower, Owner
 from protocol.kernel.records import Binding, DiskRecord, End
 from protocol.kernel.robot import Bound, RobotLife
 from tests.proof.model import BOOL, FIELDS, INT, bindings_of, end_fields, general_in, ledger_fields
@@ -32,8 +32,8 @@ _OF_ROBOT = "hear freeze turn adopt command locate"
 RULES: dict[type, list[str]] = {
     Ledger: _OF_LEDGER.split(),
     RobotLife: _OF_ROBOT.split(),
-    pairs.Owner: ["propose", "on_answer"],
-    pairs.Follower: ["on_proposal"],
+    Owner: ["propose", "on_answer"],
+    Follower: ["on_proposal"],
 }
 
 
@@ -185,7 +185,7 @@ def _lines(bound: Bound[Any, Any] | None) -> dict[int, Any]:
     if lines is None:
         return {}
     known = {lines.held_number: lines.held}
-    return known | dict(lines.open) if isinstance(lines, pairs.Owner) else known
+    return known | dict(lines.open) if isinstance(lines, Owner) else known
 
 
 # -- rules as they are taken
@@ -245,7 +245,7 @@ class Watch:
         object.__setattr__(made, field, value)
 
 
-_KEPT = (Ledger, Pair, DiskRecord, Binding, End, RobotLife, Bound, pairs.Owner, pairs.Follower)
+_KEPT = (Ledger, Pair, DiskRecord, Binding, End, RobotLife, Bound, Owner, Follower)
 
 
 @contextmanager
