@@ -42,6 +42,7 @@ ALIKE = {  # by loops: of each element something else
     *["self._end(pair, disk)", "self._begin(pair, disk)", "self._release(disk, self.disks[peer])"],
     *["bound.place", "bound.static", "self.bound[listed.number]", "self.held", "self._geometry.note(disk)"],
 }
+OWN = r"self\.(\w+|begin\(listed\.first\)|_geometry\.note\(disk\))"  # what is done by whatever is made
 OF_PAIR = r"(pair|living|static)\..+"  # what `_end` and `_begin` read, ask and store for a loop
 
 KINDS = {
@@ -354,6 +355,8 @@ class Kernel:
         need(not acts or not node.decorator_list, node, "is read, and does something")
         is_question = not said(node.returns or node, "None|DiskRecord.*")
         need(not is_question or first == len(acts), node, "is a question, and stores")
+        own = [re.fullmatch(OWN, each) for each in self._acts(owner, node.body, deep=False)]
+        need(node.name != "__init__" or all(own), node, "changes what it is made of")
         if node.name in ("_begin", "_end", "_release"):
             need(all(re.fullmatch(f"{OF_PAIR}|{CHANGES}", each) for each in acts), node, "is of no pair")
         if node.name in ("_begin", "_end"):
@@ -428,7 +431,7 @@ REFUSED = {  # words of the kernel, and what may not follow them
     "\n                found.extend(bound.obeyed)": ["; asked = found[0]", "; found = bound.obeyed"],
     "\n        held = disk.held": ["; listed = held.regions; listed.append(NO)"], "import Generic": [", sys"],
     " if other.still else None": ["; found = other.held; found.acknowledge(NO)"], "name: int": [" | L"],
-    "\n        self.told = NO": ["; self.hidden = NO"],
+    "\n        self.told = NO": ["; self.hidden = NO"], "self.still = True": ["; held.stand(NO, held)"],
     "class Pair(Generic[L]": [", list", " and dict"], "NO: Final = 0": [" - 7"],
     'R = TypeVar("R")': [" and []"], "    if not holds": [" and what"],
     "\n    def ": ["__getattr__", "kept(self): pass\n    def ", "popitem(self): return\n    def "],
