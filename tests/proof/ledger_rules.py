@@ -27,7 +27,6 @@ from tests.proof.model import (
 )
 from tests.proof.objects import (
     SOURCE,
-    begins,
     holds_its_regions,
     ledger_claims,
     ledger_of,
@@ -35,7 +34,6 @@ from tests.proof.objects import (
     own_claims,
 )
 from tests.proof.outcomes import EPOCH, NAMES, NEXT, SAID, Case, Geometry, Outcome, S
-from tests.proof.symbolic import question
 
 Rule = Callable[[Any, Any, Any], object]  # of the ledger, the disk and the other one
 Besides = Callable[[str, Outcome], None]  # what else happens to the disk
@@ -177,7 +175,6 @@ def _granted(x: str, outcome: Outcome) -> None:
 def _announce(made: Any, disk: Any, *, is_new: bool = False) -> None:
     if is_new:
         del made.disks[disk.name], made.pairs[disk.name]
-        begins(made)
     found = made.announce(disk.name, NEXT)
     found.held.disk = NAMES[disk.name]
 
@@ -209,8 +206,8 @@ def ledger_cases() -> Iterator[Case]:
         yield of_ledger("announce", first, x, _announced, is_gone, alone=True)
         yield of_ledger("appear", lambda m, d, _: m.appear(d), x)
         yield of_ledger("part", lambda m, d, o: m.part(d, o), x)
-        yield of_ledger("question: tied", question(lambda m, d, o: m.tied(d, o)), x)
-        yield of_ledger("question: told", question(lambda m, d, _: m.told(d)), x)
+        yield of_ledger("question: tied", lambda m, d, o: m.tied(d, o), x)
+        yield of_ledger("question: told", lambda m, d, _: m.told(d), x)
     yield of_ledger("introduce", lambda m, d, o: m.introduce(d, o, LINE_OF(NEXT, 0)), "A")
     yield of_ledger("elsewhere", lambda m, *_: _elsewhere(m), "A")
     for b, slot in (("L", "living"), ("S", "static")):

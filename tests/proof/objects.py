@@ -121,7 +121,6 @@ def ledger_of(geometry: Geometry, x: str = "", changing: str = "", *, alone: boo
     entries = [] if "new" in changing else [(made.disks, "")]
     made.frame = Frame((made, "version others frame held"), *entries, *disks, *helds, *told, *ends)
     made.held = {x: Frame((made.disks[CODE[x]].held, "")) for x in "AB"}
-    begins(made)
     return made
 
 
@@ -185,20 +184,6 @@ def treated(made: Any, name: int, third: int) -> list[Any]:
         numbers = (binding.told, mine.dead, other.dead)
         found += [b, *[str(number) for number in numbers]]
     return found
-
-
-def begins(made: Any) -> None:
-    """A rule of a ledger or robot begins, which changes nothing before the last question that may end it."""
-    found, waiting = {}, [made]
-    while waiting:
-        each = waiting.pop()
-        if id(each) in found or isinstance(each, z3.AstRef | Geometry | Frame):
-            continue
-        if isinstance(each, dict) or hasattr(each, "__dict__"):
-            found[id(each)] = each, ""
-            waiting += each.values() if isinstance(each, dict) else vars(each).values()
-    before = Frame(*found.values())
-    symbolic.begins(lambda: before.holds)
 
 
 def ledger_state(made: Any) -> dict[str, Any]:
@@ -347,7 +332,6 @@ def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any]) -> Any:
     is_offered = z3.Or(made.number != 0, made.offered_number != 0)
     regions = {"region": (made.number, made.number != 0), "offered": (made.offered_number, is_offered)}
     with_optional(made, **regions)
-    begins(made)
     return made
 
 

@@ -27,7 +27,6 @@ from tests.proof.model import (
 from tests.proof.objects import (
     SOURCE,
     UNKNOWN,
-    begins,
     bound_claims,
     bound_of,
     frame_of,
@@ -38,7 +37,7 @@ from tests.proof.objects import (
     unknown_is_static,
 )
 from tests.proof.outcomes import HALF_PLANE, OBEYED, PART, PROPOSED, Case, Geometry, Outcome, S
-from tests.proof.symbolic import Impossible, question
+from tests.proof.symbolic import Impossible
 
 
 def of_bound(
@@ -110,7 +109,7 @@ def _cases() -> Iterator[Case]:
     for b in "LS":
         yield from _line_cases(b)
         for x in "AB":
-            yield of_bound("question:", b, x, question(_ask), alone=True)
+            yield of_bound("question:", b, x, _ask, alone=True)
             yield _freeze("freeze", b, x)
     for x in "AB":
         line, half, held = _line("L", 0), S[f"S.{x}.half"], _line("S", OBEYED["S"])
@@ -262,7 +261,6 @@ def _hear(x: str, late: str) -> Outcome:
     ends = [(bound, "place static") for bound in made.bound.values()]
     ends += [(bound.lines, "") for bound in known if bound.lines is not None]
     frame = Frame((made, "version offered_number offered bound"), *ends)
-    begins(made)
     made.hear(SOURCE.records.Told(TO, AT, NUMBER, NUMBER, Some(lambda: listed)))
     outcome = Outcome(geometry)
     after, claims = outcome.after, outcome.claims

@@ -14,17 +14,6 @@ class Impossible(Exception):  # noqa: N818  # no error
 
 
 _judges: list[Way | Execution] = []
-_changes: list[Callable[[], bool]] = []
-
-
-def is_unchanged() -> bool:
-    """Whether all objects are as they were when the rule began."""
-    return not _changes or _changes[-1]()
-
-
-def begins(is_as_before: Callable[[], bool]) -> None:
-    """A rule begins now: how to tell whether its objects are as before."""
-    _changes[:] = [is_as_before]
 
 
 def expression(value: object) -> Any:
@@ -38,19 +27,8 @@ def expression(value: object) -> Any:
 
 
 def require(holds: object, name: str) -> None:
-    """In place of the kernel's: a precondition is assumed, and a rule that it ends has changed nothing."""
-    assert is_unchanged(), f"{name}: required after a change"
+    """In place of the kernel's: a precondition is assumed."""
     _judges[-1].require(expression(holds), name)
-
-
-def question(asks: Callable[..., object]) -> Callable[..., None]:
-    """What others ask changes nothing."""
-
-    def does(*of: Any) -> None:
-        asks(*of)
-        assert is_unchanged(), "a question changes something"
-
-    return does
 
 
 class Way:
@@ -160,4 +138,3 @@ def judged(judge: Way | Execution, run: Callable[[], Any]) -> Any:
             return run()
     finally:
         _judges.pop()
-        _changes.clear()

@@ -220,8 +220,8 @@ class Kernel:
             need(part in known or self._is_known(part, owner), part)
             if isinstance(part, ast.Call) and part not in done:
                 asked = [each for each in self._called(part, owner) if each[1] != "__init__"]
-                changes = any(self._acts(each[0], self._methods[each].body) for each in asked)
-                need(not changes and not said(part, CHANGES), part, "changes something")
+                acts = {act for each in asked for act in self._acts(each[0], self._methods[each].body)}
+                need(acts <= {"require"} and not said(part, CHANGES), part, "changes something")
             if isinstance(part, ast.Name) and part.id in ("found", "listed") and part in growing:
                 need(made.get(part.id) == ["[]"], part, "is no list of its own")
 
@@ -327,9 +327,17 @@ class Kernel:
     # -- effects
 
     def _acts(self, owner: str, body: list[ast.stmt], deep: bool = True) -> list[str]:
-        """What statements do, in order: require, or what they store; one branch, or the other, in a row."""
+        """What statements do, in order: require, of geometry as well, or what they store; one branch, or the
+        other, in a row.
+        """
         acts: list[str] = []
         for node in body:
+            head = getattr(node, "test", getattr(node, "iter", node))
+            calls = [call for call in parts_of(head) if isinstance(call, ast.Call)]
+            asked = [
+                each for call in calls[isinstance(node, ast.Expr) :] for each in self._called(call, owner)
+            ]
+            acts += ["require" for each in asked if self._asks(*each)]
             match node:
                 case ast.If(body=one, orelse=other):
                     both = [self._acts(owner, each, deep) for each in (one, other)]
@@ -347,6 +355,13 @@ class Kernel:
                     targets = [each for each, _ in assigned(node) if not isinstance(each, ast.Name)]
                     acts += [ast.unparse(each) for each in targets]
         return acts
+
+    def _asks(self, owner: str, name: str) -> bool:
+        """Whether a method asks geometry, which has to be told of changes first."""
+        is_geometry = owner.endswith("Geometry")
+        return is_geometry or (
+            name != "__init__" and "require" in self._acts(owner, self._methods[owner, name].body)
+        )
 
     def _check_acts(self, owner: str, node: ast.FunctionDef) -> None:
         acts = self._acts(owner, node.body)
@@ -421,6 +436,7 @@ REFUSED = {  # words of the kernel, and what may not follow them
         "; Pair.told = disk", "; disk.told = self.version", "; disk.held.regions = []", "; made = self",
         "; self.version /= 1", "; self.version += 1.0", "; del self.disks[NO]", "; self.disks[self] = disk",
         "; require(disk.still, 'late: still')", "; require.told = disk", "; pass",
+        "; still = self._geometry.apart(disk.held, disk.held)",
     ],
     "\n            self._end(pair, disk)": [
         "; disk.still = True", "; self.version += 1", "; moved = pair.static is None", "; self.rejoin(disk)",
