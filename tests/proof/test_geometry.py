@@ -31,85 +31,53 @@ Corner = tuple[Fraction, Fraction]
 # -- facts
 
 
-def reals(names: str) -> list[Any]:
-    return list(z3.Reals(names))
-
-
 def is_distance(d: Any, dx: Any, dy: Any) -> Any:
     return z3.And(d >= 0, d * d == dx * dx + dy * dy)
 
 
-def assert_follows(assumed: list[Any], claim: Any) -> None:
+x, y, dx, a, b, u, v, p, q, c, d, e, f, t = z3.Reals("x y dx a b u v p q c d e f t")
+ax, ay, bx, by, r, R, Q, X, Y, D, W = z3.Reals("ax ay bx by r R Q X Y D W")
+_best, _near = -d * u / (u * u + v * v), (d + t * u) * (d + t * u) + t * v * t * v
+FACTS = {  # what is assumed, and what follows
+    "disks of radii a and b on the two sides of a line, which is turned to x = c, are apart": (
+        [a >= 0, b >= 0, ax + a <= c, bx - b >= c, is_distance(d, ax - bx, ay - by)], d >= a + b,
+    ),
+    "a disk in a region that is beside a line is beside it": (
+        [is_distance(d, x - X, y - Y), d + r <= R, c >= X + R], x + r <= c,
+    ),
+    "disks in regions that are apart, around (0, 0) and (D, 0), are apart along the x-axis": (
+        [d + a <= R, e + b <= Q, R + Q <= D, a >= 0, b >= 0,
+         is_distance(d, ax, ay), is_distance(e, bx - D, by)],
+        bx - ax >= a + b,
+    ),
+    "a distance is no less than its part along the x-axis": ([is_distance(d, u, v)], d >= u),
+    "a disk within another one around (X, 0) that is within a region around the origin is in the region": (
+        [X >= 0, X + R <= W, is_distance(d, x - X, y), d + r <= R, is_distance(f, x, y)], f + r <= W,
+    ),
+    "a displacement n.d <= max(0, W - n.x), n = (1, 0), that ends ahead at (x + dx, 0), ends inside": (
+        [dx <= z3.If(x <= W, W - x, 0), x + dx >= 0, x * x + y * y <= W * W, W >= 0,
+         is_distance(f, x + dx, 0)], f <= W,
+    ),
+    # Else the way from the point (d, 0) to another one of it, (d + u, v), comes nearer, at a share t of it.
+    "a convex set is beyond the line through its point that is nearest to the origin": (
+        [d > 0, u * u + v * v > 0, t == z3.If(_best > 1, 1, _best), z3.Implies(t >= 0, _near >= d * d)],
+        u >= 0,
+    ),
+    "the hull of points that satisfy a half-plane satisfies it: two of them suffice, side by side": (
+        [p <= c, q <= c, t >= 0, t <= 1], (1 - t) * p + t * q <= c,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fact", FACTS)
+def test_a_fact_follows(fact: str) -> None:
     """Of all numbers, and that there are such ones."""
-    solver = z3.Solver()
+    (assumed, claim), solver = FACTS[fact], z3.Solver()
     solver.set("timeout", 30_000)
     solver.add(*assumed)
     assert solver.check() == z3.sat
     solver.add(z3.Not(claim))
     assert solver.check() == z3.unsat
-
-
-def test_disks_on_the_two_sides_of_a_line_are_apart() -> None:
-    """Disks on the two sides of a line, which is turned to x = c."""
-    ax, ay, ra, bx, by, rb, c, d = reals("ax ay ra bx by rb c d")
-    sides = [ra >= 0, rb >= 0, ax + ra <= c, bx - rb >= c, is_distance(d, ax - bx, ay - by)]
-    assert_follows(sides, d >= ra + rb)
-
-
-def test_an_inner_disk_is_beside() -> None:
-    """A disk in a region that is beside a line."""
-    x, y, r, X, Y, R, c, d = reals("x y r X Y R c d")
-    assert_follows([is_distance(d, x - X, y - Y), d + r <= R, c >= X + R], x + r <= c)
-
-
-def test_inner_disks_are_apart() -> None:
-    """Disks in regions that are apart, whose centres are (0, 0) and (D, 0), are apart along the x-axis."""
-    ax, ay, ra, bx, by, rb, R, Q, D, d, e = reals("ax ay ra bx by rb R Q D d e")
-    inside = [is_distance(d, ax, ay), d + ra <= R, is_distance(e, bx - D, by), e + rb <= Q]
-    assert_follows([*inside, ra >= 0, rb >= 0, R + Q <= D], bx - ax >= ra + rb)
-
-
-def test_no_way_is_shorter_than_along_an_axis() -> None:
-    """A distance is no less than its part along the x-axis."""
-    d, u, v = reals("d u v")
-    assert_follows([is_distance(d, u, v)], d >= u)
-
-
-def test_a_smaller_disk_is_inside() -> None:
-    """A disk within another one around (X, 0) that is within a region around the origin."""
-    x, y, r, X, R, W = reals("x y r X R W")
-    d, f = reals("d f")
-    assert_follows(
-        [X >= 0, X + R <= W, is_distance(d, x - X, y), d + r <= R, is_distance(f, x, y)], f + r <= W
-    )
-
-
-def test_a_round_wall_holds() -> None:
-    """A displacement d with n.d <= max(0, W - n.x), n = (1, 0) along x + d, ends inside."""
-    x, y, dx, W, f = reals("x y dx W f")
-    room = z3.If(W - x >= 0, W - x, 0)
-    # The end is (x + dx, 0), and it is ahead: n = (1, 0).
-    assert_follows(
-        [x + dx >= 0, dx <= room, x * x + y * y <= W * W, W >= 0, is_distance(f, x + dx, 0)], f <= W
-    )
-
-
-def test_a_tangent_parts() -> None:
-    """A convex set is beyond the line through its point p = (d, 0) nearest to the origin: else the way from p
-    to another point q of it comes nearer."""
-    d, u, v, t = reals("d u v t")  # q = (d + u, v)
-    best = -d * u / (u * u + v * v)
-    x, y = d + t * u, t * v
-    nearest = x * x + y * y >= d * d  # of every t in [0, 1]
-    assert_follows(
-        [d > 0, u * u + v * v > 0, t == z3.If(best > 1, 1, best), z3.Implies(t >= 0, nearest)], u >= 0
-    )
-
-
-def test_a_cut_keeps_what_satisfies_it() -> None:
-    """The hull of points that satisfy a half-plane satisfies it: two of them suffice, side by side."""
-    px, qx, c, t = reals("px qx c t")
-    assert_follows([px <= c, qx <= c, t >= 0, t <= 1], (1 - t) * px + t * qx <= c)
 
 
 # -- rounding
