@@ -6,7 +6,7 @@ arrive at any time, again or never; processes whose lives are over talk on.
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import combinations
@@ -15,12 +15,13 @@ from typing import Any, NamedTuple
 
 from protocol.kernel.ledger import Ledger
 from protocol.kernel.pair import Follower, Owner
-from protocol.kernel.records import GONE, NO, PRESENT, Binding, DiskRecord, Held, RefusedError, Told, require
-from protocol.kernel.robot import ASKED, Bound, RobotLife
-from tests.proof.link import Facts, Record, broken, record
+from protocol.kernel.records import GONE, NO, PRESENT, DiskRecord, Held, RefusedError, require
+from protocol.kernel.robot import Bound, RobotLife
+from tests.proof.link import Facts, broken, record
 from tests.proof.model import bindings_of
 
 Span = tuple[int, int]
+Robot = RobotLife[Span, "Line", Span]
 
 
 class Line(NamedTuple):
@@ -101,17 +102,6 @@ _SWARM = (0.2, 0.5, 1.0, 1.0, 2.0, 4.0)  # factors of these: no two walks have t
 
 
 @dataclass
-class Process:
-    """One life's process, and what it has said."""
-
-    robot: RobotLife[Span, Line, Span]
-    proposals: list[tuple[int, int, Line]] = field(default_factory=list)  # binding, number, line
-    answers: list[tuple[int, int, int]] = field(default_factory=list)  # binding, held, seen
-    firsts: list[tuple[int, Line]] = field(default_factory=list)
-    adopted: list[int] = field(default_factory=list)
-
-
-@dataclass
 class Walk:
     """One walk; every rule is a method that raises if it is refused."""
 
@@ -124,8 +114,8 @@ class Walk:
             name: (at, at + 2) for name, at in zip((1, 2, 3, PART), starts, strict=True)
         }
         self.ledger: Ledger[Span, Line] = Ledger(1, dict(self.truth), Track())
-        self.processes: list[Process] = []
-        self.told: list[tuple[int, Told[Span, Line]]] = []
+        self.robots: dict[tuple[int, int], Robot] = {}  # by disk and life
+        self.said: dict[str, list[Any]] = defaultdict(list)  # of each kind, with whom or what it concerns
         self.carrier = NO
         self.shares = [share * self.random.choice(_SWARM) for share in _SHARES.values()]
         self.rules: dict[str, Callable[[], None]] = {
@@ -137,20 +127,29 @@ class Walk:
     def disk(self) -> Any:
         return self.random.choice(list(self.ledger.disks.values()))
 
-    def process(self) -> Process:
-        require(bool(self.processes), "no disk is present")
-        lives = [each for each in self.processes if self.current(each)]
-        return self.random.choice(lives if lives and self.random.random() < 0.8 else self.processes)
+    def robot(self) -> Robot:
+        require(bool(self.robots), "no disk is present")
+        robots = [*self.robots.values()]
+        lives = [each for each in robots if self.is_current(each)]
+        return self.random.choice(lives if lives and self.random.random() < 0.8 else robots)
 
-    def current(self, process: Process) -> bool:
-        return self.ledger.disks[process.robot.name].life == process.robot.life
+    def is_current(self, robot: Robot) -> bool:
+        return self.ledger.disks[robot.name].life == robot.life
 
-    def bound(self) -> tuple[Process, Any]:
-        process = self.process()
-        require(bool(process.robot.bound), "no disk is bound")
-        return process, self.random.choice(list(process.robot.bound.values()))
+    def bound(self, kind: type = object) -> tuple[Robot, Any]:
+        """An end of a binding, with lines of this kind."""
+        robot = self.robot()
+        ends = [each for each in robot.bound.values() if isinstance(each.lines, kind)]
+        require(bool(ends), "no disk is bound")
+        return robot, self.random.choice(ends)
 
-    def line(self, robot: RobotLife[Span, Line, Span], bound: Bound[Span, Line]) -> Line:
+    def hears(self, kind: str, of: int) -> Any:
+        """What was ever said of one disk or binding, often the newest."""
+        said = [each for concerns, *each in self.said[kind] if concerns == of]
+        require(bool(said), "nothing was said")
+        return said[-1] if self.random.random() < 0.7 else self.random.choice(said)
+
+    def line(self, robot: Robot, bound: Bound[Span, Line]) -> Line:
         body = robot.body_towards(bound)
         at, sign = self.random.randint(-2, LENGTH + 2), self.random.choice((-1, 1))
         if self.random.random() < 0.7:  # one that the body touches
@@ -164,7 +163,7 @@ class Walk:
         require(disk.name != PART, "a part has no life")
         self.ledger.rejoin(disk)
         body = self.truth[disk.name]
-        self.processes.append(Process(RobotLife(disk.name, disk.life, body, Track())))
+        self.robots[disk.name, disk.life] = RobotLife(disk.name, disk.life, body, Track())
 
     def do_fence(self) -> None:
         disk = self.disk()
@@ -188,10 +187,8 @@ class Walk:
         self.ledger.grant(disk, region)
 
     def do_acknowledge(self) -> None:
-        process = self.process()
-        require(bool(process.adopted), "nothing was adopted")
-        disk = self.ledger.disks[process.robot.name]
-        self.ledger.acknowledge(disk, self.random.choice(process.adopted))
+        disk = self.disk()
+        self.ledger.acknowledge(disk, *self.hears("region", disk.name))
 
     def do_introduce(self) -> None:
         one, other = sorted((self.disk(), self.disk()), key=lambda disk: disk.name)
@@ -205,16 +202,11 @@ class Walk:
         self.ledger.ask(one, other)
 
     def do_answer(self) -> None:
-        process = self.process()
-        require(bool(process.firsts), "nothing was frozen")
-        number, line = self.random.choice(process.firsts)
-        disk = self.ledger.disks[process.robot.name]
-        for pair in self.ledger.pairs[disk.name].values():
-            for binding in (pair.living, pair.static):
-                if binding is not None and binding.number == number:
-                    self.ledger.answer(binding, line)
-                    return
-        raise RefusedError("it is over")
+        pairs = self.ledger.pairs[self.disk().name].values()
+        bindings = [each for pair in pairs for each in (pair.living, pair.static) if each is not None]
+        require(bool(bindings), "no disk is bound")
+        binding = self.random.choice(bindings)
+        self.ledger.answer(binding, *self.hears("first line", binding.number))
 
     def do_part(self) -> None:
         one, other = self.disk(), self.disk()
@@ -234,12 +226,14 @@ class Walk:
     def do_appear(self) -> None:
         disk = self.ledger.disks[PART]
         (place,) = [region for _, region in disk.held.regions]
-        current = [each for each in self.processes if self.current(each) and each.robot.name == self.carrier]
-        put_down = not self.carrier or any(each.robot.part == PART for each in current)
-        require(put_down, "its carrier does not put it down")
+        carrier = (
+            self.robots.get((self.carrier, self.ledger.disks[self.carrier].life)) if self.carrier else None
+        )
+        puts_down = carrier is not None and carrier.part == PART
+        require(not self.carrier or puts_down, "its carrier does not put it down")
         self.ledger.appear(disk)
-        if self.carrier:
-            self.truth[self.carrier] = current[0].robot.own
+        if carrier is not None:
+            self.truth[self.carrier] = carrier.own
             self.carrier = NO
         self.truth[PART] = place
 
@@ -250,9 +244,8 @@ class Walk:
         self.truth.pop(PART, None)
 
     def do_take_up(self) -> None:
-        process, part = self.process(), self.ledger.disks[PART]
-        robot = process.robot
-        require(robot.part == PART and self.current(process), "no robot reaches for it")
+        robot, part = self.robot(), self.ledger.disks[PART]
+        require(robot.part == PART and self.is_current(robot), "no robot reaches for it")
         require(part.phase == PRESENT and not self.carrier, "it is not there")
         require(Track().inside(self.truth[PART], robot.body), "it is not in reach")
         self.ledger.remove(part)
@@ -275,88 +268,68 @@ class Walk:
     def do_tell(self) -> None:
         disk = self.disk()
         require(disk.life != NO, "no life is listening")
-        self.told.append((disk.name, self.ledger.told(disk)))
+        self.said["Tick"].append((disk.name, self.ledger.told(disk)))
 
     def do_hear(self) -> None:
-        process = self.process()
-        heard = [told for name, told in self.told if name == process.robot.name]
-        require(bool(heard), "nothing was told")
-        told = heard[-1] if self.random.random() < 0.7 else self.random.choice(heard)
-        process.robot.hear(told)
+        robot = self.robot()
+        robot.hear(*self.hears("Tick", robot.name))
 
     def do_freeze(self) -> None:
-        process, bound = self.bound()
-        kept = process.robot.kept(bound)
-        line = self.random.choice([*kept, self.line(process.robot, bound)])
-        process.robot.freeze(bound, line)
-        process.firsts.append((bound.number, line))
+        robot, bound = self.bound()
+        line = self.random.choice([*robot.kept(bound), self.line(robot, bound)])
+        robot.freeze(bound, line)
+        self.said["first line"].append((bound.number, line))
 
     def do_turn(self) -> None:
-        process, bound = self.bound()
-        process.robot.turn(bound, self.line(process.robot, bound))
+        robot, bound = self.bound()
+        robot.turn(bound, self.line(robot, bound))
 
     def do_adopt_region(self) -> None:
-        process = self.process()
-        process.robot.adopt()
-        process.adopted.append(process.robot.number)
+        robot = self.robot()
+        robot.adopt()
+        self.said["region"].append((robot.name, robot.number))
 
     def do_command(self) -> None:
-        process = self.process()
-        robot = process.robot
+        robot = self.robot()
         lo, hi = self.truth[robot.name]
         step = self.random.randint(-3, 3)
         swept = (min(lo, lo + step), max(hi, hi + step))
         carries = self.carrier == robot.name and PART not in self.truth
         part = self.random.choice((NO, PART)) if carries else NO
         robot.command(swept, (swept[0], max(swept[0], swept[1] - 1)) if part else swept, part)
-        self._execute(process, (lo + step, hi + step), part)
+        self._execute(robot, (lo + step, hi + step), part)
 
     def do_reach(self) -> None:
-        process = self.process()
-        robot, part = process.robot, self.truth.get(PART)
+        robot, part = self.robot(), self.truth.get(PART)
         if part is None or self.carrier == robot.name:
             raise RefusedError("there is none")
         lo, hi = self.truth[robot.name]
         require(min(abs(part[0] - hi), abs(lo - part[1])) <= 1, "too far")
         robot.command((min(lo, part[0]), max(hi, part[1])), (lo, hi), PART)
 
-    def _execute(self, process: Process, after: Span, part: int) -> None:
-        robot = process.robot
-        disk = self.ledger.disks[robot.name]
-        if disk.phase == PRESENT and disk.life == robot.life:  # its base executes commands of this life
+    def _execute(self, robot: Robot, after: Span, part: int) -> None:
+        if self.ledger.disks[robot.name].phase == PRESENT and self.is_current(
+            robot
+        ):  # its base executes commands of this life
             self.truth[robot.name] = after
         body = self.truth[robot.name]
         robot.locate(body, (body[0], body[1] - 1) if part else body)
 
     def do_propose(self) -> None:
-        process, bound = self.bound()
-        require(isinstance(bound.lines, Owner) and bound.state != ASKED, "no owner")
-        line = self.line(process.robot, bound)
-        bound.lines.propose(line, process.robot.fits(bound, line))
-        process.proposals.append((bound.number, bound.lines.number, line))
-
-    def _from_peer(self, what: str) -> tuple[Process, Any, Any]:
-        process, bound = self.bound()
-        said = [
-            each
-            for other in self.processes
-            if other.robot.name == bound.peer
-            for each in getattr(other, what)
-            if each[0] == bound.number
-        ]
-        require(bool(said) and bound.lines is not None, "nothing was said")
-        return process, bound, self.random.choice(said)
+        robot, bound = self.bound(Owner)
+        line = self.line(robot, bound)
+        bound.lines.propose(line, robot.fits(bound, line))
+        self.said["proposal"].append((bound.number, bound.lines.number, line))
 
     def do_adopt(self) -> None:
-        process, bound, (_, number, line) = self._from_peer("proposals")
-        require(isinstance(bound.lines, Follower), "no follower")
-        bound.lines.on_proposal(number, line, process.robot.fits(bound, line))
-        process.answers.append((bound.number, bound.lines.held_number, bound.lines.seen))
+        robot, bound = self.bound(Follower)
+        number, line = self.hears("proposal", bound.number)
+        bound.lines.on_proposal(number, line, robot.fits(bound, line))
+        self.said["answer"].append((bound.number, bound.lines.held_number, bound.lines.seen))
 
     def do_read_answer(self) -> None:
-        _, bound, (_, held, seen) = self._from_peer("answers")
-        require(isinstance(bound.lines, Owner), "no owner")
-        bound.lines.on_answer(held, seen)
+        _, bound = self.bound(Owner)
+        bound.lines.on_answer(*self.hears("answer", bound.number))
 
     # -- the walk
 
@@ -381,24 +354,19 @@ class Walk:
     def broken(self, low: int, high: int) -> list[str]:
         """Conjuncts of the invariant that do not hold of two disks."""
         ledger = self.ledger
-        s = record(ledger, {(p.robot.name, p.robot.life): p.robot for p in self.processes}, low, high)
+        s = record(ledger, self.robots, low, high)
         facts = TrackFacts(ledger, low, high, s)
         for x, name in (("A", low), ("B", high)):
             if s[f"{x}.body"] is None:
                 s[f"{x}.body"] = s[f"{x}.own"] = self.truth.get(name, ledger.disks[name].held.regions[0][1])
-            said = [n for p in self.processes if p.robot.name == name for n in p.adopted]
-            s[f"{x}.said"] = self.random.choice(said) if said else 0
+            said = [number for one, number in self.said["region"] if one == name]
+            s[f"{x}.said"] = self.random.choice(said or [0])
         for b, binding in bindings_of(ledger, low, high).items():
-            self._messages(b, binding, s)
+            s[f"{b}.frozen"] = any(number == binding.number for number, _ in self.said["first line"])
+            answers = [each for number, *each in self.said["answer"] if number == binding.number]
+            for h, seen in (("h", "s"), ("h2", "s2")):
+                s[f"{b}.{h}"], s[f"{b}.{seen}"] = self.random.choice(answers or [(0, 0)])
         return broken(s, facts)
-
-    def _messages(self, b: str, binding: Binding[Line], s: Record) -> None:
-        """Messages about a binding that are under way."""
-        number, random = binding.number, self.random
-        s[f"{b}.frozen"] = any(first == number for p in self.processes for first, _ in p.firsts)
-        answers = [each[1:] for p in self.processes for each in p.answers if each[0] == number]
-        for h, seen in (("h", "s"), ("h2", "s2")):
-            s[f"{b}.{h}"], s[f"{b}.{seen}"] = random.choice(answers) if answers else (0, 0)
 
 
 def walk(seed: int, steps: int) -> tuple[str, Counter[str]]:
