@@ -9,20 +9,8 @@ from typing import Any
 
 from tests.proof import symbolic
 
-_UNKNOWN_SIZE = TypeError("how many there are, or whether any, is not known")
 
-
-class _Many:  # noqa: PLW1641  # nothing is kept by it
-    def __len__(self) -> int:
-        raise _UNKNOWN_SIZE
-
-    def __eq__(self, other: object) -> bool:
-        raise _UNKNOWN_SIZE
-
-    __ne__ = __eq__
-
-
-class Known(_Many, dict[Any, Any]):
+class Known(dict[Any, Any]):
     """A dictionary of which the solver knows some entries, and compares their keys with any other."""
 
 
@@ -87,7 +75,7 @@ def with_optional(made: Any, **fields: tuple[Any, Any]) -> Any:
     return made
 
 
-class Some(_Many):
+class Some:
     """A list of any length: the elements that the solver can tell from others, which are all treated alike
     (`test_form`), and what is appended.
     """
