@@ -94,11 +94,7 @@ FIELDS: dict[str, z3.SortRef] = {"v": INT} | {
     for name in names.split()
     for b, x in product("LS", "AB")
 }
-
-
-def fresh(tag: str) -> dict[str, z3.ExprRef]:
-    """Any state."""
-    return {name: z3.Const(f"{name}{tag}", sort) for name, sort in FIELDS.items()}
+S: dict[str, z3.ExprRef] = {name: z3.Const(name, sort) for name, sort in FIELDS.items()}  # any state
 
 
 @cache

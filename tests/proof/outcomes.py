@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import Any
 
 import z3
@@ -22,12 +23,11 @@ from tests.proof.model import (
     OTHER,
     REGION,
     K,
-    fresh,
+    S,
     obeys,
 )
 
 NAMES = {CODE[x]: x for x in "AB"}
-S = fresh("")
 NEXT = S["v"] + 1
 PART, EPOCH = z3.Int("part"), z3.Int("epoch")
 HALF_PLANE, PROPOSED = z3.Const("half", LINE), z3.Int("proposed")
@@ -82,14 +82,9 @@ class Case:
     starts: bool = False
 
 
-@dataclass
-class _Noted:
+def _noted(phase: Any, acknowledged: Any, granted: Any, regions: list[Any] | None = None) -> SimpleNamespace:
     """What geometry was told of a disk; its regions, unless that was before the rule."""
-
-    phase: Any
-    acknowledged: Any
-    granted: Any
-    regions: list[Any] | None = None
+    return SimpleNamespace(phase=phase, acknowledged=acknowledged, granted=granted, regions=regions)
 
 
 class Geometry:
@@ -100,7 +95,7 @@ class Geometry:
     def __init__(self) -> None:
         self.facts: list[Any] = []
         self._count = 0
-        self.noted = {x: _Noted(*[S[f"{x}.{f}"] for f in ("phase", "acked", "granted")]) for x in "AB"}
+        self.noted = {x: _noted(*[S[f"{x}.{f}"] for f in ("phase", "acked", "granted")]) for x in "AB"}
         self.disks: dict[Any, Any] = {}
 
     def _answer(self, *says: Any) -> z3.BoolRef:
@@ -120,7 +115,7 @@ class Geometry:
 
     def note(self, disk: Any) -> None:
         held = disk.held
-        self.noted[NAMES[disk.name]] = _Noted(disk.phase, held.acknowledged, held.granted, [*held.regions])
+        self.noted[NAMES[disk.name]] = _noted(disk.phase, held.acknowledged, held.granted, [*held.regions])
 
     def around(self, disk: Any, region: Any) -> list[int]:
         """A disk that is not named holds nothing that meets the region, or what the disk holds."""

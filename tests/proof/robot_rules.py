@@ -37,7 +37,6 @@ from tests.proof.objects import (
     unknown_is_static,
 )
 from tests.proof.outcomes import HALF_PLANE, OBEYED, PART, PROPOSED, Case, Geometry, Outcome, S
-from tests.proof.symbolic import Impossible
 
 
 def of_bound(
@@ -131,27 +130,21 @@ def _line(b: str, number: Any) -> z3.ExprRef:
 
 def _line_cases(b: str) -> Iterator[Case]:
     """Rules of the line of a binding; answers arrive late, repeated or never."""
-    line = _line(b, S[f"{b}.A.number"] + 1)
+    line, proposed = _line(b, S[f"{b}.A.number"] + 1), _line(b, PROPOSED)
+    answer = S[f"{b}.h2"], S[f"{b}.s2"]
+    has_lines = {x: S[f"{b}.{x}.state"] != ASKED for x in "AB"}
+    is_said = [PROPOSED >= 1, ends(S, b)["number"] >= PROPOSED]
 
     def propose(made: Any, bound: Any) -> None:
-        _lines(bound).propose(line, made.fits(bound, line))
-
-    yield of_bound("propose", b, "A", propose, numbers=1)
-    proposed = _line(b, PROPOSED)
+        bound.lines.propose(line, made.fits(bound, line))
 
     def adopt(made: Any, bound: Any) -> None:
-        _lines(bound).on_proposal(PROPOSED, proposed, made.fits(bound, proposed))
+        bound.lines.on_proposal(PROPOSED, proposed, made.fits(bound, proposed))
 
-    yield of_bound("adopt", b, "B", adopt, PROPOSED >= 1, ends(S, b)["number"] >= PROPOSED)
-    answer = S[f"{b}.h2"], S[f"{b}.s2"]
-    yield of_bound("read answer", b, "A", lambda _, bound: _lines(bound).on_answer(*answer))
+    yield of_bound("propose", b, "A", propose, has_lines["A"], numbers=1)
+    yield of_bound("adopt", b, "B", adopt, has_lines["B"], *is_said)
+    yield of_bound("read answer", b, "A", lambda _, bound: bound.lines.on_answer(*answer), has_lines["A"])
     yield Case(f"send answer {b}", lambda: _send(b), [S[f"{b}.on"], S[f"{b}.B.has"]])
-
-
-def _lines(bound: Any) -> Any:
-    if bound.lines is None:
-        raise Impossible
-    return bound.lines
 
 
 def _send(b: str) -> Outcome:

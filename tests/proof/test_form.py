@@ -159,12 +159,12 @@ class Kernel:
         self._top = [node for source in sources.values() for node in ast.parse(source).body]
         parts = [(node, each) for node in self._top if isinstance(node, ast.ClassDef) for each in node.body]
         methods = [(of, each) for of, each in parts if isinstance(each, ast.FunctionDef)]
-        self._methods = {(of.name, each.name): each for of, each in methods}
+        self.methods = {(of.name, each.name): each for of, each in methods}
 
     def strange(self) -> Iterator[str]:
         """What is not of the language."""
         checks: list[tuple[Any, Any]] = [(self._check_top, [node]) for node in self._top]
-        for check, of in [*checks, *((self._check, name) for name in self._methods)]:
+        for check, of in [*checks, *((self._check, name) for name in self.methods)]:
             try:
                 check(*of)
             except StrangeError as error:
@@ -176,8 +176,8 @@ class Kernel:
                 need({ast.unparse(each) for each in names} <= IMPORTS.get(f"{module}", set()), node)
             case ast.ClassDef(name=name, body=[ast.Expr(value=ast.Constant()), *methods]):
                 need(re.fullmatch(HEADS, ast.unparse(node).partition('    """')[0]), node)
-                need(all(each in self._methods.values() for each in methods), node)
-                made = self._methods.get((name, "__init__"), ast.Module([], [])).body
+                need(all(each in self.methods.values() for each in methods), node)
+                made = self.methods.get((name, "__init__"), ast.Module([], [])).body
                 targets = [target for each in made if hasattr(each, "value") for target, _ in assigned(each)]
                 fields = {each.attr for each in targets if isinstance(each, ast.Attribute)}
                 need(fields == set(FIELDS.get(name, ())), node, "has other fields")
@@ -185,7 +185,7 @@ class Kernel:
                 need(said(node, TOP), node)
 
     def _check(self, owner: str, name: str) -> None:
-        node, args = self._methods[owner, name], self._methods[owner, name].args
+        node, args = self.methods[owner, name], self.methods[owner, name].args
         made = [ast.unparse(each) for each in (*node.decorator_list, *args.defaults)]
         need(made in ([], ["property"]) or (made == ["NO"] and args.args[-1].arg == "part"), node)
         need((is_word(name) or name == "__init__") and "*" not in ast.unparse(args), node)
@@ -220,7 +220,7 @@ class Kernel:
             need(part in known or self._is_known(part, owner), part)
             if isinstance(part, ast.Call) and part not in done:
                 asked = [each for each in self._called(part, owner) if each[1] != "__init__"]
-                acts = {act for each in asked for act in self._acts(each[0], self._methods[each].body)}
+                acts = {act for each in asked for act in self._acts(each[0], self.methods[each].body)}
                 need(acts <= {"require"} and not said(part, CHANGES), part, "changes something")
             if isinstance(part, ast.Name) and part.id in ("found", "listed") and part in growing:
                 need(made.get(part.id) == ["[]"], part, "is no list of its own")
@@ -232,7 +232,7 @@ class Kernel:
                 return (is_word(name) and name != "self") or name in CONSTANTS
             case ast.Attribute(value=of, attr=name, ctx=ast.Load()):
                 mine = [owner] if said(of, "self") else [*FIELDS]
-                asked = [self._methods[each, name] for each in mine if (each, name) in self._methods]
+                asked = [self.methods[each, name] for each in mine if (each, name) in self.methods]
                 is_field = any(name in FIELDS[each] for each in mine if each in FIELDS)
                 return is_field or any(each.decorator_list for each in asked)
             case ast.Subscript(ctx=ast.Load()):
@@ -281,7 +281,7 @@ class Kernel:
         """Whether a call gives numbers and conditions of their kinds to a method, or is a listed one."""
         if said(node.func, "require"):
             return noun(node.args[0]) == "bool" and isinstance(node.args[-1], ast.Constant)
-        taken = [self._methods[each].args.args[1:] for each in self._called(node, owner)]
+        taken = [self.methods[each].args.args[1:] for each in self._called(node, owner)]
         given = [
             (said_of(arg), arg.arg, noun(each))
             for args in taken
@@ -297,11 +297,11 @@ class Kernel:
     def _called(self, node: ast.Call, owner: str) -> list[tuple[str, str]]:
         """Methods that a call may mean."""
         if not isinstance(node.func, ast.Attribute):
-            return [each for each in self._methods if each == (getattr(node.func, "id", ""), "__init__")]
+            return [each for each in self.methods if each == (getattr(node.func, "id", ""), "__init__")]
         of, name = ast.unparse(node.func.value), node.func.attr
-        found = [each for each in self._methods if each[1] == name and (each[0] == owner) == (of == "self")]
+        found = [each for each in self.methods if each[1] == name and (each[0] == owner) == (of == "self")]
         found = [each for each in found if each[0].endswith("Geometry") == (of == "self._geometry")]
-        return [each for each in found if not self._methods[each].decorator_list]
+        return [each for each in found if not self.methods[each].decorator_list]
 
     def _check_names(self, body: list[ast.stmt], names: set[str], fixed: set[str]) -> None:
         """A block reads what has a value; arguments, and in a loop all names around it, keep theirs."""
@@ -349,7 +349,7 @@ class Kernel:
                     acts.append("require")
                 case ast.Expr(value=ast.Call() as call) if not said(call, GROWS):
                     called = self._called(call, owner) if deep else []
-                    inner_acts = [self._acts(each[0], self._methods[each].body) for each in called]
+                    inner_acts = [self._acts(each[0], self.methods[each].body) for each in called]
                     acts += [act for each in inner_acts for act in each] or [ast.unparse(call)]
                 case ast.Assign() | ast.AnnAssign() | ast.AugAssign():
                     targets = [each for each, _ in assigned(node) if not isinstance(each, ast.Name)]
@@ -360,7 +360,7 @@ class Kernel:
         """Whether a method asks geometry, which has to be told of changes first."""
         is_geometry = owner.endswith("Geometry")
         return is_geometry or (
-            name != "__init__" and "require" in self._acts(owner, self._methods[owner, name].body)
+            name != "__init__" and "require" in self._acts(owner, self.methods[owner, name].body)
         )
 
     def _check_acts(self, owner: str, node: ast.FunctionDef) -> None:
@@ -389,7 +389,7 @@ class Kernel:
         for each in inside:
             need(not is_loop(each) and not isinstance(each, ast.Return | ast.ListComp), each, "is in a loop")
             if isinstance(each, ast.Call):
-                called = [self._methods[name] for name in self._called(each, owner)]
+                called = [self.methods[name] for name in self._called(each, owner)]
                 need(not any(map(is_loop, chain(*map(ast.walk, called)))), each, "loops in a loop")
                 is_made = getattr(each.func, "attr", "get") in ("get", "append", "extend")
                 need(

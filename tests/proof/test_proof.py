@@ -8,14 +8,13 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 from random import Random
-from typing import Any, Protocol
 
 import pytest
 
 from tests.proof import mutants
 from tests.proof.link import RULES
-from tests.proof.objects import SOURCE
 from tests.proof.prove import CASES, example, is_kept_by_cvc5, not_kept, steps_of
+from tests.proof.test_form import SOURCES, Kernel
 from tests.proof.walks import Walk, walk
 
 # Methods that are no rules: what rules do to their own objects, and what is asked and changes nothing.
@@ -72,18 +71,13 @@ def test_every_precondition_belongs_to_a_rule() -> None:
 
 
 def test_every_method_is_a_rule_or_a_question() -> None:
-    kinds = [
-        each for name in ("records", "pair", "ledger", "robot") for each in _kinds(getattr(SOURCE, name))
-    ]
-    methods = {f"{kind.__name__}.{name}" for kind in kinds for name in vars(kind) if name[0] != "_"}
+    methods = {
+        f"{kind}.{name}"
+        for kind, name in Kernel(SOURCES).methods
+        if not kind.endswith("Geometry") and not name.startswith("_")
+    }
     rules = {f"{kind.__name__}.{name}" for kind, names in RULES.items() for name in names}
     assert methods == rules | set(f"{PARTS} {QUESTIONS}".split())
-
-
-def _kinds(module: Any) -> list[type]:
-    """The classes of a module, but those that say only what geometry answers."""
-    found = [each for each in vars(module).values() if isinstance(each, type)]
-    return [each for each in found if each.__module__ == module.__name__ and Protocol not in each.__bases__]
 
 
 @pytest.mark.parametrize(
