@@ -2,8 +2,9 @@
 
 Loops treat all elements alike: what the solver shows of those it can tell apart then holds of any number.
 Numbers are ids, versions, phases or states, as their words say, and compared only with their own kind. Only
-the listed fields are kept. A rule stores nothing before its last precondition, a question nothing at all.
-Types are left to mypy; what may be None, and whether the right things are stored, to the solver.
+the listed fields are kept. A rule stores nothing before its last precondition or question of geometry, a
+question nothing at all. Types are left to mypy; what may be None, and whether the right things are stored,
+to the solver.
 """
 
 from __future__ import annotations
