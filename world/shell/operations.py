@@ -94,7 +94,8 @@ class Operations:
         before = bool(self._rivals)
         (self._rivals.add if alive else self._rivals.discard)(session)
         if bool(self._rivals) != before:
-            what = OTHER_WORLD if alive else "the other world has left; goes on"
+            left = f"the other world has left; {'stays stopped' if self._run.world.stopped else 'goes on'}"
+            what = OTHER_WORLD if alive else left
             self._say(f"tick {self._run.world.tick}: {what}")
         self._run.world.contest(bool(self._rivals))
         self._publishers.watched(self._run.clock(), self._run.world.referee.record.news())

@@ -47,8 +47,7 @@ def test_a_running_world_stands_while_another_is_there_and_goes_on_after_that() 
     other = bus.node = WorldNode(bus, "local", SWAP)
     step(fleet, 3)
     assert other.refused, "it has not begun, and came later"
-    assert fleet.world.world.halted
-    assert said == [f"tick 10: {OTHER_WORLD}"]
+    assert (fleet.world.world.halted, said) == (True, [f"tick 10: {OTHER_WORLD}"])
     before = fleet.world.world.simulation.places
     released = asked(fleet, {"halt": False})
     assert (released.accepted, released.halted, released.text) == (False, True, OTHER_WORLD)
@@ -56,8 +55,7 @@ def test_a_running_world_stands_while_another_is_there_and_goes_on_after_that() 
     assert fleet.world.world.simulation.places == before
     bus.close()
     step(fleet, 5)
-    assert not fleet.world.world.halted
-    assert fleet.world.world.simulation.places != before
+    assert (fleet.world.world.halted, fleet.world.world.simulation.places != before) == (False, True)
     assert "goes on" in said[-1]
 
 
@@ -103,7 +101,8 @@ def test_of_two_worlds_before_their_first_tick_one_leaves_and_not_the_one_that_c
 
 
 def test_an_emergency_stop_outlasts_the_other_world() -> None:
-    fleet = LocalFleet(SWAP)
+    fleet, said = LocalFleet(SWAP), list[str]()
+    fleet.world._operations._say = said.append
     step(fleet, 10)
     bus = fleet.network.connect()
     bus.announce("disknav/local/world/alive/another")
@@ -112,7 +111,7 @@ def test_an_emergency_stop_outlasts_the_other_world() -> None:
     assert not asked(fleet, {"halt": False}).accepted
     bus.close()
     step(fleet, 3)
-    assert (asked(fleet).halted, asked(fleet).moving) == (True, ())
+    assert (asked(fleet).halted, asked(fleet).moving, said[-1][-13:]) == (True, (), "stays stopped")
     assert not asked(fleet, {"halt": False}).halted
 
 
