@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from contextlib import closing, suppress
 from functools import partial
 from pathlib import Path
@@ -14,7 +14,7 @@ from protocol.bus.bus import Bus, Heartbeat, drive
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError, CheckpointError, DisknavError, RunTakenError
-from protocol.keys import checked_run, session_of, world_key, world_token, world_tokens
+from protocol.keys import checked_run, world_key, world_tokens
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
 from world.shell.checkpoint import Checkpoint
@@ -54,11 +54,10 @@ def main(
     try:
         if checkpoint is not None:
             kept = Checkpoint(checkpoint, checked_run(run), scenario, LOG.warning)
-        epochs = () if kept is None else kept.progress.epochs
-        if kept is not None and epochs:
+        if kept is not None and kept.progress.epochs:
             LOG.warning(f"goes on at tick {kept.progress.past.tick} of {scenario.name!r}")
         with closing(ZenohBus(connection)) as bus:
-            look_for_others(bus, run, epochs)
+            look_for_others(bus, run)
             node = WorldNode(
                 bus,
                 checked_run(run),
@@ -84,17 +83,13 @@ def main(
     return SUCCESS
 
 
-def look_for_others(bus: Bus, run: str, epochs: Iterable[int] = ()) -> None:
-    """Raise RunTakenError if this run has a world other than those of `epochs`, which have died and do not
-    answer: the checkpoint of one that does was copied."""
-    own = {world_token(run, session_of(epoch)) for epoch in epochs}
+def look_for_others(bus: Bus, run: str) -> None:
+    """Raise RunTakenError if this run has another world: one that answers, or whose token remains."""
     deadline = time.monotonic() + _GONE
-    while there := set(bus.tokens(world_tokens(run))):
+    while bus.tokens(world_tokens(run)):
         with suppress(BusError):
             bus.ask(world_key(run, "scenario"), b"", _LOOK)
             raise _taken(run)
-        if there <= own:
-            return
         if time.monotonic() >= deadline:
             raise _taken(run)
 

@@ -91,7 +91,6 @@ class WorldNode:
         self._run = JudgedRun(scenario, before.past, returning=waits)
         lives, epoch = self._run.world.lives, drawn_epoch(continues=bool(before.epochs))
         self._epoch, self._epochs, self._session = epoch, (*before.epochs, epoch), session_of(epoch)
-        self._own = {session_of(each) for each in self._epochs}  # tokens of dead worlds may still disappear
         self._admissions = Admissions(
             run, self._run.world, lockstep, clock, self._epochs, checkpoint, before.processes
         )
@@ -179,7 +178,7 @@ class WorldNode:
             self._run.rejected["key"] += 1
             return
         if robot is None:
-            if session not in self._own:
+            if session != self._session:
                 self._on_world(session, event.alive)
         elif robot not in self._publishers:
             self._run.rejected["identity"] += 1

@@ -165,24 +165,25 @@ def test_a_robot_does_not_go_back_to_a_coordinator_that_it_has_left(tmp_path: Pa
     Checkpoint.create(path)
     checkpoint = Checkpoint(path, "local", SWAP)
     older.node = WorldNode(older, "local", SWAP, checkpoint=checkpoint)
-    bus = network.connect()
+    bus, newer = network.connect(), network.connect()
     robot = bus.node = RobotNode(bus, "local", 1)
     robot.wake(robot.deadline)
     assert robot.core.epoch == 1
     with pytest.raises(RunTakenError, match="end that one first"):
-        look_for_others(bus, "local", [1])  # with a copy of its checkpoint
-    older.served, served = [], older.served  # it freezes
-    look_for_others(bus, "local", [1])
+        look_for_others(bus, "local")  # with a copy of its checkpoint
+    frozen, older.announced, older.served = (older.announced, older.served), [], []
+    look_for_others(bus, "local")
     network.tell_presence("disknav/local/world/alive/00000001", False, older)
     checkpoint.close()
-    newer = network.connect()
     newer.node = WorldNode(newer, "local", SWAP, checkpoint=Checkpoint(path, "local", SWAP))
     bus.drain()
     robot.wake(robot.deadline)
     assert robot.core.epoch == 2
-    newer.close()
-    older.served = served
+    older.announced, older.served = frozen
     network.tell_presence("disknav/local/world/alive/00000001", True, older)
+    newer.drain()
+    assert newer.node.world.halted, "both have their robots stand"
+    newer.close()
     bus.drain()
     with pytest.raises(BusError, match="another run has the name"):
         robot.wake(robot.deadline)
