@@ -304,7 +304,7 @@ class Walk:
         if part is None or self.carrier == robot.name:
             raise RefusedError("there is none")
         lo, hi = self.truth[robot.name]
-        require(min(abs(part[0] - hi), abs(lo - part[1])) <= 1, "too far")
+        require(min(abs(part[0] - hi), abs(lo - part[1])) <= 4, "too far")
         robot.command((min(lo, part[0]), max(hi, part[1])), (lo, hi), PART)
 
     def _execute(self, robot: Robot, after: Span, part: int) -> None:
