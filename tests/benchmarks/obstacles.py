@@ -53,10 +53,10 @@ class Fleet:
             self._fleet.step()
 
     def step(self) -> None:
-        before, begun = self._fleet.robots_cpu(), time.process_time()
+        before, begun = self._fleet.cpu, time.process_time()
         self._fleet.step()
         self.whole.append(time.process_time() - begun)
-        self.robots.append(self._fleet.robots_cpu() - before)
+        self.robots.append(1e-9 * (self._fleet.cpu - before))
 
 
 _CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
