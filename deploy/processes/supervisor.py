@@ -223,11 +223,11 @@ class Supervisor:
             except ProcessError as error:
                 self._lose(life.spawner, error)
 
-    def kill(self, name: str) -> None:
-        """Send SIGKILL, and do not restart it automatically."""
+    def kill(self, name: str, *, gently: bool = False) -> None:
+        """Send SIGKILL, `gently` SIGTERM, and do not restart it automatically."""
         life = self._life(name)
         life.told_to_end, life.again, life.due = True, False, None
-        self.signal(name, signal.SIGKILL)
+        self.signal(name, signal.SIGTERM if gently else signal.SIGKILL)
 
     def pause(self, name: str) -> None:
         """Send SIGSTOP."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import signal
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -222,7 +221,7 @@ class Fleet:
         if self._options.restarts:
             self._leaving = 0.0  # robots would wait for a restarted world
         if WORLD in self.supervisor.running():
-            self.supervisor.signal(WORLD, signal.SIGTERM)
+            self.supervisor.kill(WORLD, gently=True)
             deadline = time.monotonic() + _LAST_WORDS
             while (
                 WORLD in self.supervisor.running() and time.monotonic() < deadline and STOP.count < _IMPATIENT

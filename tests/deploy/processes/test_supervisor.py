@@ -42,11 +42,13 @@ def exits(supervisor: Supervisor, number: int) -> list[Exit]:
 
 
 def test_exits_are_noticed_and_judged(supervisor: Supervisor) -> None:
-    supervisor.start([row("good", give, 0), row("bad", give, 2), waiting("killed"), waiting("lost")])
+    mortal = row("killed", wait, reports=True, restarts=1)
+    supervisor.start([row("good", give, 0), row("bad", give, 2), mortal, waiting("lost")])
     supervisor.report("killed", PATIENCE)
     supervisor.report("lost", PATIENCE)
-    supervisor.kill("killed")
-    supervisor.signal("lost", signal.SIGKILL)  # not by `kill`: as if by accident
+    supervisor.signal("killed", signal.SIGKILL)  # as if by accident
+    supervisor.signal("lost", signal.SIGKILL)
+    supervisor.kill("killed", gently=True)  # it is dead already
     seen = {exit_.process.name: (exit_.code, exit_.expected) for exit_ in exits(supervisor, 4)}
     assert seen == {"good": (0, True), "bad": (2, False), "killed": (-9, True), "lost": (-9, False)}
     assert supervisor.running() == []
@@ -82,8 +84,7 @@ def test_a_host_that_reports_what_it_was_not_asked_for_is_lost() -> None:
 def test_a_failing_process_is_restarted_as_often_as_its_row_says(supervisor: Supervisor) -> None:
     supervisor.start([row("again", give, 1, restarts=2)])
     supervisor.up(["again"])
-    assert [exit_.code for exit_ in exits(supervisor, 3)] == [1, 1, 1]
-    assert supervisor.running() == []
+    assert ([exit_.code for exit_ in exits(supervisor, 3)], supervisor.running()) == ([1, 1, 1], [])
     assert supervisor.usage()[0].restarts == 2
 
 
@@ -108,9 +109,8 @@ def test_restart_replaces_a_process(supervisor: Supervisor) -> None:
     supervisor.restart("one")
     assert supervisor.report("one", PATIENCE) == "waiting"
     (usage,) = supervisor.usage()
-    assert usage.restarts == 1
+    assert (usage.restarts, usage.exit_code) == (1, None)
     assert usage.pid != first
-    assert usage.exit_code is None
     supervisor.kill("one")
     exits(supervisor, 2)
     supervisor.restart("one")
