@@ -67,8 +67,7 @@ def test_a_world_without_robots_leaves_the_run_to_the_world_that_has_them() -> N
     bus = fleet.network.connect()
     other = bus.node = WorldNode(bus, "local", SWAP, gathering=0.5)
     fleet.network.run(lambda: other.finished)
-    assert other.refused
-    assert other.report is None
+    assert (other.refused, other.report) == (True, None)
     step(fleet, 3)
 
 
@@ -129,12 +128,11 @@ def test_a_stop_and_an_order_of_which_anyone_heard_outlast_their_world(tmp_path:
 
 
 def test_a_robot_does_not_choose_between_two_worlds() -> None:
-    network, said = LocalNetwork(), list[str]()
+    network = LocalNetwork()
     for _ in range(2):
         bus = network.connect()
         bus.node = WorldNode(bus, "local", SWAP)
-    bus = network.connect()
-    robot = RobotNode(bus, "local", 1, say=said.append)
+    robot = RobotNode(network.connect(), "local", 1)
     robot.wake(robot.deadline)
     assert robot.core is None
 
