@@ -81,7 +81,8 @@ fast: $(READY)  ## the part of the suite that takes a minute
 	$(BIN)/python -m pytest -n auto -m 'not slow and not process and not browser and not alone and not campaign'
 
 sources:  ## remove what was compiled, so that the sources run
-	@find protocol agents world deploy -name '*.so' -delete; rm -f *__mypyc*.so $(COMPILED)
+	@find protocol agents world deploy -name '*.so' -print -delete | grep . >/dev/null && \
+	  echo "removed what was compiled: the sources run until \`make setup\`"; rm -f *__mypyc*.so $(COMPILED)
 
 test: $(READY) sources  ## lint, types, import contracts, and the whole suite from the sources; five to eight minutes
 	@$(MAKE) --no-print-directory --jobs=2 $(KERNEL) check collect
