@@ -77,7 +77,7 @@ def with_optional(made: Any, **fields: tuple[Any, Any]) -> Any:
 
 class Some:
     """A list of any length: the elements that the solver can tell from others, which are all treated alike
-    (`test_form`), and what is appended.
+    (`language.py`), and what is appended.
     """
 
     def __init__(self, elements: Callable[[], Iterable[Any]]) -> None:

@@ -12,9 +12,9 @@ from random import Random
 import pytest
 
 from tests.proof import mutants
+from tests.proof.language import SOURCES, Kernel
 from tests.proof.link import RULES
 from tests.proof.prove import CASES, example, is_kept_by_cvc5, not_kept, steps_of
-from tests.proof.test_form import SOURCES, Kernel
 from tests.proof.walks import Walk, walk
 
 # Methods that are no rules: what rules do to their own objects, and what is asked and changes nothing.
