@@ -73,7 +73,7 @@ class ProcessLife:
     number: int = 0  # given by its spawner; 0: it could not be started
     pid: int = 0
     exit_code: int | None = None
-    up: bool = False  # a process of the row has worked, or ended without saying why; not after the last
+    up: bool = False  # a process of the row has worked, or ended without saying why: another may be started
     told_to_end: bool = False
     again: bool = False  # restart it as soon as it has ended
     began: float = 0.0  # s, monotonic: start of the latest process
