@@ -4,7 +4,7 @@ import pytest
 
 from protocol.scenario.body import PRESETS, Base, Body
 from protocol.scenario.file import document_of, parse_document, parse_toml, write_toml
-from tests.protocol.scenario.scenario_texts import ROBOTS, problems
+from tests.protocol.scenario.scenario_texts import problems
 
 WIDE = "[workspace]\nradius = 3.0\n"
 ONE = "[[robots]]\nid = 1\nstart = [0.0, 0.0]\ngoal = [1.0, 0.0]\n"
@@ -20,15 +20,6 @@ def test_a_body_of_all_and_one_of_a_robot() -> None:
     assert scenario.spec(1).radius == pytest.approx(0.255)
     assert parse_toml(write_toml(scenario)) == scenario
     assert parse_document(document_of(scenario)) == scenario
-
-
-def test_a_body_must_lie_inside_the_disk() -> None:
-    assert problems('body = { kind = "differential-drive", track = 0.1 }\n' + ROBOTS) == {
-        "body.offset": "must be above 0 for a body on two wheels"
-    }
-    assert problems('body = "e-puck"\n' + ROBOTS) == {
-        f"robots[{n}].radius": "must be at least 0.055, for the body lies inside the disk" for n in (0, 1)
-    }
 
 
 def test_mujoco_moves_bodies_only_as_their_errors_were_measured() -> None:

@@ -11,10 +11,6 @@ from protocol.scenario.file import parse_document
 from tests.protocol.scenario.scenario_texts import ROBOTS, THIRD, document, problems
 
 
-def test_the_issue_in_one_line() -> None:
-    assert problems(ROBOTS + THIRD) == {"robots[2].start": "overlaps robot 1 by 0.013 m"}
-
-
 @pytest.mark.parametrize(
     "mistake",
     json.loads((Path(__file__).parent / "mistakes.json").read_text()),

@@ -4,6 +4,8 @@ import json
 import signal
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -24,10 +26,24 @@ def sent(robot: int, *points: Point, within: float | None = None) -> Operation:
     return Operation(goal=Journey(robot, points, within=within))
 
 
-def served(endpoint: str, result: Path) -> subprocess.Popen[bytes]:
+@contextmanager
+def served(endpoint: str, result: Path) -> Iterator[subprocess.Popen[bytes]]:
     options = ["--run", "yard", "--listen", endpoint, "--json", str(result), "--quiet"]
-    options += ["--set", "control.speed=0.3"]
-    return subprocess.Popen([sys.executable, "-m", "disknav", "run", "swap-4", "--keep", *options])
+    options += ["--set", "control.speed=0.3", "--set", "obstacles=[{center=[0.2, 0.2], radius=0.02}]"]
+    with subprocess.Popen([sys.executable, "-m", "disknav", "run", "swap-4", "--keep", *options]) as fleet:
+        try:
+            yield fleet
+        finally:
+            fleet.terminate()
+
+
+OBSTACLES = (  # a command, its status, and what it says
+    ("place yard -0.19 -0.19 --radius 0.02", 0, "obstacle 2 is in place"),
+    ("place yard 0.0 0.0 0.1 0.1 0.1 0.0 0.0 0.1", 2, "sides cross"),
+    ("take yard 1", 0, "obstacle 1 is gone"),
+    ("take yard 1", 1, "no obstacle 1"),
+    ("things yard --json", 0, '"number": 2'),
+)
 
 
 @pytest.mark.process
@@ -53,6 +69,10 @@ def test_keep_and_send(disknav: Forks, tmp_path: Path) -> None:
         assert (told["accepted"], told["number"]) == (True, 1)
         said = disknav("fleet", "goal", "yard", "3", "-0.1", "-0.1", "--router", endpoint, "--json")
         assert json.loads(said.stdout)["status"]["goal"] == [-0.1, -0.1]
+        for words, status, text in OBSTACLES:
+            done = disknav("fleet", *words.split(), "--router", endpoint)
+            assert (done.returncode, text in done.stdout + done.stderr) == (status, True), done
+        assert '"number": 1' not in done.stdout
         fleet.send_signal(signal.SIGINT)
         assert fleet.wait(30) == 130
     result = json.loads((tmp_path / "result.json").read_text())

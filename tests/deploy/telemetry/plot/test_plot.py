@@ -1,8 +1,10 @@
 """Pictures: every format, what they show, and what is refused before a run is wasted on it."""
 
+import math
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,14 +12,17 @@ import pytest
 from matplotlib import image
 from PIL import Image
 
+from deploy.library.load import load
+from deploy.run.local import LocalFleet
 from deploy.telemetry.plot.draw import check, draw, until
 from deploy.telemetry.plot.figure import measurement_ages, state_ages
-from deploy.telemetry.plot.workspace import COLOURS, colour, dash
+from deploy.telemetry.plot.workspace import COLOURS, colour, dash, stays
 from deploy.telemetry.recording.reader import Recording, read
 from protocol.errors import UsageError
-from protocol.scenario.model import Sensing
+from protocol.scenario.model import Obstacle, Sensing
 from protocol.scenario.network import Link
 from tests.deploy.telemetry.recording.recorded import record
+from tests.system.orders.turnover import asked, step
 
 pytestmark = pytest.mark.slow
 
@@ -95,6 +100,21 @@ def test_colours_and_dashes_tell_robots_apart():
     assert luminance[-1] < 190, "too pale for white paper"
     neighbours = [dash(index) != dash(index + 1) for index in range(23)]
     assert all(neighbours), "in grey, robots next to each other look alike"
+
+
+def test_an_obstacle_is_shown_from_when_until_when_it_is_there(tmp_path):
+    listed = replace(load("swap-4"), obstacles=(Obstacle(center=(0.2, 0.2), radius=0.02),))
+    with LocalFleet(listed, record=tmp_path / "run.mcap", speed=20.0) as fleet:
+        for change in ({"place": {"center": [0.0, 0.0], "radius": 0.01}}, {"take": 1}):
+            step(fleet, 20)
+            assert asked(fleet, change).accepted
+        step(fleet, 20)
+        fleet.world.interrupt("interrupted", "enough")
+        fleet.execute()
+    first, second = stays(read(tmp_path / "run.mcap"))
+    assert (first.since, second.until) == (0.0, math.inf)
+    assert 0.9 < second.since < 1.5 < first.until < 3.0
+    assert second.words == f"from {second.since:.1f} s"
 
 
 # -- ages
