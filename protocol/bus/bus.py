@@ -94,7 +94,7 @@ class Bus(Protocol):
         """Declare a liveliness token, which lasts until `close`, or the death of this process."""
 
     def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
-        """Request, and wait for all replies; raises BusError after `timeout` s without one."""
+        """Request once, when the key is served; all replies, or BusError after `timeout` s at most."""
 
     def post(self, key: str, payload: bytes) -> None:
         """Send a request without waiting: replies are events."""

@@ -33,7 +33,6 @@ from protocol.keys import Stream
 from protocol.process.signals import STOP, Stopped
 
 _ATTEMPT = 0.5  # s; a failed attempt reports its reason only at its end, so the first ones are short
-_ASK_AGAIN = 0.02  # s between attempts while no process serves a key
 _OTHERS = 0.5  # s to wait for further answers
 _TOKENS = 2.0  # s for routers to list their tokens
 _LONGEST: Final = 3600.0  # s, longest single wait for the queue
@@ -155,10 +154,11 @@ class ZenohBus:
 
     def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
         deadline = time.monotonic() + timeout
-        while (remaining := deadline - time.monotonic()) > 0.0:
-            if replies := self._replies(key, payload, remaining):
-                return replies
-            STOP.wait(min(_ASK_AGAIN, max(0.0, deadline - time.monotonic())))
+        with self._session.declare_querier(key) as querier:
+            served = _await(lambda: querier.matching_status.matching, timeout)  # type: ignore[attr-defined]  # no bool
+        left = max(0.0, deadline - time.monotonic())
+        if served and (replies := self._replies(key, payload, left)):  # sent once: it may be an order
+            return replies
         raise BusError(
             f"no answer under {key} within {timeout:g} s; is the process that serves it running, "
             f"under the same run name and reachable from the same endpoint?"

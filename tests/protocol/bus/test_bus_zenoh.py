@@ -4,6 +4,7 @@ import socket
 import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, closing
 from pathlib import Path
 
@@ -136,15 +137,19 @@ def test_presence_goes_with_a_killed_process(connect: Connect, endpoint: str) ->
 
 
 def test_asking_waits_for_one_that_will_serve(connect: Connect) -> None:
-    asker, server = connect(), connect()
-    replies: list[bytes] = []
-    asking = threading.Thread(target=lambda: replies.extend(asker.ask(SCENARIO, b"may I?", PATIENCE)))
-    asking.start()
-    assert server.receive(0.1) is None  # the first attempts find no server
-    server.serve(SCENARIO)
-    answer(server, b"now")
-    asking.join()
-    assert replies == [b"now"]
+    asker, server, heir = connect(), connect(), connect()
+    with ThreadPoolExecutor() as pool:
+        asking = pool.submit(asker.ask, SCENARIO, b"may I?", PATIENCE)
+        assert server.receive(0.1) is None  # nobody serves it
+        server.serve(SCENARIO)
+        answer(server, b"now")
+        assert asking.result() == [b"now"]
+        asking = pool.submit(asker.ask, SCENARIO, b"may I?", PATIENCE)
+        assert isinstance(server.receive(PATIENCE), Query)
+        heir.serve(SCENARIO)
+        server.close()  # perhaps after it has obeyed
+        assert heir.receive(0.3) is None
+        assert isinstance(asking.exception(PATIENCE), BusError)
 
 
 @pytest.mark.parametrize("mode", ["client", "router", "peer"])

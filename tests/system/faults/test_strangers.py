@@ -12,10 +12,10 @@ from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.result import unjudged
+from protocol.bus.bus import Foreign
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
-from protocol.errors import BusError
 from protocol.joining import Refusal, decode_reply
 from protocol.keys import STREAMS
 from protocol.messages import Clock, Result
@@ -41,11 +41,11 @@ class Disturbed(Fleet):
         prefix = f"disknav/{self._options.run}"
         for token in (*TOKENS, "robot/1/alive", "robot/2/alive/3/4/5"):
             stranger.announce(f"{prefix}/{token}")
-        for pattern in (*PATTERNS[:3], "robot/1/join"):
-            try:
-                self.replies.append(decode_reply(stranger.ask(f"{prefix}/{pattern}", b"?", 20.0)[0]))
-            except BusError as error:
-                self.replies.append(error)
+        self.replies.append(decode_reply(stranger.ask(f"{prefix}/robot/1/join", b"?", 20.0)[0]))
+        for pattern in PATTERNS[:3]:
+            stranger.post(f"{prefix}/{pattern}", b"?")
+            heard = stranger.receive(20.0)
+            self.replies.append(decode_reply(heard.payload) if isinstance(heard, Foreign) else heard)
         keys = ("robot/1/state", "robot/1/command", "robot/*/command", "robot/1/tick", "world/clock")
         keys += ("world/scenario", "world/result", "robot/1/2/3/4/5/state", "robot/0/state")
         self._say = [stranger.publisher(STREAMS["clock"], f"{prefix}/{key}") for key in keys]
