@@ -136,7 +136,7 @@ class FleetOrders(Orders):
         """Wait at most `within` s for the end of an order, and return its last state.
 
         Raises:
-            BusError: the order has not ended by then.
+            BusError: the order has not ended by then, or another followed.
         """
         return self._operator.outcome(_whole(robot), _whole(number), min(within, _LONGEST))
 

@@ -140,17 +140,17 @@ class Operator:
             self._bus.receive(_LOOK)
 
     def outcome(self, robot: int, number: int, within: float) -> GoalStatus:
-        """Wait until a goal is reached, cancelled, given up, or followed by another; returns its status.
-        Raises BusError after `within` s, or if the robot was removed.
+        """Wait until a goal is reached, cancelled or given up; returns its status.
+        Raises BusError after `within` s, or if another order followed, or the robot was removed.
         """
         self._bus.subscribe(robot_key(self._run, robot, "goalstatus"))
         deadline, heard = time.monotonic() + within, None
         while True:
             remaining = deadline - time.monotonic()
             status = heard or self._repeat(None, lambda _: True, remaining).goal(robot)
-            if status is None:
-                raise BusError(f"there is no robot {robot}, or no longer")
-            if status.number != number or status.status != "under way":
+            if status is None or status.number != number:
+                raise BusError(f"there is no robot {robot} with order {number}, or no longer")
+            if status.status != "under way":
                 return status
             if remaining <= 0.0:
                 raise BusError(f"order {number} of robot {robot} has not ended within {within:g} s")
