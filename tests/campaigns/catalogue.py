@@ -17,12 +17,11 @@ CAMPAIGNS = {  # what each searches for, and where it is
     "aftermath": ("a broken invariant after a skirmish", "models:AFTERMATH"),
     "mortal-floor": ("contact of external bases, under worlds and processes that die", "mortal_floor:FLOOR"),
     "bodies": ("a body that leaves its swept disk or its lines", "models:BODIES"),
-    "plants": ("contact of wheels in MuJoCo, under late, lost and noisy messages", "models:PLANTS"),
     "adversary": (
         "a touch in formulas, by a law that wants one, with errors at their worst",
         "models:ADVERSARY",
     ),
-    "adversary-mujoco": ("the same in MuJoCo", "models:ADVERSARY_MUJOCO"),
+    "adversary-mujoco": ("the same of wheels in MuJoCo", "models:ADVERSARY_MUJOCO"),
     "deviations": ("a body in MuJoCo that is off its way by more than it states", "models:DEVIATIONS"),
     "worlds": ("a contact, or something forgotten, when the world dies at any moment", "models:WORLDS"),
     "turnover": ("a contact, or a robot that is stuck, while robots come and go", "models:TURNOVER"),

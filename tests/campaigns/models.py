@@ -12,7 +12,7 @@ from tests.agents.lines.models.skirmishes import aftermath, skirmish
 from tests.campaigns.campaign import Campaign, Dice, Outcome
 from tests.system.orders.turnover import Turnover
 from tests.world.plants.fleet import BODIES as CARRIERS
-from tests.world.plants.fleet import PERIODS, drive, hostile, varied
+from tests.world.plants.fleet import PERIODS, drive, hostile
 from tests.world.shell import test_world_dies as worlds
 from world.report import result_of
 
@@ -31,15 +31,6 @@ def _ride(dice: Dice) -> Outcome:
     excess = excess_of(seed // len(KINDS), kind, _ride_product())
     violation = f"{kind}: beyond by {excess:.3g} m" if excess > ROUNDING else ""
     return Outcome(kind, violation, figures={"excess, m": excess})
-
-
-def _drive(dice: Dice) -> Outcome:
-    """A fleet on wheels that swaps places."""
-    setting = varied(dice.seed)
-    report = drive(setting)
-    violation = f"contact: {setting}" if report["verdict"] == "collision" else ""
-    figures = {"arrived": float(len(report["arrived"])), "smallest gap, m": report["min_clearance"]}
-    return Outcome(report["verdict"], violation, figures=figures)
 
 
 def _attack(plant: str, dice: Dice) -> Outcome:
@@ -88,7 +79,6 @@ def _deaths(dice: Dice) -> Outcome:
 SKIRMISH = Campaign(partial(_of_lines, skirmish), 5_000)
 AFTERMATH = Campaign(partial(_of_lines, aftermath), 5_000)
 BODIES = Campaign(_ride, 30_000)
-PLANTS = Campaign(_drive, 200)
 DEVIATIONS = Campaign(_deviation, 40, patience=600.0)
 WORLDS = Campaign(_deaths, 1_000)
 TURNOVER = Campaign(_turnover, 100, patience=900.0)

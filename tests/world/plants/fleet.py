@@ -130,23 +130,6 @@ class TowardsTheNearest:
         return size * dx, size * dy
 
 
-def varied(seed: int) -> Setting:
-    """One of many: delays, losses and noise by turns."""
-    rng = Random(seed)
-    return replace(
-        Setting(seed=seed),
-        robots=rng.choice((4, 6, 8)),
-        delay=rng.choice((0.0, 0.3)),
-        loss=rng.choice((0.0, 0.3)),
-        dropped=rng.choice((0.0, 0.1)),
-        noise=rng.choice((0.0, 0.003)),
-        heading=rng.choice((0.0, 0.03)),
-        speed=rng.choice((0.1, 0.2)),
-        k=rng.choice((40.0, 80.0, 200.0)),
-        pace=rng.choice(("common", "own")),
-    )
-
-
 PERIODS = (0.01, 0.05, 0.1, 0.2, 0.5, 1.0)  # s
 BODIES: dict[str, Preset | Body] = {
     "omnidirectional": Body("omnidirectional", acceleration=2.0, hold=0.2, error=0.2, lag=0.05, play=1e-3),
