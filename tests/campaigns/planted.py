@@ -5,12 +5,19 @@ from contextlib import contextmanager
 
 import pytest
 
+from tests.agents.lines.models.test_models import MUTANTS
 from tests.campaigns import observe
 from tests.interpreted import Edit, Mutant, interpreted, without
 
 # in the order of their imports, up to those that a fleet is made of
 _CHAIN = (
-    *("agents.lines.boundary", "agents.lines.safe_velocity", "agents.bodies", "protocol.kernel.pair"),
+    *(
+        "agents.lines.own_set",
+        "agents.lines.boundary",
+        "agents.lines.safe_velocity",
+        "agents.bodies",
+        "protocol.kernel.pair",
+    ),
     *("protocol.kernel.robot", "agents.peers.link", "agents.peers.neighbours", "agents.estimate"),
     *("agents.lines.negotiation", "agents.lines.separating_lines", "agents.safety_filter"),
     *("agents.robot", "agents.shell.node", "deploy.run.local"),
@@ -26,31 +33,9 @@ def plant(fault: Mutant) -> Iterator[None]:
         yield
 
 
+_RULES = ("own-error-at-lines", "own-error-at-the-wall", "no-region-no-motion", "measured-then")
 FAULTS = (  # those that random scenarios show
-    without(
-        "half-the-error",
-        "robots take measurements for as good as they are",
-        Edit("agents.estimate", "sense.position, sense.bound,", "sense.position, 0.5 * sense.bound,"),
-        first=1,
-    ),
-    without(
-        "trusting-the-estimate",
-        "the wall is kept for every place where the own centre can be",
-        Edit(
-            "agents.lines.boundary",
-            "        if shape is None:\n            return self._cut",
-            "        if True:\n            return self._cut",
-        ),
-    ),
-    without(
-        "not-waiting",
-        "a robot moves once it obeys a region",
-        Edit(
-            "agents.lines.separating_lines",
-            "return self.kernel is not None and self.kernel.region is not None",
-            "return True",
-        ),
-    ),
+    *(mutant for mutant in MUTANTS if mutant.rule in _RULES),
     without(
         "drawing-as-it-comes",
         "what the link does to a State does not depend on the order in which States come",

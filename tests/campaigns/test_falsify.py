@@ -17,9 +17,13 @@ from tests.campaigns.scenarios.draw import drawn
 from tests.interpreted import Mutant
 
 RUNS = 60
-KINDS = {  # what a fault shows; contact, wall or contradiction unless mentioned
-    "drawing-as-it-comes": {"order"},
-    "failing": {"ZeroDivisionError in command"},
+KINDS = {  # what each fault shows first
+    "own-error-at-lines": "contact",
+    "own-error-at-the-wall": "wall",
+    "no-region-no-motion": "contact",
+    "measured-then": "contradiction",
+    "drawing-as-it-comes": "order",
+    "failing": "ZeroDivisionError in command",
 }
 
 
@@ -33,7 +37,7 @@ def test_every_planted_fault_is_found(fault: Mutant) -> None:
         return outcome.said if outcome.violation else ""
 
     with planted.plant(fault):
-        assert fault.hunt(kind_of, RUNS) in KINDS.get(fault.rule, {"contact", "wall", "contradiction"})
+        assert fault.hunt(kind_of, RUNS) == KINDS[fault.rule]
 
 
 @pytest.mark.process
