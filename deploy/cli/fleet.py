@@ -122,16 +122,16 @@ def remove(
     router: options.Router = None,
     secure: options.Secure = None,
 ) -> None:
-    """Remove a robot: its process ends, and its disk disappears.
+    """Remove a robot: with the open tick its process ends, and its disk disappears.
 
     Example: disknav fleet remove yard 7
 
-    Exit status: 0 it is gone, 1 refused, 2 invalid, 3 no answer.
+    Exit status: 0 it leaves, 1 refused, 2 invalid, 3 no answer.
     """
     operation = _operation({"remove": robot})
     with _operating(run, router, secure) as operator:
         _done(operator, operation)
-    print(f"run {run}: robot {robot} is gone")
+    print(f"run {run}: robot {robot} leaves with the open tick")
 
 
 @app.command(context_settings=_POINTS)
