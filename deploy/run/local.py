@@ -206,6 +206,7 @@ class LocalFleet:
     def _hear(self, writer: RecordingWriter) -> Recorder:
         bus = self.network.connect()
         bus.subscribe(everything(self.run))
+        writer.begin(self.run, self._scenario)
         recorder = bus.node = Recorder(bus, self.run, writer)
         return recorder
 

@@ -22,6 +22,7 @@ from protocol.joining import overview
 from protocol.keys import checked_run, everything, robot_key, world_key, world_tokens
 from protocol.messages import Result
 from protocol.process.signals import STOP
+from protocol.scenario.model import Scenario
 
 PATIENCE = 30.0  # s to wait for the world
 _BATCH = 512  # buffered messages
@@ -35,23 +36,29 @@ _ASK_AGAIN = 0.5  # s
 _NICENESS = 5  # the fleet goes first
 
 
+def awaited_scenario(bus: Bus, run: str, patience: float = PATIENCE) -> Scenario:
+    """The present scenario of a run, as soon as its world sends it; raises BusError after `patience` s."""
+    until = time.monotonic() + patience
+    while (reply := overview(bus, run, _ASK_TIMEOUT)) is None:
+        if time.monotonic() >= until:
+            raise BusError(f"run {run!r}: no world has sent its scenario within {patience:g} s")
+        STOP.wait(_ASK_AGAIN)
+        STOP.check()
+    return reply.scenario
+
+
 class Recorder:
-    """Records one run, from now to its result; a node on any bus. It does not finish the file.
+    """Records one run, from now to its result; a node on any bus. It neither begins nor finishes the file.
 
     Args:
         bus: subscribed to all recorded streams, or with `take` to the result only.
         run: name of the run.
-        file: started once the scenario is known; no message published later is missed.
+        file: has begun.
         take: returns keys and payloads that have arrived since its last call.
-        patience: time for the world to appear and to send its scenario, s.
         away: time for a lost world to return, s; 0: the recording ends with it.
 
     Attributes:
         result: published result of the run (JSON), once received.
-
-    Raises:
-        BusError: no world, or no scenario, within `patience` s.
-        UsageError: the file cannot be created.
     """
 
     def __init__(
@@ -61,21 +68,17 @@ class Recorder:
         file: RecordingWriter,
         *,
         take: Callable[[], list[tuple[str, bytes]]] | None = None,
-        patience: float = PATIENCE,
         away: float = 0.0,
     ) -> None:
         self.finished = False
         self.result: str | None = None
-        self._bus, self._run, self._patience = bus, run, patience
-        self._away, self._back_by = away, inf
+        self._bus, self._away, self._back_by = bus, away, inf
         self._file, self._take = file, take
-        self._ready = False
         self._buffer: list[tuple[str, bytes]] = []
         self._worlds: set[str] = set()  # tokens
         self._result_key = world_key(run, "result")
         self._result_due = inf
-        self._written = self._flushed = time.monotonic()
-        self._overdue = self.deadline = self._written + patience
+        self._written = self._flushed = self.deadline = time.monotonic()
         bus.watch(world_tokens(run))
 
     def handle(self, event: Event) -> None:
@@ -84,16 +87,13 @@ class Recorder:
                 self._on_result(event)
                 return
             self._buffer.append((event.key, event.payload))
-            if len(self._buffer) >= _BATCH and self._ready:
+            if len(self._buffer) >= _BATCH:
                 self._write(time.monotonic())
         elif isinstance(event, Presence):
             (self._worlds.add if event.alive else self._worlds.discard)(event.key)
             self._on_world(bool(self._worlds))
 
     def wake(self, now: float) -> None:
-        if not self._ready:
-            self._begin(now)
-            return
         if now >= min(self._result_due, self._back_by):
             self.close()
             return
@@ -114,35 +114,16 @@ class Recorder:
     def wind_up(self, patience: float) -> None:
         """Continue until the result arrives, at most `patience` s, after a signal."""
         until = time.monotonic() + patience
-        while self._awaits_result and (rest := until - time.monotonic()) > 0.0:
+        while not self.finished and self.result is None and (rest := until - time.monotonic()) > 0.0:
             event = self._bus.receive(rest)
             if event is not None:
                 self.handle(event)
         self.close()
 
-    @property
-    def _awaits_result(self) -> bool:
-        return self._ready and not self.finished and self.result is None
-
     def _on_world(self, alive: bool) -> None:
         self._back_by = inf if alive else time.monotonic() + self._away
         if not alive and not self._away:
             self.close()
-        elif alive and not self._ready:
-            self._begin(time.monotonic())
-
-    def _begin(self, now: float) -> None:
-        reply = overview(self._bus, self._run, _ASK_TIMEOUT) if self._worlds else None
-        if reply is None:
-            if now >= self._overdue:
-                lacking = "the world does not send its scenario" if self._worlds else "no world to record"
-                raise BusError(f"run {self._run!r}: {lacking} within {self._patience:g} s")
-            self.deadline = min(self._overdue, now + _ASK_AGAIN) if self._worlds else self._overdue
-            return
-        self._bus.expect(_every_tick(self._run, reply.scenario.ids))
-        self._file.begin(self._run, reply.scenario)
-        self._ready = True
-        self.deadline = time.monotonic()
 
     def _on_result(self, sample: Sample) -> None:
         try:
@@ -159,8 +140,6 @@ class Recorder:
             self._buffer += self._take()
 
     def _write(self, now: float, *, last: bool = False) -> None:
-        if not self._ready:
-            return
         self._written = now
         batch, self._buffer = self._buffer, []
         self._file.write(batch)
@@ -209,6 +188,9 @@ def main(
         file = RecordingWriter(next_free(path) if again else path, rotation, ready)
         take = bus.bursts(everything(checked_run(run)))  # one subscription keeps the order of arrival
         bus.subscribe(world_key(run, "result"))
+        scenario = awaited_scenario(bus, run)
+        bus.expect(_every_tick(run, scenario.ids))
+        file.begin(run, scenario)
         recorder = Recorder(bus, run, file, take=take, away=away)
         follow(recorder, bus)
         recorder.wind_up(_RESULT)

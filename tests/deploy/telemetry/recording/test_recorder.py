@@ -2,7 +2,6 @@
 
 import json
 import signal
-import time
 from pathlib import Path
 
 import msgspec
@@ -13,7 +12,7 @@ from deploy.processes import table
 from deploy.run.fleet import Fleet
 from deploy.run.options import RunOptions
 from deploy.telemetry.recording.reader import read
-from deploy.telemetry.recording.recorder import Recorder
+from deploy.telemetry.recording.recorder import Recorder, awaited_scenario
 from deploy.telemetry.recording.writer import RecordingWriter
 from protocol import joining
 from protocol.bus.local import LocalBus, LocalNetwork
@@ -21,12 +20,13 @@ from protocol.codec import encode
 from protocol.errors import BusError, RecordingError
 from protocol.keys import STREAMS, everything, robot_key, world_key
 from protocol.messages import Clock, Command, Result
-from tests.deploy.telemetry.recording.recorded import FakeWorld, said_by, scenario
+from tests.deploy.telemetry.recording.recorded import FakeWorld, scenario
 
 
 def _recorder(bus: LocalBus, run: str, folder: Path) -> tuple[Recorder, RecordingWriter]:
     bus.subscribe(everything(run))
     file = RecordingWriter(folder / f"{run}.mcap")
+    file.begin(run, scenario())
     recorder = bus.node = Recorder(bus, run, file)
     return recorder, file
 
@@ -58,12 +58,9 @@ def test_what_is_no_message_of_the_run_is_counted_not_recorded(tmp_path):
     assert rejected == {"shape": 2, "identity": 1, "key": 1, "oversize": 1}
 
 
-def test_a_world_that_never_appears_ends_the_wait(tmp_path):
-    bus = LocalNetwork().connect()
-    recorder = Recorder(bus, "r", RecordingWriter(tmp_path / "x.mcap"), patience=0.01)
-    assert recorder.deadline < time.monotonic() + 0.02
-    with pytest.raises(BusError, match="no world to record within"):
-        recorder.wake(recorder.deadline)
+def test_a_world_that_never_appears_ends_the_wait():
+    with pytest.raises(BusError, match="no world has sent its scenario within"):
+        awaited_scenario(LocalNetwork().connect(), "r", 0.0)
 
 
 def test_the_end_of_the_world_ends_the_recording(tmp_path):
@@ -84,17 +81,10 @@ def test_the_end_of_the_world_ends_the_recording(tmp_path):
 @pytest.mark.parametrize(
     "first", [b"\xc1", joining.encode_reply(joining.Wait(1.0))], ids=["malformed", "another"]
 )
-def test_a_world_that_answers_nonsense_is_asked_again(tmp_path, first):
+def test_a_world_that_answers_nonsense_is_asked_again(first):
     network = LocalNetwork()
-    world = FakeWorld(network.connect(), "odd")
-    world.replies = [first]
-    recorder, file = _recorder(network.connect(), "odd", tmp_path)
-    network.run(lambda: not world.replies)
-    world.say(robot_key("odd", 1, "command"), encode(Command(1, 1, 0, (0.1, 0.2))))
-    recorder.wake(recorder.deadline)
-    recorder.close()
-    file.finish()
-    assert said_by(read(tmp_path / "odd.mcap"), Command, 1) == [Command(1, 1, 0, (0.1, 0.2))]
+    FakeWorld(network.connect(), "odd").replies = [first]
+    assert awaited_scenario(network.connect(), "odd") == scenario()
 
 
 # -- as a process
