@@ -115,6 +115,14 @@ def divide(a: Interval, b: Interval) -> Interval:
 
 
 @compiled
+def quotient(a: Interval, b: Interval) -> Interval:
+    """a / b for a, b >= 0, whose bounds may be 0 or +inf; (0, inf) where b alone does not bound it."""
+    low = down(a[0] / b[1]) if b[1] > 0.0 else 0.0
+    high = up(a[1] / b[0]) if b[0] > 0.0 else np.inf
+    return low, high
+
+
+@compiled
 def middle(a: Interval) -> float:
     """A double inside a finite interval, close to its middle."""
     return min(max(0.5 * (a[0] + a[1]), a[0]), a[1])
@@ -201,24 +209,15 @@ def whole(scene: Scene, kappa: tuple[float, float]) -> Box:
 
 
 @compiled
-def lower(array: NDArray[np.float64], row: int, bound: float) -> None:
-    """Raise a lower bound; nan is ignored, and overflow becomes the largest double."""
-    if bound > array[row, 0]:
-        array[row, 0] = min(bound, _LARGEST)
-
-
-@compiled
-def upper(array: NDArray[np.float64], row: int, bound: float) -> None:
-    """Lower an upper bound, as `lower`."""
-    if bound < array[row, 1]:
-        array[row, 1] = max(bound, -_LARGEST)
-
-
-@compiled
 def narrow(array: NDArray[np.float64], row: int, new: Interval) -> bool:
-    """Intersect a row with an interval, as `lower` and `upper`. False: nothing is left."""
-    lower(array, row, new[0])
-    upper(array, row, new[1])
+    """Intersect a row with an interval. False: nothing is left.
+
+    A bound that is nan is ignored, and one that overflows becomes the largest double.
+    """
+    if new[0] > array[row, 0]:
+        array[row, 0] = min(new[0], _LARGEST)
+    if new[1] < array[row, 1]:
+        array[row, 1] = max(new[1], -_LARGEST)
     return bool(array[row, 0] <= array[row, 1])
 
 

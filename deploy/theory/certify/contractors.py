@@ -23,18 +23,16 @@ from deploy.theory.certify.boxes import (
     add,
     compiled,
     divide,
-    down,
     ends,
     inverted,
-    lower,
     mul,
     narrow,
+    quotient,
     root_above,
     root_below,
     square,
     sub,
     up,
-    upper,
     weigh,
 )
 
@@ -55,17 +53,9 @@ def enclose(scene: Scene, box: Box, out: Derived) -> bool:
         _separation(scene, box, out, q)
         if out.beta[q, 0] > out.beta[q, 1]:
             return False
-        if out.beta[q, 0] > 0.0:
-            upper(box, n + q, up(out.total[1, 1] / out.beta[q, 0]))
-        if out.beta[q, 1] > 0.0:
-            lower(box, n + q, down(out.total[1, 0] / out.beta[q, 1]))
-        if box[n + q, 0] > box[n + q, 1]:
+        if not narrow(box, n + q, quotient(ends(out.total, 1), ends(out.beta, q))):
             return False
-        if box[n + q, 0] > 0.0:
-            upper(out.beta, q, up(out.total[1, 1] / box[n + q, 0]))
-        if box[n + q, 1] > 0.0:
-            lower(out.beta, q, down(out.total[1, 0] / box[n + q, 1]))
-        if out.beta[q, 0] > out.beta[q, 1]:
+        if not narrow(out.beta, q, quotient(ends(out.total, 1), ends(box, n + q))):
             return False
     return True
 

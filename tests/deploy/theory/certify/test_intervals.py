@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from deploy.theory.certify import boxes as i
-from deploy.theory.certify.boxes import Interval, derived, lower, scene_of, upper, whole
+from deploy.theory.certify.boxes import Interval, derived, narrow, scene_of, whole
 from deploy.theory.certify.curvature import stiffness
 from deploy.theory.certify.search import solve_into
 from tests.deploy.theory.certify.known import known
@@ -66,11 +66,10 @@ def test_an_unbounded_weight_is_never_nan(b: Interval, share: Fraction, low: flo
 
 def test_bounds_that_are_no_number_or_overflowed_exclude_nothing() -> None:
     row = np.array([[0.0, 1.0]])
-    lower(row, 0, math.nan)
-    upper(row, 0, math.nan)
+    assert narrow(row, 0, (math.nan, math.nan))
     assert row.tolist() == [[0.0, 1.0]]
     row[0, 1] = math.inf
-    lower(row, 0, math.inf)
+    assert narrow(row, 0, (math.inf, math.inf))
     assert row[0, 0] < math.inf == row[0, 1]
 
 
