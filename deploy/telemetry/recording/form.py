@@ -4,15 +4,14 @@ Derived from the declarations in `protocol.messages`. The schemas use only what 
 property is a number, integer, string, object, or an array of one of these, never a union or an array of
 arrays. So a vector becomes `{"x": .., "y": ..}`, and None is left out.
 
-A message is copied into Structs of the same fields that encode as JSON objects, which takes a third of the
-time of dictionaries.
+Each message has two twins, Structs of the same fields in which vectors and the like are Structs, too: one has
+the form of the wire, the other encodes as a JSON object. msgspec converts one into the other.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from functools import cache
-from types import MappingProxyType
+from types import GenericAlias
 from typing import Any, NamedTuple
 
 import msgspec
@@ -20,35 +19,25 @@ from msgspec import inspect
 
 from protocol.messages import VERSION, Message
 
-Content = dict[str, Any]
-
-_SCALARS: dict[type, str] = {
-    inspect.BoolType: "boolean",
-    inspect.IntType: "integer",
-    inspect.FloatType: "number",
-    inspect.StrType: "string",
-    inspect.LiteralType: "string",
+_SCALARS: dict[type, tuple[str, type]] = {
+    inspect.BoolType: ("boolean", bool),
+    inspect.IntType: ("integer", int),
+    inspect.FloatType: ("number", float),
+    inspect.StrType: ("string", str),
+    inspect.LiteralType: ("string", str),
 }
 _VECTOR = ("x", "y")
-_NONE: Mapping[str, Any] = MappingProxyType({})
 
 
 class Form(NamedTuple):
-    """The JSON form of values of one type.
+    """The forms of values of one type: JSON schema, and the types of the twins.
 
-    Attributes:
-        schema: JSON schema.
-        to_json: turns a Python expression of a value into one of its JSON form. The expressions of a type are
-            joined and compiled once, which is three times as fast as nested calls.
-        objects: the types named in these expressions.
-        from_json: inverse, to the wire's value without tags.
-        optional: whether the value may be None.
+    `optional`: whether the value may be None.
     """
 
     schema: dict[str, Any]
-    to_json: Callable[[str], str] = lambda value: value
-    objects: Mapping[str, type[msgspec.Struct]] = _NONE
-    from_json: Callable[[Any], Any] = lambda value: value
+    wire: Any
+    object: Any
     optional: bool = False
 
 
@@ -58,111 +47,63 @@ def schema(message: type[Message]) -> dict[str, Any]:
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title} | _form(message).schema
 
 
-@cache
-def to_object(message: type[Message]) -> Callable[[Message], msgspec.Struct]:
-    """Function that turns messages of this type into objects that encode as their recorded form."""
+def to_object(message: Message) -> Any:
+    """An object that encodes as the recorded form of a message."""
+    form = _form(type(message))
+    twin = msgspec.convert(message, form.wire, from_attributes=True)
+    return msgspec.convert(twin, form.object, from_attributes=True)
+
+
+def from_json(message: type[Message], recorded: bytes) -> Message:
+    """The message of a recorded form; raises msgspec.ValidationError if it is invalid."""
     form = _form(message)
-    names = {"UNSET": msgspec.UNSET, **form.objects}
-    change: Callable[[Message], msgspec.Struct] = eval(f"lambda message: {form.to_json('message')}", names)
-    return change
-
-
-def from_object(message: type[Message], content: Content) -> Message:
-    """The message with the recorded form `content`.
-
-    Raises:
-        KeyError, msgspec.ValidationError: it is invalid.
-    """
-    return msgspec.convert([message.__struct_config__.tag, *_form(message).from_json(content)], type=message)
+    found = msgspec.json.decode(recorded, type=form.object)
+    twin = msgspec.convert(found, form.wire, from_attributes=True)
+    return msgspec.msgpack.decode(msgspec.msgpack.encode(twin), type=message)
 
 
 @cache
-def _form(message: type[msgspec.Struct]) -> Form:
-    described = inspect.type_info(message)
+def _form(struct: type[msgspec.Struct]) -> Form:
+    described = inspect.type_info(struct)
     assert isinstance(described, inspect.StructType)
     fields = {field.name: _of(field.type) for field in described.fields}
-    return _record(message.__name__, fields)
+    return _record(struct.__name__, fields, struct.__struct_config__.tag)
 
 
 def _of(described: inspect.Type) -> Form:
+    names = _VECTOR
+    if isinstance(described, inspect.Metadata):
+        names, described = (described.extra or {}).get("names", names), described.type
     match described:
-        case inspect.Metadata():
-            return _named(described)
         case inspect.UnionType():
-            return _optional(described)
+            (present,) = (each for each in described.types if not isinstance(each, inspect.NoneType))
+            form = _of(present)
+            return Form(form.schema, form.wire | None, form.object | None, optional=True)
         case inspect.VarTupleType():
-            return _array(_of(described.item_type))
+            item = _of(described.item_type)
+            schema = {"type": "array", "items": item.schema}
+            return Form(schema, GenericAlias(list, item.wire), GenericAlias(list, item.object))
         case inspect.TupleType():
-            return _tuple(described, _VECTOR)
+            return _record("_".join(names), dict(zip(names, map(_of, described.item_types), strict=True)))
         case inspect.DictType():
-            values = _of(described.value_type).schema
-            return Form({"type": "object", "properties": {}, "additionalProperties": values})
-    return _nested(described.cls) if isinstance(described, inspect.StructType) else _scalar(described)
+            value = _of(described.value_type)
+            schema = {"type": "object", "properties": {}, "additionalProperties": value.schema}
+            return Form(
+                schema, GenericAlias(dict, (str, value.wire)), GenericAlias(dict, (str, value.object))
+            )
+        case inspect.StructType():
+            return _form(described.cls)
+    name, scalar = _SCALARS[type(described)]
+    return Form({"type": name}, scalar, scalar)
 
 
-def _nested(cls: type[msgspec.Struct]) -> Form:
-    """A Struct in a field; a message has its tag on the wire there, too."""
-    form, tag = _form(cls), cls.__struct_config__.tag
-    return form if tag is None else form._replace(from_json=lambda value: [tag, *form.from_json(value)])
-
-
-def _scalar(described: inspect.Type) -> Form:
-    return Form({"type": _SCALARS[type(described)]})
-
-
-def _named(described: inspect.Metadata) -> Form:
-    names = (described.extra or {}).get("names")
-    if names is None or not isinstance(described.type, inspect.TupleType):
-        return _of(described.type)
-    return _tuple(described.type, names)
-
-
-def _tuple(described: inspect.TupleType, names: tuple[str, ...]) -> Form:
-    name = "_".join(names)
-    record = _record(name, dict(zip(names, map(_scalar, described.item_types), strict=True)))
-    return record._replace(to_json=lambda value: f"{name}(*{value})")
-
-
-def _optional(described: inspect.UnionType) -> Form:
-    (present,) = (option for option in described.types if not isinstance(option, inspect.NoneType))
-    form = _of(present)
-    # JSON omits unset fields.
-    return form._replace(
-        to_json=lambda value: f"(UNSET if {value} is None else {form.to_json(value)})", optional=True
-    )
-
-
-def _array(item: Form) -> Form:
-    inner = item.to_json("item")
-    return Form(
-        {"type": "array", "items": item.schema},
-        # Most arrays are empty: skip the loop.
-        lambda value: value if inner == "item" else f"({value} and [{inner} for item in {value}])",
-        item.objects,
-        lambda values: [item.from_json(value) for value in values],
-    )
-
-
-def _record(name: str, fields: dict[str, Form]) -> Form:
-    def to_json(value: str) -> str:
-        parts = (field.to_json(f"{value}.{each}") for each, field in fields.items())
-        return f"{name}({', '.join(parts)})"
-
-    def from_json(content: Content) -> list[Any]:
-        return [
-            None if field.optional and each not in content else field.from_json(content[each])
-            for each, field in fields.items()
-        ]
-
+def _record(name: str, fields: dict[str, Form], tag: Any = None) -> Form:
     properties = {each: field.schema for each, field in fields.items()}
     required = [each for each, field in fields.items() if not field.optional]
-    objects = {name: _object(name, tuple(fields))}
-    for field in fields.values():
-        objects |= field.objects
-    schema = {"type": "object", "properties": properties, "required": required}
-    return Form(schema, to_json, objects, from_json)
-
-
-@cache
-def _object(name: str, fields: tuple[str, ...]) -> type[msgspec.Struct]:
-    return msgspec.defstruct(name, fields, gc=False)
+    wire = [(each, field.wire) for each, field in fields.items()]
+    objects = [(each, field.object, *(None,) * field.optional) for each, field in fields.items()]
+    return Form(
+        {"type": "object", "properties": properties, "required": required},
+        msgspec.defstruct(name, wire, array_like=True, tag=tag, gc=False),
+        msgspec.defstruct(name, objects, kw_only=True, omit_defaults=True, gc=False),
+    )

@@ -27,7 +27,7 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.writer import MCAP0_MAGIC
 from numpy.typing import NDArray
 
-from deploy.telemetry.recording.form import from_object
+from deploy.telemetry.recording.form import from_json
 from deploy.telemetry.recording.trajectory import CompactTruth, Trajectory, columns_of
 from protocol.codec import DAMAGED
 from protocol.errors import KeyGrammarError, RecordingError, ScenarioError, UsageError
@@ -212,7 +212,7 @@ class Entries:
                     wanted[key] = kind if issubclass(kind, kinds) else None
                 if (kept := wanted[key]) is None:
                     continue
-                message = from_object(kept, msgspec.json.decode(data))
+                message = from_json(kept, data)
             entry = Entry(time / 1e9, key, message)
             if self._keep(entry):
                 yield entry
@@ -321,7 +321,7 @@ def _looked_through(
     for key, _, data in found.messages(progress):
         counts[key] += 1
         if key == truths:
-            truth = from_object(Truth, msgspec.json.decode(data))
+            truth = from_json(Truth, data)
             assert isinstance(truth, Truth)
             robots = robots if truth.robots == robots else truth.robots  # share equal tuples
             said[truth.tick] = CompactTruth.of(truth)._replace(robots=robots)

@@ -83,13 +83,11 @@ class _Channel:
         number: of the channel in the file.
         count: messages written so far.
         read: decodes a payload.
-        form: converts a message to its JSON form.
     """
 
     def __init__(self, address: Address, number: int) -> None:
         self.number, self.count = number, 0
         self.read = partial(read, address.stream, address.robot)
-        self.form = to_object(STREAMS[address.stream].message)
 
 
 class RecordingFile:
@@ -170,7 +168,7 @@ class RecordingFile:
 
     def _add(self, channel: _Channel, message: Any) -> None:
         when = min(round(message.tick * self._step * 1e9), _LATEST)
-        data = _JSON.encode(channel.form(message))
+        data = _JSON.encode(to_object(message))
         self._writer.add_message(channel.number, when, data, when, channel.count)
         channel.count += 1
         self._count += 1
