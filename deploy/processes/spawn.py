@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from itertools import count
 from multiprocessing.connection import Connection as Channel
 from pathlib import Path
+from signal import SIGCONT
 from typing import Annotated, Any, NamedTuple
 
 import msgspec
@@ -221,7 +222,8 @@ class Spawner:
         return life
 
     def signal(self, life: int, number: int) -> None:
-        """Send a signal; ignored if the process has ended."""
+        """Send a signal, also if the fork server is frozen; ignored if the process has ended."""
+        self._server.send_signal(SIGCONT)
         self._send(Signal(life, number))
 
     def news(self, timeout: float) -> Iterator[News]:

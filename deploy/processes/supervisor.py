@@ -268,11 +268,9 @@ class Supervisor:
         def left() -> list[str]:
             return [name for name in self.running() if name not in spare]
 
-        for name in left():
-            life = self._lives[name]
-            life.told_to_end, life.again = True, False
         for name, life in self._lives.items():
-            life.due = life.due if name in spare else None
+            if name not in spare:
+                life.told_to_end, life.again, life.due = True, False, None
         if self._here.gone:
             return
         self._signal(left(), signal.SIGTERM, signal.SIGCONT)

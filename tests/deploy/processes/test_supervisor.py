@@ -124,6 +124,7 @@ def test_stopping_wakes_a_frozen_process_and_kills_a_stubborn_one(supervisor: Su
     for name in ("plain", "frozen", "stubborn"):
         supervisor.report(name, PATIENCE)
     supervisor.pause("frozen")
+    supervisor._here._server.send_signal(signal.SIGSTOP)  # the fork server
     supervisor.stop()
     codes = {usage.name: usage.exit_code for usage in supervisor.usage()}
     assert codes == {"plain": 0, "frozen": 0, "stubborn": -9}
