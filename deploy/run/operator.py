@@ -148,7 +148,7 @@ class Operator:
         while True:
             remaining = deadline - time.monotonic()
             status = heard or self._repeat(None, lambda _: True, remaining).goal(robot)
-            if status is None or status.number != number:
+            if status is None or (status.number != number and status.status != "cancelled"):
                 raise BusError(f"there is no robot {robot} with order {number}, or no longer")
             if status.status != "under way":
                 return status

@@ -227,6 +227,8 @@ def test_what_became_of_an_order_is_asked_while_its_world_may_be_restarted() -> 
     ahead = Reply(True, tick=4, goals=(GoalStatus(1, 4, 1, "under way", (0.0, 0.0)),))
     operator = Operator(Answers((ahead,), (), (there,)), "r")  # type: ignore[arg-type]
     assert operator.outcome(1, 1, 60.0) == goal, "also if the world died before it published that"
+    cancelled = GoalStatus(1, 5, 2, "cancelled", (0.0, 0.0))  # by an order of its own
+    assert Operator(Answers((Reply(True, tick=5, goals=(cancelled,)),)), "r").outcome(1, 1, 60.0) == cancelled  # type: ignore[arg-type]
     for robot, number in ((7, 1), (1, 2)):
         with pytest.raises(BusError, match=f"there is no robot {robot} with order {number}, or no longer"):
             operator.outcome(robot, number, 60.0)
