@@ -12,11 +12,14 @@ import typer
 from deploy.cli.setup import hosts as command
 from deploy.processes.hosts import prepare
 from deploy.processes.hosts.prepare import check
+from deploy.processes.hosts.remote import GREETING
 from deploy.processes.hosts.table import Host
-from deploy.software import Finding
+from deploy.software import SOFTWARE, Finding, code_digest
 from tests.deploy.processes.ports import free_ports
 from tests.forks import Forks
 from tests.system.hosts.testbed.ssh_server import needs_sshd, ssh_server
+
+HERE = code_digest(SOFTWARE)
 
 
 @pytest.fixture(scope="module")
@@ -25,10 +28,6 @@ def far(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Host]:
         yield Host(
             "far", "127.0.0.1", ssh=f"{server.user}@127.0.0.1", options=server.options, command=server.command
         )
-
-
-def levels(host: Host) -> dict[str, str]:
-    return {each.what: each.level for each in check(host)}
 
 
 @pytest.mark.process
@@ -44,14 +43,27 @@ def test_a_host_that_is_fit(far: Host) -> None:
 
 @pytest.mark.process
 @needs_sshd
-def test_a_host_that_is_not(far: Host) -> None:
+@pytest.mark.parametrize(
+    ("changes", "what", "text"),
+    [
+        ({"command": "/nowhere/it"}, "reach", "host far: its shell finds no command '/nowhere/it'"),
+        ({"ssh": "nobody-at-all@127.0.0.1"}, "reach", "host far is gone: ssh ended with status 255"),
+        ({"command": f"echo {GREETING} {HERE} /tmp; yes #"}, "reach", "does not follow the protocol"),
+        ({"command": f"echo {GREETING} 0 /tmp; cat #"}, "version", "not the same version"),
+    ],
+)
+def test_a_host_that_is_not(changes: dict[str, str], what: str, text: str, far: Host) -> None:
+    (found,) = check(replace(far, **changes))
+    assert (found.what, found.level) == (what, "bad")
+    assert text in found.text
+
+
+@pytest.mark.process
+@needs_sshd
+def test_a_port_that_is_taken(far: Host) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
-        port = taken.getsockname()[1]
-        assert levels(replace(far, port=port))["router port"] == "bad"
-    assert levels(replace(far, command="/nowhere/disknav")) == {"reach": "bad"}
-    assert levels(replace(far, ssh="nobody-at-all@127.0.0.1")) == {"reach": "bad"}
-    other = "echo disknav-host 0 /tmp; cat #"
-    assert levels(replace(far, command=other)) == {"version": "bad"}
+        found = {each.what: each.level for each in check(replace(far, port=taken.getsockname()[1]))}
+    assert found["router port"] == "bad"
 
 
 @pytest.mark.process
