@@ -12,7 +12,6 @@ CAMPAIGNS = {  # what each searches for, and where it is
     "falsify-routed": ("the same, each scenario also on real processes and a router", "falsify:ROUTED"),
     "falsify-mesh": ("the same, also on real processes without one", "falsify:MESH"),
     "falsify-mortal": ("the same while worlds die, at any message", "falsify:MORTAL"),
-    "faults": ("a collision under everything that may go wrong at once", "faults:FAULTS"),
     "skirmish": ("a broken invariant of the lines of whole robots", "models:SKIRMISH"),
     "aftermath": ("a broken invariant after a skirmish", "models:AFTERMATH"),
     "mortal-floor": ("contact of external bases, under worlds and processes that die", "mortal_floor:FLOOR"),
@@ -27,7 +26,6 @@ CAMPAIGNS = {  # what each searches for, and where it is
     "turnover": ("a contact, or a robot that is stuck, while robots come and go", "models:TURNOVER"),
     "laws": ("a livelock of the reciprocal law where the paper's law arrives", "laws:LAWS"),
     "movers": ("parts that do not reach their goals though there is an order", "movers:MOVERS"),
-    "movers-kill": ("the same while a robot dies with a part", "movers:KILL"),
     "fuzz": ("damaged input that any reader does not refuse as declared", "fuzz.campaign:FUZZ"),
     "endurance": ("memory, handles or threads that grow; deaths not survived", "endurance:ENDURANCE"),
 }
