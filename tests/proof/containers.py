@@ -1,4 +1,4 @@
-"""What the kernel keeps, of which the solver knows a part: dictionaries, lists, fields that may be None."""
+"""What the kernel keeps, of which the solver knows a part: lists, fields that may be None."""
 
 from __future__ import annotations
 
@@ -6,20 +6,6 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import cache, cached_property
 from operator import itemgetter
 from typing import Any
-
-from tests.proof import symbolic
-
-
-class Known(dict[Any, Any]):
-    """A dictionary of which the solver knows some entries, and compares their keys with any other."""
-
-
-def _comparing(method: Callable[..., Any]) -> Callable[..., Any]:
-    return lambda known, key, *rest: method(known, symbolic.expression(key), *rest)
-
-
-for _name in ("get", "pop", "setdefault", "__getitem__", "__setitem__", "__delitem__", "__contains__"):
-    setattr(Known, _name, _comparing(getattr(dict, _name)))
 
 
 class Frame:

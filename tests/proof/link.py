@@ -6,26 +6,37 @@ rule the invariant has to hold of it, and nothing may change but by a rule.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from functools import cache, wraps
-from itertools import product
+from itertools import chain
 from typing import Any
 from unittest.mock import patch
 
 import z3
 
+from protocol.geometry import Disk, Shape
 from protocol.kernel.ledger import Ledger, Pair
 from protocol.kernel.pair import Follower, Owner
-from protocol.kernel.records import Binding, DiskRecord, End
+from protocol.kernel.records import Binding, DiskRecord, End, Held
 from protocol.kernel.robot import Bound, RobotLife
-from tests.proof.model import BOOL, FIELDS, INT, bindings_of, end_fields, general_in, ledger_fields
+from protocol.line import ROUNDING, Line
+from protocol.region import Region, RegionGeometry, distance
+from tests.proof.model import (
+    BOOL,
+    FIELDS,
+    INT,
+    bindings_of,
+    end_fields,
+    general_in,
+    ledger_fields,
+    process_fields,
+)
 from tests.proof.prove import TEMPLATE
 
-Record = dict[str, Any]
-Conjunct = Callable[[Record, "Facts", Any, Any, Any], bool]
+Processes = Mapping[tuple[int, int], RobotLife[Any, Any, Any]]  # by disk and life
 
 _OF_LEDGER = "rejoin fence settle grant acknowledge introduce ask answer part announce appear remove"
 _OF_ROBOT = "hear freeze turn adopt command locate"
@@ -36,128 +47,50 @@ RULES: dict[type, list[str]] = {
     Follower: ["on_proposal"],
 }
 
-
-class Facts(ABC):
-    """What geometry says of a record: a region is named by its number, a line by two.
-
-    Args:
-        ledger: it is of.
-        low: disk.
-        high: disk.
-        s: the record.
-
-    Attributes:
-        regions: that A and B hold, by number.
-    """
-
-    def __init__(self, ledger: Ledger[Any, Any], low: int, high: int, s: Record) -> None:
-        self.regions = {x: dict(ledger.disks[name].held.regions) for x, name in (("A", low), ("B", high))}
-        self._firsts = {each.number: each.first for each in bindings_of(ledger, low, high).values()}
-        self._s = s
-
-    @abstractmethod
-    def inside(self, x: str, body: Any, region: int) -> bool: ...
-    @abstractmethod
-    def fits(self, x: str, body: Any, line: Any) -> bool: ...
-    @abstractmethod
-    def disjoint(self, a: Any, b: Any) -> bool: ...
-
-    def clear(self, a: Any, b: Any) -> bool:
-        """Of two regions."""
-        return self.disjoint(a, b)
-
-    def shape(self, region: Any) -> Any:
-        """Of a region, as a body is given."""
-        return region
-
-    def apart(self, a: int, b: int) -> bool:
-        one, other = self.regions["A"].get(a), self.regions["B"].get(b)
-        return one is None or other is None or self.clear(one, other)
-
-    def beside(self, x: str, region: int, line: Any) -> bool:
-        known = self.regions[x].get(region)
-        return known is None or self.fits(x, self.shape(known), line)
-
-    def line(self, binding: int, number: int) -> Any:
-        """As one of the ends keeps it, or the ledger; each line that is obeyed is kept by its end."""
-        for lines in (
-            self._s[f"{b}.{x}.lines"] for b in "LS" for x in "AB" if self._s[f"{b}.number"] == binding
-        ):
-            if number in lines:
-                return lines[number]
-        assert number == 0
-        assert self._firsts[binding] is not None
-        return self._firsts[binding]
-
-
 # -- what the solver was asked, as Python
 
-_INFIX = {
-    z3.Z3_OP_AND: " and ", z3.Z3_OP_OR: " or ", z3.Z3_OP_EQ: " == ", z3.Z3_OP_LE: " <= ", z3.Z3_OP_LT: " < ",
-    z3.Z3_OP_GE: " >= ", z3.Z3_OP_GT: " > ", z3.Z3_OP_ADD: " + ", z3.Z3_OP_DISTINCT: " != ",
-}  # fmt: skip
+_INFIX = {"=": "==", "distinct": "!="} | {name: name for name in ["and", "or", "<=", "<", ">=", ">", "+"]}
 _SPECIAL = {
-    z3.Z3_OP_NOT: "(not {0})", z3.Z3_OP_IMPLIES: "(not {0} or {1})", z3.Z3_OP_ITE: "({1} if {0} else {2})",
-    z3.Z3_OP_TRUE: "True", z3.Z3_OP_FALSE: "False",
+    "not": "(not {0})", "=>": "(not {0} or {1})", "if": "({1} if {0} else {2})", "true": "True",
+    "false": "False",
 }  # fmt: skip
-_ARGUMENTS = {"any A": "ra", "any B": "rb", "any K": "k"}
 
 
 def python_of(term: z3.ExprRef) -> str:
-    """A term of the solver as an expression of a record `s`, of facts `g`, and of `ra`, `rb` and `k`."""
-    args, kind = [python_of(each) for each in term.children()], term.decl().kind()
-    if kind in _INFIX:
-        return f"({_INFIX[kind].join(args)})"
-    if kind in _SPECIAL:
-        return _SPECIAL[kind].format(*args)
-    if z3.is_int_value(term):
+    """A term of the solver as an expression of facts `g`, their record `s`, and general terms."""
+    args, name = [python_of(each) for each in term.children()], term.decl().name()
+    if name in _INFIX:
+        return f"({f' {_INFIX[name]} '.join(args)})"
+    if name in _SPECIAL:
+        return _SPECIAL[name].format(*args)
+    if z3.is_int_value(term) or name.startswith("any_"):
         return str(term)
-    name = term.decl().name()
     if not args:
-        return _ARGUMENTS.get(name, f"s[{name!r}]")
+        return f"s[{name!r}]"
     if name[:-1] in ("inside", "beside", "fits"):
         return f"g.{name[:-1]}({name[-1]!r}, {', '.join(args)})"
     return f"g.{name}({', '.join(args)})"
 
 
 @cache
-def conjuncts() -> dict[str, tuple[Conjunct, list[str]]]:
-    """Every conjunct to be evaluated, and the general terms that it has."""
+def conjuncts() -> dict[str, Callable[[Facts, Record], bool]]:
+    """Whether each conjunct holds, of all that its general terms may mean."""
+    each = {
+        name: "".join(f" for {term} in g.any[{str(term)!r}]" for term in general_in(claim)) or " for _ in [0]"
+        for name, claim in TEMPLATE.items()
+    }
     return {
-        name: (
-            eval(f"lambda s, g, ra, rb, k: {python_of(claim)}"),  # of the solver's own terms
-            [_ARGUMENTS[str(term)] for term in general_in(claim)],
-        )
+        name: eval(f"lambda g, s: all({python_of(claim)}{each[name]})")  # of the solver's own terms
         for name, claim in TEMPLATE.items()
     }
 
 
-def broken(s: Record, facts: Facts) -> list[str]:
-    """Conjuncts that do not hold of a record: any region of A (`ra`), any of B (`rb`), any line (`k`)."""
-    lines = {0} | {k for b in "LS" if s[f"{b}.on"] for x in "AB" for k in s[f"{b}.{x}.lines"]}
-    ranges = {"ra": facts.regions["A"], "rb": facts.regions["B"], "k": lines}
-    found = []
-    for name, (holds, terms) in conjuncts().items():
-        each = product(*[ranges[term] if term in terms else [0] for term in ("ra", "rb", "k")])
-        if not all(holds(s, facts, *values) for values in each):
-            found.append(name)
-    return found + [f"{b}: lines" for b in "LS" if s[f"{b}.on"] and not _numbered_alike(s, b)]
+# -- two disks
 
-
-def _numbered_alike(s: Record, b: str) -> bool:
-    """Whether both ends keep the same line of each number, and the owner every open proposal."""
-    mine, theirs = s[f"{b}.A.lines"], s[f"{b}.B.lines"]
-    alike = all(mine[number] == theirs[number] for number in mine.keys() & theirs.keys())
-    open_numbers = range(s[f"{b}.A.seen"] + 1, s[f"{b}.A.number"] + 1)
-    return alike and (not mine or mine.keys() >= set(open_numbers))
-
-
-# -- the record of two disks
-
+Record = dict[str, Any]
 _NOTHING: Record = {
     name: 0 if sort == INT else False if sort == BOOL else None for name, sort in FIELDS.items()
 }
-Processes = Mapping[tuple[int, int], RobotLife[Any, Any, Any]]  # by disk and life
 
 
 def record(ledger: Ledger[Any, Any], processes: Processes, low: int, high: int) -> Record:
@@ -166,9 +99,7 @@ def record(ledger: Ledger[Any, Any], processes: Processes, low: int, high: int) 
     for x, name, other in (("A", low, high), ("B", high, low)):
         process = processes.get((name, ledger.disks[name].life))
         if process is not None:
-            found |= {f"{x}.taken": process.version, f"{x}.offered": process.offered_number}
-            found |= {f"{x}.obeyed": process.number, f"{x}.reach": process.part == other}
-            found |= {f"{x}.body": process.body, f"{x}.own": process.own}
+            found |= process_fields(x, process) | {f"{x}.reach": process.part == other}
     for b, binding in bindings_of(ledger, low, high).items():
         for x, end in (("A", binding.low), ("B", binding.high)):
             process = processes.get((end.disk, end.life))
@@ -186,6 +117,71 @@ def _lines(bound: Bound[Any, Any] | None) -> dict[int, Any]:
         return {}
     known = {lines.held_number: lines.held}
     return known | dict(lines.open) if isinstance(lines, Owner) else known
+
+
+class Facts:
+    """Two disks, and what the plane says of them: a region is named by its number, a line by two.
+
+    Args:
+        ledger: their ledger.
+        processes: of its lives.
+        low: disk, A.
+        high: disk, B.
+
+    Attributes:
+        s: their record, which does not have messages yet; a body is a disk, or an obstacle's shape.
+        any: what a general term may mean, by its name: regions held, by number, and numbers of lines.
+    """
+
+    def __init__(self, ledger: Ledger[Region, Line], processes: Processes, low: int, high: int) -> None:
+        self.s = s = record(ledger, processes, low, high)
+        bindings = bindings_of(ledger, low, high)
+        self._kept = {each.number: [s[f"{b}.{x}.lines"] for x in "AB"] for b, each in bindings.items()}
+        self._firsts = {each.number: each.first for each in bindings.values()}
+        held = {f"any_{x}": dict(ledger.disks[name].held.regions) for x, name in (("A", low), ("B", high))}
+        self.any: dict[str, Any] = held | {"any_K": {0}.union(*chain(*self._kept.values()))}
+
+    def broken(self) -> list[str]:
+        """What does not hold: conjuncts, and that ends keep lines as their numbers say."""
+        found = [name for name, holds in conjuncts().items() if not holds(self, self.s)]
+        return found + [f"{b}: lines" for b in "LS" if self.s[f"{b}.on"] and not self._numbered_alike(b)]
+
+    def _numbered_alike(self, b: str) -> bool:
+        """Whether both ends keep the same line of each number, and the owner every open proposal."""
+        mine, theirs = self._kept[self.s[f"{b}.number"]]
+        alike = all(mine[number] == theirs[number] for number in mine.keys() & theirs.keys())
+        open_numbers = range(self.s[f"{b}.A.seen"] + 1, self.s[f"{b}.A.number"] + 1)
+        return alike and (not mine or mine.keys() >= set(open_numbers))
+
+    # -- the functions of the model
+
+    def inside(self, x: str, body: Shape, region: int) -> bool:
+        known = self.any[f"any_{x}"].get(region)
+        if known is None or known.is_everywhere or not isinstance(body, Disk):
+            return known is not None
+        around = known.shape.around
+        return math.hypot(around.x - body.x, around.y - body.y) + body.radius <= around.radius + ROUNDING
+
+    def fits(self, x: str, body: Shape, line: Line) -> bool:
+        side = 1.0 if x == "A" else -1.0
+        return body.support(side * line.nx, side * line.ny) <= side * line.offset + ROUNDING
+
+    def disjoint(self, a: Shape, b: Shape) -> bool:
+        return distance(a, b) >= -ROUNDING
+
+    def apart(self, a: int, b: int) -> bool:
+        one, other = self.any["any_A"].get(a), self.any["any_B"].get(b)
+        return one is None or other is None or RegionGeometry().clear(Held(a, one), other)
+
+    def beside(self, x: str, region: int, line: Line) -> bool:
+        known = self.any[f"any_{x}"].get(region)
+        return known is None or self.fits(x, known.shape, line)
+
+    def line(self, binding: int, number: int) -> Line:
+        """As one of the ends keeps it, or the ledger; each line that is obeyed is kept by its end."""
+        known = [lines[number] for lines in self._kept[binding] if number in lines]
+        assert known or number == 0
+        return known[0] if known else self._firsts[binding]
 
 
 # -- rules as they are taken

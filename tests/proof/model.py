@@ -20,7 +20,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cache
-from itertools import pairwise, product
+from itertools import pairwise, permutations, product
+from types import SimpleNamespace
 from typing import Any
 
 import z3
@@ -38,8 +39,8 @@ LINE_OF = z3.Function("line", INT, INT, LINE)  # of a binding's number and its o
 OTHER = {"A": "B", "B": "A"}
 
 # What is said of these is said of all: regions and bodies of A and of B, a line, and the number of one.
-REGION, ANY_BODY = {x: z3.Int(f"any {x}") for x in "AB"}, {x: z3.Const(f"any body {x}", BODY) for x in "AB"}
-ANY_LINE, K = z3.Const("any line", LINE), z3.Int("any K")
+REGION, ANY_BODY = {x: z3.Int(f"any_{x}") for x in "AB"}, {x: z3.Const(f"any body {x}", BODY) for x in "AB"}
+ANY_LINE, K = z3.Const("any line", LINE), z3.Int("any_K")
 GENERAL = (*REGION.values(), *ANY_BODY.values(), ANY_LINE, K)
 
 
@@ -150,6 +151,12 @@ def end_fields(b: str, x: str, bound: Any) -> dict[str, Any]:
     return found if bound.half is None else found | {f"{key}.half": bound.half}
 
 
+def process_fields(x: str, process: Any) -> dict[str, Any]:
+    """What a process says of the region that it obeys, and of its body."""
+    kept = {"taken": "version", "offered": "offered_number", "obeyed": "number", "body": "body", "own": "own"}
+    return {f"{x}.{name}": getattr(process, field) for name, field in kept.items()}
+
+
 # -- what follows from them
 
 
@@ -183,191 +190,179 @@ def obeys(s: State, b: str, x: str, k: z3.ArithRef) -> z3.BoolRef:
     return owner_obeys(s, b, k) if x == "A" else k == ends(s, b)["adopted"]
 
 
-def counts(s: State, b: str) -> z3.BoolRef:
-    """Whether a binding is in force and its first line told."""
-    return z3.And(s[f"{b}.on"], s[f"{b}.told"] != 0)
-
-
 def holds(s: State, x: str, r: z3.ArithRef) -> z3.BoolRef:
     """Whether disk X holds the region of number r."""
     return z3.And(s[f"{x}.acked"] <= r, r <= s[f"{x}.granted"])
 
 
-def safe(s: State) -> z3.BoolRef:
-    """The claim: two present disks are disjoint."""
-    there = z3.And(s["A.phase"] == PRESENT, s["B.phase"] == PRESENT)
-    return z3.Implies(there, DISJOINT(real(s, "A"), real(s, "B")))
+# -- the invariant
 
 
 def invariant(s: State) -> dict[str, z3.BoolRef]:
     """Every conjunct, of two regions and one number of a line."""
-    v = s["v"]
-    found = {"safe": safe(s)}
-    both = z3.And(s["A.phase"] == PRESENT, s["B.phase"] == PRESENT)
-    both_still = z3.And(s["A.still"], s["B.still"])
-
-    # "Of any two present disks, all that they hold is apart, or a binding of the two counts, or both stand."
-    found["regions apart, or bound"] = z3.Implies(
-        z3.And(both, z3.Not(both_still), *[holds(s, x, REGION[x]) for x in "AB"]),
-        z3.Or(APART(*REGION.values()), counts(s, "L"), counts(s, "S")),
-    )
-    for x in "AB":
-        y = OTHER[x]
-        phase, life, still = s[f"{x}.phase"], s[f"{x}.life"], s[f"{x}.still"]
-        acked, granted = s[f"{x}.acked"], s[f"{x}.granted"]
-        taken, obeyed = s[f"{x}.taken"], s[f"{x}.obeyed"]
-        found[f"{x}: numbers"] = z3.And(
-            acked > 0, acked <= granted, granted <= v, life >= 0, life <= v, taken >= 0, taken <= v,
-            z3.Or(phase == GONE, phase == ANNOUNCED, phase == PRESENT),
-        )  # fmt: skip
-        # "A disk without a life stands."
-        found[f"{x}: no life stands"] = z3.And(
-            z3.Implies(phase != PRESENT, life == 0), z3.Implies(life == 0, still)
-        )
-        # "All that a disk holds that stands is its place."
-        found[f"{x}: still holds a place"] = z3.Implies(
-            still, z3.And(acked == granted, z3.Or(life == 0, granted < life))
-        )
-        found[f"{x}: moving has a region"] = z3.Implies(z3.Not(still), life < granted)
-        # "A present disk lies in something that it holds."
-        found[f"{x}: in what it holds"] = z3.Implies(
-            phase != GONE,
-            z3.If(
-                z3.And(z3.Not(still), obeyed != 0),
-                z3.And(acked <= obeyed, obeyed <= granted, life < obeyed, INSIDE[x](s[f"{x}.body"], obeyed)),
-                z3.And(INSIDE[x](s[f"{x}.body"], acked), z3.Or(life == 0, acked < life)),
-            ),
-        )
-        found[f"{x}: stands before its first region"] = z3.Implies(
-            z3.And(life != 0, still), z3.And(obeyed == 0, z3.Not(s[f"{x}.reach"]))
-        )
-        found[f"{x}: region from a Tick"] = z3.And(
-            obeyed >= 0, obeyed <= taken, z3.Implies(life == 0, z3.Not(s[f"{x}.reach"])),
-            z3.Implies(life != 0, z3.And(s[f"{x}.offered"] <= taken, s[f"{x}.offered"] <= granted)),
-        )  # fmt: skip
-        # "Only a region that the present life has obeyed is acknowledged, or one of an earlier life."
-        said = s[f"{x}.said"]
-        found[f"{x}: acknowledgement"] = z3.Or(
-            said < acked, z3.And(life != 0, z3.Not(still), life < said, said <= obeyed)
-        )
-        found[f"{x}: of this life"] = z3.Or(life == 0, taken == 0, life <= taken)
-
-        for b in "LS":
-            on, told, asked, number = s[f"{b}.on"], s[f"{b}.told"], s[f"{b}.asked"], s[f"{b}.number"]
-            own_life, dead = s[f"{b}.{x}.life"], s[f"{b}.{x}.dead"]
-            has, state = s[f"{b}.{x}.has"], s[f"{b}.{x}.state"]
-            first = LINE_OF(number, 0)
-            newest = z3.If(dead == 0, taken, s[f"{b}.{x}.taken"])  # version that this life has taken in
-            if b == "L":
-                ends_alive = z3.And(own_life == life, life != 0, dead == 0)
-            else:
-                ends_alive = z3.If(
-                    dead == 0,
-                    z3.And(own_life == life, life != 0, s[f"S.{y}.dead"] != 0),
-                    z3.And(still, s[f"S.{y}.dead"] == 0, z3.Or(life == 0, dead < life)),
-                )
-            found[f"{b}.{x}: lives"] = z3.Implies(on, z3.And(phase != GONE, ends_alive))
-            found[f"{b}.{x}: end"] = z3.Implies(
-                on, z3.And(own_life >= 0, own_life < number, z3.Or(dead == 0, number <= dead), dead <= v,
-                           state >= ASKED, state <= HALF, z3.Implies(own_life == 0, z3.Not(has)))
-            )  # fmt: skip
-            # "An end that is asked has a life, and the other stands until the first line is told."
-            found[f"{b}.{x}: asked"] = z3.Implies(
-                z3.And(on, asked == CODE[x]),
-                z3.And(
-                    z3.Implies(told == 0, z3.And(s[f"{y}.still"], dead == 0)),
-                    z3.Implies(told != 0, z3.And(has, state != ASKED)),
-                ),
-            )
-            # "A life that has taken in a version that tells a binding has taken the binding."
-            found[f"{b}.{x}: taken with its version"] = z3.Implies(
-                z3.And(on, dead == 0, told != 0, told <= taken), z3.And(has, state != ASKED)
-            )
-            found[f"{b}.{x}: taken from a Tick"] = z3.Implies(
-                z3.And(on, has),
-                z3.And(
-                    number <= newest,
-                    z3.Or(asked == CODE[x], z3.And(told != 0, told <= newest)),
-                    z3.Implies(state == ASKED, asked == CODE[x]),
-                ),
-            )
-            # "All that a disk held when the first line was told is beside it, but of the one that was asked."
-            found[f"{b}.{x}: beside the first line"] = z3.Implies(
-                z3.And(on, told != 0, dead == 0, asked != CODE[x], holds(s, x, REGION[x]), REGION[x] < told),
-                BESIDE[x](REGION[x], first),
-            )
-            # "A body fits all lines that it obeys, and the first one before it knows of it."
-            found[f"{b}.{x}: fits its lines"] = z3.Implies(
-                z3.And(
-                    on,
-                    z3.Or(told != 0, z3.And(has, state == LINES)),
-                    z3.Not(z3.And(has, state == HALF)),
-                    obeys(s, b, x, K),
-                ),
-                FITS[x](towards(s, x), LINE_OF(number, K)),
-            )
-            found[f"{b}.{x}: first line said"] = z3.Implies(
-                z3.And(on, s[f"{b}.frozen"], asked == CODE[x]), z3.And(has, state != ASKED)
-            )
-            found[f"{b}.{x}: frozen"] = z3.Implies(
-                z3.And(on, told == 0, has, state != ASKED), BESIDE[y](s[f"{y}.acked"], first)
-            )
-            # "A half-plane is obeyed only towards what stands."
-            found[f"{b}.{x}: half-plane"] = z3.Implies(
-                z3.And(on, has, state == HALF),
-                z3.And(
-                    s[f"{b}.{x}.static"],
-                    FITS[x](towards(s, x), s[f"{b}.{x}.half"]),
-                    BESIDE[y](s[f"{y}.acked"], s[f"{b}.{x}.half"]),
-                ),
-            )
-            found[f"{b}.{x}: static"] = z3.Implies(
-                z3.And(on, has, s[f"{b}.{x}.static"]),
-                z3.And(s[f"{b}.{y}.dead"] != 0, s[f"{b}.{y}.dead"] <= newest),
-            )
-
+    found = _of_pair(s) | _of_disk(s, "A") | _of_disk(s, "B")
     for b in "LS":
-        on, told, asked, number = s[f"{b}.on"], s[f"{b}.told"], s[f"{b}.asked"], s[f"{b}.number"]
-        e = ends(s, b)
-        found[f"{b}: numbers"] = z3.Implies(
-            on,
-            z3.And(number > 0, number <= v, z3.Or(told == 0, z3.And(number <= told, told <= v)),
-                   z3.Or(*[asked == each for each in (0, *CODE.values())]),
-                   z3.Implies(asked == 0, told == number)),
-        )  # fmt: skip
-        # "Whichever line the follower obeys, the owner obeys too."
-        found[f"{b}: the owner obeys what the follower obeys"] = z3.Implies(
-            on, owner_obeys(s, b, e["adopted"])
-        )
-        found[f"{b}: order"] = z3.Implies(
-            on,
-            z3.And(e["held"] >= 0, e["held"] <= e["seen"], e["seen"] <= e["answered"],
-                   e["adopted"] >= 0, e["adopted"] <= e["answered"], e["answered"] <= e["number"]),
-        )  # fmt: skip
-        for h, seen in (("h", "s"), ("h2", "s2")):
-            held, up_to = s[f"{b}.{h}"], s[f"{b}.{seen}"]
-            found[f"{b}: answer {h}"] = z3.Implies(
-                on,
-                z3.And(
-                    held >= 0,
-                    held <= up_to,
-                    up_to <= e["answered"],
-                    z3.Or(e["adopted"] == held, e["adopted"] > up_to),
-                    z3.Or(up_to <= e["seen"], owner_obeys(s, b, held)),
-                ),
-            )
-        # "Of two answers the later one holds the same line, or one that the earlier had not seen."
-        found[f"{b}: two answers"] = z3.Implies(
-            on,
-            z3.And(
-                *[
-                    z3.Implies(s[f"{b}.{s1}"] <= s[f"{b}.{s2}"],
-                               z3.Or(s[f"{b}.{h2}"] == s[f"{b}.{h1}"], s[f"{b}.{h2}"] > s[f"{b}.{s1}"]))
-                    for h1, s1, h2, s2 in (("h", "s", "h2", "s2"), ("h2", "s2", "h", "s"))
-                ]
-            ),
-        )  # fmt: skip
+        of_binding = _of_end(s, b, "A") | _of_end(s, b, "B") | _of_binding(s, b)
+        found |= {f"{b}{name}": z3.Implies(s[f"{b}.on"], claim) for name, claim in of_binding.items()}
     return found
+
+
+def _fields(s: State, of: str) -> SimpleNamespace:
+    """Of a disk, a binding or one of its ends."""
+    mine = [name for name in s if name.startswith(f"{of}.")]
+    return SimpleNamespace(**{name.removeprefix(f"{of}."): s[name] for name in mine})
+
+
+def _of_pair(s: State) -> dict[str, z3.BoolRef]:
+    there = z3.And(s["A.phase"] == PRESENT, s["B.phase"] == PRESENT)
+    one_moves = z3.Not(z3.And(s["A.still"], s["B.still"]))
+    counts = [z3.And(s[f"{b}.on"], s[f"{b}.told"] != 0) for b in "LS"]
+    held = [holds(s, x, REGION[x]) for x in "AB"]
+    return {
+        # The claim: two present disks are disjoint.
+        "safe": z3.Implies(there, DISJOINT(real(s, "A"), real(s, "B"))),
+        # "All that two present disks hold is apart, or a binding of the two counts, or both stand."
+        "regions apart, or bound": z3.Implies(
+            z3.And(there, one_moves, *held), z3.Or(APART(*REGION.values()), *counts)
+        ),
+    }
+
+
+def _of_disk(s: State, x: str) -> dict[str, z3.BoolRef]:
+    v, disk = s["v"], _fields(s, x)
+    acked, granted, life, taken, obeyed = disk.acked, disk.granted, disk.life, disk.taken, disk.obeyed
+    found = {
+        "numbers": z3.And(
+            acked > 0, acked <= granted, granted <= v, life >= 0, life <= v, taken >= 0, taken <= v,
+            z3.Or(*[disk.phase == phase for phase in (GONE, ANNOUNCED, PRESENT)]),
+        ),
+        # "A disk without a life stands."
+        "no life stands": z3.And(
+            z3.Implies(disk.phase != PRESENT, life == 0), z3.Implies(life == 0, disk.still)
+        ),
+        # "All that a disk holds that stands is its place."
+        "still holds a place": z3.Implies(
+            disk.still, z3.And(acked == granted, z3.Or(life == 0, granted < life))
+        ),
+        "moving has a region": z3.Implies(z3.Not(disk.still), life < granted),
+        # "A present disk lies in something that it holds."
+        "in what it holds": z3.Implies(
+            disk.phase != GONE,
+            z3.If(
+                z3.And(z3.Not(disk.still), obeyed != 0),
+                z3.And(acked <= obeyed, obeyed <= granted, life < obeyed, INSIDE[x](disk.body, obeyed)),
+                z3.And(INSIDE[x](disk.body, acked), z3.Or(life == 0, acked < life)),
+            ),
+        ),
+        "stands before its first region": z3.Implies(
+            z3.And(life != 0, disk.still), z3.And(obeyed == 0, z3.Not(disk.reach))
+        ),
+        "region from a Tick": z3.And(
+            obeyed >= 0, obeyed <= taken, z3.Implies(life == 0, z3.Not(disk.reach)),
+            z3.Implies(life != 0, z3.And(disk.offered <= taken, disk.offered <= granted)),
+        ),
+        # "Only a region that the present life has obeyed is acknowledged, or one of an earlier life."
+        "acknowledgement": z3.Or(
+            disk.said < acked,
+            z3.And(life != 0, z3.Not(disk.still), life < disk.said, disk.said <= obeyed),
+        ),
+        "of this life": z3.Or(life == 0, taken == 0, life <= taken),
+    }  # fmt: skip
+    return {f"{x}: {name}": claim for name, claim in found.items()}
+
+
+def _of_end(s: State, b: str, x: str) -> dict[str, z3.BoolRef]:
+    """Of one end of a binding in force."""
+    y = OTHER[x]
+    disk, other, binding = _fields(s, x), _fields(s, y), _fields(s, b)
+    end, far = _fields(s, f"{b}.{x}"), _fields(s, f"{b}.{y}")
+    told, first, is_asked = binding.told, LINE_OF(binding.number, 0), binding.asked == CODE[x]
+    begun = z3.And(end.has, end.state != ASKED)
+    newest = z3.If(end.dead == 0, disk.taken, end.taken)  # version that this life has taken in
+    lives = z3.And(end.life == disk.life, disk.life != 0)
+    if b == "L":
+        lives = z3.And(lives, end.dead == 0)
+    else:
+        stood = z3.And(disk.still, far.dead == 0, z3.Or(disk.life == 0, end.dead < disk.life))
+        lives = z3.If(end.dead == 0, z3.And(lives, far.dead != 0), stood)
+    found = {
+        "lives": z3.And(disk.phase != GONE, lives),
+        "end": z3.And(
+            end.life >= 0, end.life < binding.number, end.dead <= s["v"],
+            z3.Or(end.dead == 0, binding.number <= end.dead),
+            end.state >= ASKED, end.state <= HALF, z3.Implies(end.life == 0, z3.Not(end.has)),
+        ),
+        # "An end that is asked has a life, and the other stands until the first line is told."
+        "asked": z3.Implies(is_asked, z3.If(told == 0, z3.And(other.still, end.dead == 0), begun)),
+        # "A life that has taken in a version that tells a binding has taken the binding."
+        "taken with its version": z3.Implies(z3.And(end.dead == 0, told != 0, told <= disk.taken), begun),
+        "taken from a Tick": z3.Implies(
+            end.has,
+            z3.And(
+                binding.number <= newest,
+                z3.Or(is_asked, z3.And(told != 0, told <= newest, end.state != ASKED)),
+            ),
+        ),
+        # "All that a disk held when the first line was told is beside it, but of the one that was asked."
+        "beside the first line": z3.Implies(
+            z3.And(told != 0, end.dead == 0, z3.Not(is_asked), holds(s, x, REGION[x]), REGION[x] < told),
+            BESIDE[x](REGION[x], first),
+        ),
+        # "A body fits all lines that it obeys, and the first one before it knows of it."
+        "fits its lines": z3.Implies(
+            z3.And(
+                z3.Or(told != 0, z3.And(end.has, end.state == LINES)),
+                z3.Not(z3.And(end.has, end.state == HALF)),
+                obeys(s, b, x, K),
+            ),
+            FITS[x](towards(s, x), LINE_OF(binding.number, K)),
+        ),
+        "first line said": z3.Implies(z3.And(binding.frozen, is_asked), begun),
+        "frozen": z3.Implies(z3.And(told == 0, begun), BESIDE[y](other.acked, first)),
+        # "A half-plane is obeyed only towards what stands."
+        "half-plane": z3.Implies(
+            z3.And(end.has, end.state == HALF),
+            z3.And(end.static, FITS[x](towards(s, x), end.half), BESIDE[y](other.acked, end.half)),
+        ),
+        "static": z3.Implies(z3.And(end.has, end.static), z3.And(far.dead != 0, far.dead <= newest)),
+    }  # fmt: skip
+    return {f".{x}: {name}": claim for name, claim in found.items()}
+
+
+def _of_binding(s: State, b: str) -> dict[str, z3.BoolRef]:
+    """Of a binding in force, and the numbers of its lines."""
+    binding, e = _fields(s, b), ends(s, b)
+    number, told, asked = binding.number, binding.told, binding.asked
+    answers = [(binding.h, binding.s), (binding.h2, binding.s2)]
+    found = {
+        "numbers": z3.And(
+            number > 0, number <= s["v"], z3.Or(told == 0, z3.And(number <= told, told <= s["v"])),
+            z3.Or(*[asked == each for each in (0, *CODE.values())]), z3.Implies(asked == 0, told == number),
+        ),
+        # "Whichever line the follower obeys, the owner obeys too."
+        "the owner obeys what the follower obeys": owner_obeys(s, b, e["adopted"]),
+        "order": z3.And(
+            e["held"] >= 0, e["held"] <= e["seen"], e["seen"] <= e["answered"],
+            e["adopted"] >= 0, e["adopted"] <= e["answered"], e["answered"] <= e["number"],
+        ),
+        # "Of two answers the later one holds the same line, or one that the earlier had not seen."
+        "two answers": z3.And(
+            *[
+                z3.Implies(seen <= later, z3.Or(newer == held, newer > seen))
+                for (held, seen), (newer, later) in permutations(answers)
+            ]
+        ),
+    }  # fmt: skip
+    for name, (held, seen) in zip(("h", "h2"), answers, strict=True):
+        found[f"answer {name}"] = z3.And(
+            held >= 0, held <= seen, seen <= e["answered"],
+            z3.Or(e["adopted"] == held, e["adopted"] > seen),
+            z3.Or(seen <= e["seen"], owner_obeys(s, b, held)),
+        )  # fmt: skip
+    return {f": {name}": claim for name, claim in found.items()}
+
+
+# -- geometry
 
 
 def axioms() -> list[z3.BoolRef]:

@@ -10,7 +10,7 @@ import z3
 
 from tests.interpreted import Edit, interpreted
 from tests.proof import symbolic
-from tests.proof.containers import Frame, Known, Some, with_optional
+from tests.proof.containers import Frame, Some, with_optional
 from tests.proof.model import (
     ANNOUNCED,
     ASKED,
@@ -103,10 +103,8 @@ def ledger_of(geometry: Geometry, x: str = "", changing: str = "", *, alone: boo
     made.version = S["v"]
     names = [*THIRDS]
     names[3:3] = CODE.values()
-    geometry.disks = made.disks = Known(
-        {name: (third_of if name in THIRDS else disk_of)(name) for name in names}
-    )
-    made.pairs = Known({name: Known() for name in names})
+    geometry.disks = made.disks = {name: (third_of if name in THIRDS else disk_of)(name) for name in names}
+    made.pairs = {name: {} for name in names}
     both = pair_of()
     for other, one in product(names, NAMES):
         pair = both if other in NAMES else None if alone else pair_with_third(one, other)
@@ -327,7 +325,7 @@ def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any]) -> Any:
     made.version, made.number = S[f"{x}.taken"], S[f"{x}.obeyed"]
     made.offered_number = S[f"{x}.offered"]
     unknown = [unknown_of(x)] if z3.Bool("is unknown") else []
-    made.bound = Known({bound.number: bound for bound in [*bounds, *unknown]})
+    made.bound = {bound.number: bound for bound in [*bounds, *unknown]}
     geometry.x = x
     is_offered = z3.Or(made.number != 0, made.offered_number != 0)
     regions = {"region": (made.number, made.number != 0), "offered": (made.offered_number, is_offered)}

@@ -12,45 +12,17 @@ from agents.robot import Robot
 from protocol.geometry import Disk, Shape
 from protocol.kernel import ledger as ledgers
 from protocol.kernel.records import GONE
-from protocol.line import ROUNDING, Line
-from protocol.region import Region, RegionGeometry
+from protocol.line import Line
 from tests.agents.lines.models.skirmishes.skirmish import Skirmish
-from tests.proof.link import Facts, Watch, broken, record, watched
+from tests.proof.link import Facts, Watch, watched
 from world.world import WorldCore
 
 pytestmark = pytest.mark.skipif(ledgers.__file__.endswith(".so"), reason="only sources can be looked at")
 PRODUCT: Any = SimpleNamespace(Robot=Robot, World=WorldCore, Line=Line)
 
 
-class PlaneFacts(Facts):
-    """What the plane says of a record; a body is the true disk."""
-
-    def clear(self, a: Region, b: Region) -> bool:
-        held: Any = SimpleNamespace(regions=[(0, a)])
-        return RegionGeometry().clear(held, b)
-
-    def inside(self, x: str, body: Shape, region: int) -> bool:
-        known = self.regions[x].get(region)
-        if known is None or known.is_everywhere or not isinstance(body, Disk):
-            return known is not None
-        around = known.shape.around
-        gap = around.radius - Disk(around.x, around.y, 0.0).distance(body.x, body.y) - body.radius
-        return gap >= -ROUNDING
-
-    def shape(self, region: Region) -> Shape:
-        return region.shape
-
-    def fits(self, x: str, body: Shape, line: Line) -> bool:
-        side = 1.0 if x == "A" else -1.0
-        return body.support(side * line.nx, side * line.ny) <= side * line.offset + ROUNDING
-
-    def disjoint(self, a: Shape, b: Shape) -> bool:
-        """Bodies that stand where the run begins; the judge looks at all others."""
-        return True
-
-
 class Check:
-    """Looks at two disks of a skirmish after each rule."""
+    """Looks at a robot and another disk of a skirmish after each rule."""
 
     def __init__(self, seed: int) -> None:
         self.run: Skirmish | None = None
@@ -63,18 +35,19 @@ class Check:
         there = sorted(name for name, disk in ledger.disks.items() if disk.phase != GONE)
         if len(there) < 2:
             return []
-        low, high = sorted(self._random.sample(there, 2))
-        s = record(ledger, watch.processes, low, high)
-        facts = PlaneFacts(ledger, low, high, s)
+        robot = self._random.choice([name for name in there if name > 0])
+        low, high = sorted((robot, self._random.choice([name for name in there if name != robot])))
+        facts = Facts(ledger, watch.processes, low, high)
         for x, name in (("A", low), ("B", high)):
-            s[f"{x}.body"] = s[f"{x}.own"] = self._body(name, facts.regions[x])
-        return [f"{low}, {high}: {each}" for each in broken(s, facts)]
+            body = self._body(name, ledger.disks[name].held.regions[0][1].shape)
+            facts.s |= {f"{x}.body": body, f"{x}.own": body}
+        return [f"{low}, {high}: {each}" for each in facts.broken()]
 
-    def _body(self, name: int, held: dict[int, Region]) -> Shape:
+    def _body(self, name: int, place: Shape) -> Shape:
+        """The true disk of a robot; an obstacle is its place."""
         assert self.run is not None
         if name < 0:
-            (place,) = held.values()
-            return place.shape
+            return place
         x, y = self.run.world.simulation.places[name]
         return Disk(x, y, self.run.scenario.spec(name).radius)
 

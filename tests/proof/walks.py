@@ -1,7 +1,7 @@
-"""Random walks of the kernel as it runs, among intervals of a line: nothing overlaps, whatever comes when.
+"""Random walks of the kernel as it runs, with the product's geometry: nothing overlaps, whatever comes when.
 
-Robots 1 to 3 and a part 4 are on a track. Every Tick, proposal, answer and acknowledgement ever said may
-arrive at any time, again or never; processes whose lives are over talk on.
+Robots 1 to 3 and a part 4 are disks on a track, the x-axis. Every Tick, proposal, answer and acknowledgement
+ever said may arrive at any time, again or never; processes whose lives are over talk on.
 """
 
 from __future__ import annotations
@@ -11,86 +11,50 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import combinations
 from random import Random
-from typing import Any, NamedTuple
+from typing import Any
 
+from agents.lines.own_set import Cover, CoverGeometry, OwnSet
+from protocol.geometry import Disk
 from protocol.kernel.ledger import Ledger
 from protocol.kernel.pair import Follower, Owner
-from protocol.kernel.records import GONE, NO, PRESENT, DiskRecord, Held, RefusedError, require
+from protocol.kernel.records import NO, PRESENT, RefusedError, require
 from protocol.kernel.robot import Bound, RobotLife
-from tests.proof.link import Facts, broken, record
+from protocol.line import Line
+from protocol.region import EVERYWHERE, Region, RegionGeometry, distance
+from tests.proof.link import Facts
 from tests.proof.model import bindings_of
 
-Span = tuple[int, int]
-Robot = RobotLife[Span, "Line", Span]
+Robot = RobotLife[Region, Line, Cover]
 
 
-class Line(NamedTuple):
-    """The low end stays where `sign` times its place is at most `sign` times `at`."""
-
-    sign: int
-    at: int
+def span(left: float, right: float) -> Disk:
+    """The disk between two places of the track."""
+    return Disk(0.5 * (left + right), 0.0, 0.5 * (right - left))
 
 
-class Track:
-    """Geometry of intervals; the answers of both halves of the kernel."""
-
-    def __init__(self) -> None:
-        self._noted: dict[int, list[Span]] = {}
-
-    def note(self, disk: DiskRecord[Span]) -> None:
-        self._noted[disk.name] = [] if disk.phase == GONE else [region for _, region in disk.held.regions]
-
-    def around(self, disk: DiskRecord[Span], region: Span) -> list[int]:
-        mine = [*self._noted[disk.name], region]
-        return [
-            name for name, theirs in self._noted.items() if any(overlap(a, b) for a in mine for b in theirs)
-        ]
-
-    def apart(self, one: Held[Span], other: Held[Span]) -> bool:
-        return all(self.clear(other, region) for _, region in one.regions)
-
-    def clear(self, held: Held[Span], region: Span) -> bool:
-        return all(not overlap(mine, region) for _, mine in held.regions)
-
-    def beside(self, held: Held[Span], line: Line, low: bool) -> bool:
-        return all(self.fits(region, line, low) for _, region in held.regions)
-
-    def within(self, place: Span, held: Held[Span]) -> bool:
-        return any(self.inside(place, region) for _, region in held.regions)
-
-    def inside(self, body: Span, region: Span) -> bool:
-        return region[0] <= body[0] and body[1] <= region[1]
-
-    def fits(self, body: Span, line: Line, low: bool) -> bool:
-        side = line.sign if low else -line.sign
-        return all(side * x <= side * line.at for x in body)
-
-    def behind(self, place: Span, line: Line, low: bool) -> bool:
-        return self.fits(place, line, low)
-
-    def keeps(self, body: Span, bound: Bound[Span, Line]) -> bool:
-        return all(self.fits(body, line, bound.low) for line in bound.obeyed)
+def widened(disk: Disk, left: float, right: float) -> Disk:
+    """The disk of the track that reaches so much farther."""
+    return span(disk.x - disk.radius - left, disk.x + disk.radius + right)
 
 
-def overlap(one: Span, other: Span) -> bool:
-    return max(one[0], other[0]) < min(one[1], other[1])
+def around(one: Disk, other: Disk) -> Disk:
+    """The disk of the track around two of them."""
+    ends = [edge for each in (one, other) for edge in (each.x - each.radius, each.x + each.radius)]
+    return span(min(ends), max(ends))
 
 
-class TrackFacts(Facts):
-    """What the track says of a record of two disks."""
+def cover(disk: Disk) -> Cover:
+    """What a robot knows that it covers."""
+    return Cover(OwnSet(disk.x, disk.y, 0.0), disk.radius)
 
-    def inside(self, x: str, body: Span, region: int) -> bool:
-        return region in self.regions[x] and Track().inside(body, self.regions[x][region])
 
-    def fits(self, x: str, body: Span, line: Line) -> bool:
-        return Track().fits(body, line, x == "A")
-
-    def disjoint(self, a: Span, b: Span) -> bool:
-        return not overlap(a, b)
+def covered(body: Cover) -> Disk:
+    return Disk(body.own.x, body.own.y, body.radius)
 
 
 LENGTH, PART = 24, 4
-EVERYWHERE: Span = (-1000, 1000)
+NOWHERE = Disk(0.0, 0.0, 0.0)
+ROOM = 2.0**-6  # m, between a body and its region, and a region and a line; sums with integers are exact
 _SHARES = {
     "fence": 0.1, "settle": 1.0, "part": 0.1, "remove": 0.1, "restart": 0.3, "rejoin": 1.0, "grant": 2.0,
     "introduce": 2.0,
@@ -110,10 +74,10 @@ class Walk:
 
     def __post_init__(self) -> None:
         starts = self.random.sample(range(0, LENGTH, 4), 4)
-        self.truth: dict[int, Span] = {
-            name: (at, at + 2) for name, at in zip((1, 2, 3, PART), starts, strict=True)
+        self.truth = {
+            name: Disk(at, 0.0, 1.0 - 2.0 * ROOM) for name, at in zip((1, 2, 3, PART), starts, strict=True)
         }
-        self.ledger: Ledger[Span, Line] = Ledger(1, dict(self.truth), Track())
+        self.ledger = self.begun(1)
         self.robots: dict[tuple[int, int], Robot] = {}  # by disk and life
         self.said: dict[str, list[Any]] = defaultdict(list)  # of each kind, with whom or what it concerns
         self.carrier = NO
@@ -121,6 +85,11 @@ class Walk:
         self.rules: dict[str, Callable[[], None]] = {
             name.removeprefix("do_"): getattr(self, name) for name in dir(self) if name.startswith("do_")
         }
+
+    def begun(self, version: int) -> Ledger[Region, Line]:
+        """A new ledger of the disks that are there."""
+        places = {name: Region(disk) for name, disk in self.truth.items()}
+        return Ledger(version, places, RegionGeometry())
 
     # -- choices
 
@@ -149,12 +118,13 @@ class Walk:
         require(bool(said), "nothing was said")
         return said[-1] if self.random.random() < 0.7 else self.random.choice(said)
 
-    def line(self, robot: Robot, bound: Bound[Span, Line]) -> Line:
-        body = robot.body_towards(bound)
-        at, sign = self.random.randint(-2, LENGTH + 2), self.random.choice((-1, 1))
-        if self.random.random() < 0.7:  # one that the body touches
-            at = body[1] if (sign > 0) == bound.low else body[0]
-        return Line(sign, at)
+    def line(self, robot: Robot, bound: Bound[Region, Line]) -> Line:
+        sign = self.random.choice((-1, 1))
+        offset = float(self.random.randint(-2, LENGTH + 2))
+        if self.random.random() < 0.7:  # one close to the body
+            side = 1 if bound.low else -1
+            offset = side * (covered(robot.body_towards(bound)).support(side * sign, 0.0) + ROOM)
+        return Line(sign, 0.0, offset)
 
     # -- the coordinator
 
@@ -162,29 +132,26 @@ class Walk:
         disk = self.disk()
         require(disk.name != PART, "a part has no life")
         self.ledger.rejoin(disk)
-        body = self.truth[disk.name]
-        self.robots[disk.name, disk.life] = RobotLife(disk.name, disk.life, body, Track())
+        body = cover(self.truth[disk.name])
+        self.robots[disk.name, disk.life] = RobotLife(disk.name, disk.life, body, CoverGeometry())
 
     def do_fence(self) -> None:
         disk = self.disk()
-        lo, hi = self.truth.get(disk.name, (0, 0))
-        before, after = self.random.choices((0, 0, 1, 3), k=2)  # where it stands need not be known exactly
-        self.ledger.fence(disk, (lo - before, hi + after))
+        known = self.random.choices((0, 0, 1, 3), k=2)  # where it stands need not be known exactly
+        self.ledger.fence(disk, Region(widened(self.truth.get(disk.name, NOWHERE), *known)))
         if self.carrier == disk.name and self.ledger.disks[PART].phase == PRESENT:
             self.carrier = NO
 
     def do_settle(self) -> None:
         disk = self.disk()
         require(disk.name in self.truth, "it is not there")
-        self.ledger.settle(disk, self.truth[disk.name])
+        self.ledger.settle(disk, Region(self.truth[disk.name]))
 
     def do_grant(self) -> None:
         disk = self.disk()
-        lo, hi = self.truth.get(disk.name, (0, 0))
-        region = self.random.choice(
-            (EVERYWHERE, (lo - self.random.randint(0, 5), hi + self.random.randint(0, 5)))
-        )
-        self.ledger.grant(disk, region)
+        left, right = (self.random.randint(0, 5) + ROOM for _ in range(2))
+        region = Region(widened(self.truth.get(disk.name, NOWHERE), left, right))
+        self.ledger.grant(disk, self.random.choice((EVERYWHERE, region)))
 
     def do_acknowledge(self) -> None:
         disk = self.disk()
@@ -192,9 +159,9 @@ class Walk:
 
     def do_introduce(self) -> None:
         one, other = sorted((self.disk(), self.disk()), key=lambda disk: disk.name)
-        sign = 1 if one.held.regions[0][1] < other.held.regions[0][1] else -1
-        edge = one.held.regions[-1][1][1 if sign > 0 else 0]
-        self.ledger.introduce(one, other, Line(sign, edge + sign * self.random.randint(0, 2)))
+        sign = 1 if one.held.regions[0][1].shape.x < other.held.regions[0][1].shape.x else -1
+        edge = one.held.regions[-1][1].shape.support(sign, 0.0)
+        self.ledger.introduce(one, other, Line(sign, 0.0, edge + ROOM + self.random.randint(0, 2)))
 
     def do_ask(self) -> None:
         one, other = self.disk(), self.disk()
@@ -214,14 +181,14 @@ class Walk:
         self.ledger.part(one, other)
 
     def do_announce(self) -> None:
-        at = self.random.randint(0, LENGTH)
-        place = (at, at + 2)
+        place = Disk(self.random.randint(0, LENGTH), 0.0, 1.0 - 2.0 * ROOM)
         if self.carrier:
             disk = self.ledger.disks[self.carrier]
             require(disk.life != NO, "no robot puts it down")
-            end = self.truth[self.carrier][1]
-            place = (end - 1, end)
-        self.ledger.announce(PART, place)
+            body = self.truth[self.carrier]
+            end = body.x + body.radius
+            place = span(end - 1.0 + 2.0 * ROOM, end)
+        self.ledger.announce(PART, Region(place))
 
     def do_appear(self) -> None:
         disk = self.ledger.disks[PART]
@@ -233,9 +200,9 @@ class Walk:
         require(not self.carrier or puts_down, "its carrier does not put it down")
         self.ledger.appear(disk)
         if carrier is not None:
-            self.truth[self.carrier] = carrier.own
+            self.truth[self.carrier] = covered(carrier.own)
             self.carrier = NO
-        self.truth[PART] = place
+        self.truth[PART] = place.shape
 
     def do_remove(self) -> None:
         disk = self.disk()
@@ -247,21 +214,21 @@ class Walk:
         robot, part = self.robot(), self.ledger.disks[PART]
         require(robot.part == PART and self.is_current(robot), "no robot reaches for it")
         require(part.phase == PRESENT and not self.carrier, "it is not there")
-        require(Track().inside(self.truth[PART], robot.body), "it is not in reach")
+        body = covered(robot.body)
+        require(around(body, self.truth[PART]) == body, "it is not in reach")
         self.ledger.remove(part)
         del self.truth[PART]
-        self.carrier, self.truth[robot.name] = robot.name, robot.body
+        self.carrier, self.truth[robot.name] = robot.name, body
 
     def do_restart(self) -> None:
         require(self.random.random() <= 0.05, "seldom")
-        version = self.ledger.version + self.random.randint(1, 100)
-        self.ledger = Ledger(version, dict(self.truth), Track())
+        self.ledger = self.begun(self.ledger.version + self.random.randint(1, 100))
         if PART not in self.ledger.disks and not self.carrier:
-            self.ledger.announce(PART, (0, 2))
+            self.ledger.announce(PART, Region(NOWHERE))
             self.ledger.remove(self.ledger.disks[PART])
         elif PART not in self.ledger.disks:
             self.carrier = NO
-            self.ledger.announce(PART, (LENGTH + 9, LENGTH + 11))
+            self.ledger.announce(PART, Region(Disk(LENGTH + 10, 0.0, 1.0)))
 
     # -- robots
 
@@ -291,29 +258,28 @@ class Walk:
 
     def do_command(self) -> None:
         robot = self.robot()
-        lo, hi = self.truth[robot.name]
-        step = self.random.randint(-3, 3)
-        swept = (min(lo, lo + step), max(hi, hi + step))
+        body, step = self.truth[robot.name], self.random.randint(-3, 3)
+        swept = widened(body, max(0, -step), max(0, step))
         carries = self.carrier == robot.name and PART not in self.truth
         part = self.random.choice((NO, PART)) if carries else NO
-        robot.command(swept, (swept[0], max(swept[0], swept[1] - 1)) if part else swept, part)
-        self._execute(robot, (lo + step, hi + step), part)
+        robot.command(cover(swept), cover(widened(swept, 0.0, -1.0) if part else swept), part)
+        self._execute(robot, Disk(body.x + step, 0.0, body.radius), part)
 
     def do_reach(self) -> None:
         robot, part = self.robot(), self.truth.get(PART)
         if part is None or self.carrier == robot.name:
             raise RefusedError("there is none")
-        lo, hi = self.truth[robot.name]
-        require(min(abs(part[0] - hi), abs(lo - part[1])) <= 4, "too far")
-        robot.command((min(lo, part[0]), max(hi, part[1])), (lo, hi), PART)
+        body = self.truth[robot.name]
+        require(distance(body, part) <= 4.0, "too far")
+        robot.command(cover(around(body, part)), cover(body), PART)
 
-    def _execute(self, robot: Robot, after: Span, part: int) -> None:
+    def _execute(self, robot: Robot, after: Disk, part: int) -> None:
         if self.ledger.disks[robot.name].phase == PRESENT and self.is_current(
             robot
         ):  # its base executes commands of this life
             self.truth[robot.name] = after
         body = self.truth[robot.name]
-        robot.locate(body, (body[0], body[1] - 1) if part else body)
+        robot.locate(cover(body), cover(widened(body, 0.0, -1.0) if part else body))
 
     def do_propose(self) -> None:
         robot, bound = self.bound(Owner)
@@ -346,27 +312,27 @@ class Walk:
     def violation(self) -> str:
         """What is not as the kernel promises."""
         for one, other in combinations(sorted(self.truth), 2):
-            if overlap(self.truth[one], self.truth[other]):
+            if distance(self.truth[one], self.truth[other]) < 0.0:
                 return f"{one} and {other} overlap at {self.truth[one]} and {self.truth[other]}"
         one, other = sorted(self.random.sample(sorted(self.ledger.disks), 2))
         return ", ".join(self.broken(one, other))
 
     def broken(self, low: int, high: int) -> list[str]:
         """Conjuncts of the invariant that do not hold of two disks."""
-        ledger = self.ledger
-        s = record(ledger, self.robots, low, high)
-        facts = TrackFacts(ledger, low, high, s)
+        facts = Facts(self.ledger, self.robots, low, high)
+        s = facts.s
         for x, name in (("A", low), ("B", high)):
-            if s[f"{x}.body"] is None:
-                s[f"{x}.body"] = s[f"{x}.own"] = self.truth.get(name, ledger.disks[name].held.regions[0][1])
+            place = self.truth.get(name, self.ledger.disks[name].held.regions[0][1].shape)
+            for body in (f"{x}.body", f"{x}.own"):
+                s[body] = place if s[body] is None else covered(s[body])
             said = [number for one, number in self.said["region"] if one == name]
             s[f"{x}.said"] = self.random.choice(said or [0])
-        for b, binding in bindings_of(ledger, low, high).items():
+        for b, binding in bindings_of(self.ledger, low, high).items():
             s[f"{b}.frozen"] = any(number == binding.number for number, _ in self.said["first line"])
             answers = [each for number, *each in self.said["answer"] if number == binding.number]
             for h, seen in (("h", "s"), ("h2", "s2")):
                 s[f"{b}.{h}"], s[f"{b}.{seen}"] = self.random.choice(answers or [(0, 0)])
-        return broken(s, facts)
+        return facts.broken()
 
 
 def walk(seed: int, steps: int) -> tuple[str, Counter[str]]:
