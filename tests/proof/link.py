@@ -1,26 +1,23 @@
-"""Transitions of the kernel's objects as they run, checked by the very conjuncts that were proved.
+"""The kernel's objects as they run, checked by the very conjuncts that were proved.
 
 Of two disks, a ledger and the processes of its lives give the record that the solver reasons of. After every
-rule the invariant has to hold of it, and nothing may change but by a rule.
+rule the invariant has to hold of it.
 """
 
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
-from functools import cache, wraps
+from collections.abc import Callable, Mapping
+from functools import cache
 from itertools import chain
 from typing import Any
-from unittest.mock import patch
 
 import z3
 
 from protocol.geometry import Disk, Shape
-from protocol.kernel.ledger import Ledger, Pair
-from protocol.kernel.pair import Follower, Owner
-from protocol.kernel.records import Binding, DiskRecord, End, Held
+from protocol.kernel.ledger import Ledger
+from protocol.kernel.pair import Owner
+from protocol.kernel.records import Held
 from protocol.kernel.robot import Bound, RobotLife
 from protocol.line import ROUNDING, Line
 from protocol.region import Region, RegionGeometry, distance
@@ -37,15 +34,6 @@ from tests.proof.model import (
 from tests.proof.prove import TEMPLATE
 
 Processes = Mapping[tuple[int, int], RobotLife[Any, Any, Any]]  # by disk and life
-
-_OF_LEDGER = "rejoin fence settle grant acknowledge introduce ask answer part announce appear remove"
-_OF_ROBOT = "hear freeze turn adopt command locate"
-RULES: dict[type, list[str]] = {
-    Ledger: _OF_LEDGER.split(),
-    RobotLife: _OF_ROBOT.split(),
-    Owner: ["propose", "on_answer"],
-    Follower: ["on_proposal"],
-}
 
 # -- what the solver was asked, as Python
 
@@ -182,78 +170,3 @@ class Facts:
         known = [lines[number] for lines in self._kept[binding] if number in lines]
         assert known or number == 0
         return known[0] if known else self._firsts[binding]
-
-
-# -- rules as they are taken
-
-
-class Watch:
-    """Which rules are taken while it looks on, and what is wrong with them.
-
-    Args:
-        check: what is wrong after a rule of a ledger or robot; looks at what it likes.
-
-    Attributes:
-        taken: how often each rule was.
-        wrong: what was, in words.
-        processes: all robots that were begun, by disk and life.
-        ledgers: all ledgers, the newest last.
-    """
-
-    def __init__(self, check: Callable[[Watch, str], list[str]]) -> None:
-        self.taken: Counter[str] = Counter()
-        self.wrong: list[str] = []
-        self.processes: dict[tuple[int, int], RobotLife[Any, Any, Any]] = {}
-        self.ledgers: list[Ledger[Any, Any]] = []
-        self._check, self._depth = check, 0
-
-    def call(self, kind: type, name: str) -> Callable[..., Any]:
-        """A rule that is looked at, or the beginning of a ledger, a robot or what they keep."""
-        does = getattr(kind, name)
-
-        @wraps(does)
-        def done(made: Any, *args: Any, **kwargs: Any) -> Any:
-            self._depth += 1
-            try:
-                result = does(made, *args, **kwargs)
-            finally:
-                self._depth -= 1
-            if name == "__init__":
-                self._begun(made)
-            elif not self._depth:
-                rule = f"{kind.__name__}.{name}"
-                self.taken[rule] += 1
-                self.wrong += [f"{rule}: {each}" for each in self._check(self, rule)]
-            return result
-
-        return done
-
-    def _begun(self, made: Any) -> None:
-        if isinstance(made, Ledger):
-            self.ledgers.append(made)
-        elif isinstance(made, RobotLife):
-            self.processes[made.name, made.life] = made
-
-    def writes(self, made: Any, field: str, value: Any) -> None:
-        """A field of one of the kernel's objects is written, which only rules do."""
-        if not self._depth:
-            self.wrong.append(f"{type(made).__name__}.{field} is written by no rule")
-        object.__setattr__(made, field, value)
-
-
-_KEPT = (Ledger, Pair, DiskRecord, Binding, End, RobotLife, Bound, Owner, Follower)
-
-
-@contextmanager
-def watched(watch: Watch) -> Iterator[Watch]:
-    """Look at every rule of the kernel that is taken meanwhile. The kernel must not be compiled."""
-
-    def sets(made: Any, field: str, value: Any) -> None:
-        watch.writes(made, field, value)
-
-    with ExitStack() as stack:
-        for kind in _KEPT:
-            for name in ("__init__", *RULES.get(kind, ())):
-                stack.enter_context(patch.object(kind, name, watch.call(kind, name)))
-            stack.enter_context(patch.object(kind, "__setattr__", sets))
-        yield watch

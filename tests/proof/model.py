@@ -109,6 +109,7 @@ def mentions(claim: z3.BoolRef, *terms: z3.ExprRef) -> bool:
     return not z3.substitute(claim, *((term, z3.Const("another", term.sort())) for term in terms)).eq(claim)
 
 
+@cache
 def of_all(claim: z3.BoolRef) -> z3.BoolRef:
     """What a claim says of all that it mentions."""
     terms = general_in(claim)

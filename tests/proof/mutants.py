@@ -5,14 +5,12 @@ state of small numbers in which the rule breaks a conjunct.
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 from tests.interpreted import Edit
+from tests.proof.language import SOURCES
 from tests.proof.objects import SOURCE
 from tests.proof.prove import CASES, Example, counterexample
 
-_KERNEL = Path(__file__).resolve().parents[2] / "protocol" / "kernel"
-_SOURCES = {f"protocol.kernel.{path.stem}": path.read_text() for path in sorted(_KERNEL.glob("*.py"))}
 _RULES = {"bind": ("introduce", "ask")}
 
 # Preconditions that are not needed for the invariant.
@@ -112,8 +110,8 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
 
 
 def _edits(old: str, new: str) -> tuple[Edit, ...]:
-    (module,) = [name for name, source in _SOURCES.items() if old in source]
-    return (Edit(module, old, new),)
+    (name,) = [name for name, source in SOURCES.items() if old in source]
+    return (Edit(f"protocol.kernel.{name}", old, new),)
 
 
 CHANGES = {name: (rule, _edits(old, new)) for name, rule, old, new in _CHANGED}  # rules that read otherwise
@@ -121,7 +119,7 @@ CHANGES = {name: (rule, _edits(old, new)) for name, rule, old, new in _CHANGED} 
 
 def preconditions() -> list[str]:
     """Every precondition by name, as the source has it."""
-    return list(dict.fromkeys(re.findall(r'"((?:[a-z]+ ?)+: [^"]+)"', "".join(_SOURCES.values()))))
+    return list(dict.fromkeys(re.findall(r'"((?:[a-z]+ ?)+: [^"]+)"', "".join(SOURCES.values()))))
 
 
 def names() -> list[str]:

@@ -18,9 +18,14 @@ TIMEOUT = 20_000  # ms, for one question
 LARGEST = 9  # no version or number of an example is larger
 TEMPLATE = invariant(S)
 GEOMETRY = [*axioms(), *[fact for x in "AB" for fact in smaller(x, S[f"{x}.own"], S[f"{x}.body"])]]
-OF_ALL = [*map(of_all, (*GEOMETRY, *TEMPLATE.values()))]
 
 CASES = {case.rule: case for case in (*ledger_cases(), *robot_cases(), *tells())}  # every rule
+RULES = {  # the kernel's methods that these execute
+    "Ledger": "rejoin fence settle grant acknowledge introduce ask answer part announce appear remove",
+    "RobotLife": "hear freeze turn adopt command locate",
+    "Owner": "propose on_answer",
+    "Follower": "on_proposal",
+}
 
 
 class Step:
@@ -38,7 +43,7 @@ class Step:
         """One that knows all this."""
         made = z3.Solver()
         made.set("timeout", TIMEOUT)
-        made.add(*OF_ALL[: len(GEOMETRY) if self.case.starts else None], *map(of_all, self.facts))
+        made.add(*map(of_all, self.known()))
         return made
 
     def claims(self) -> dict[str, z3.BoolRef]:

@@ -13,8 +13,7 @@ import pytest
 
 from tests.proof import mutants
 from tests.proof.language import SOURCES, Kernel
-from tests.proof.link import RULES
-from tests.proof.prove import CASES, example, is_kept_by_cvc5, not_kept, steps_of
+from tests.proof.prove import CASES, RULES, example, is_kept_by_cvc5, not_kept, steps_of
 from tests.proof.walks import Walk, walk
 
 # Methods that are no rules: what rules do to their own objects, and what is asked and changes nothing.
@@ -76,7 +75,7 @@ def test_every_method_is_a_rule_or_a_question() -> None:
         for kind, name in Kernel(SOURCES).methods
         if not kind.endswith("Geometry") and not name.startswith("_")
     }
-    rules = {f"{kind.__name__}.{name}" for kind, names in RULES.items() for name in names}
+    rules = {f"{kind}.{name}" for kind, names in RULES.items() for name in names.split()}
     assert methods == rules | set(f"{PARTS} {QUESTIONS}".split())
 
 
