@@ -130,15 +130,6 @@ def assigned(node: Any) -> list[tuple[ast.expr, ast.expr]]:
     return [each for part in parts for each in part]
 
 
-def parts_of(node: ast.AST) -> Iterator[ast.AST]:
-    """All of it but annotations."""
-    yield node
-    for name, field in ast.iter_fields(node):
-        for each in field if isinstance(field, list) else [field]:
-            if isinstance(each, ast.AST) and name != "annotation":
-                yield from parts_of(each)
-
-
 def names_in(node: ast.AST) -> set[str]:
     return {each.id for each in ast.walk(node) if isinstance(each, ast.Name)}
 
@@ -189,6 +180,8 @@ class Kernel:
             for word in {"annotation", "returns"} & {*each._fields}:
                 text = ast.unparse(getattr(each, word) or ast.Name("None"))
                 need(re.fullmatch(r"[\w\[\], |]+", text) and {*re.findall(r"\w+", text)} <= WORDS, each)
+            if isinstance(each, ast.AnnAssign):
+                each.annotation = ast.Constant(None)  # nothing else looks at it
         for arg in args.args[1:]:
             kind, text = NUMBERS.get(arg.arg, ""), said_of(arg)
             is_record = re.fullmatch(r"End|[A-Z]\w+\[.*\]", text) or arg.arg == "held"
@@ -197,20 +190,15 @@ class Kernel:
         names = {each.arg for each in args.args}
         self._check_names(node.body, names, names)
         self._check_acts(owner, node)
-        parts = [each for statement in node.body for each in parts_of(statement)]
+        parts = [each for statement in node.body for each in ast.walk(statement)]
+        fields = [each for each in parts if isinstance(each, ast.Attribute)]
         known = [each.func for each in parts if isinstance(each, ast.Call)]
-        of_some = [each.value for each in parts if isinstance(each, ast.Attribute)]
-        known += [each for each in of_some if said(each, "self")]
-        made: dict[str, list[str]] = {}
-        for target, value in chain(
-            *(assigned(each) for each in parts if isinstance(each, ast.Assign | ast.AnnAssign))
-        ):
-            made.setdefault(ast.unparse(target), []).append(ast.unparse(value))
-        growing = [
-            each.value
-            for each in parts
-            if isinstance(each, ast.Attribute) and each.attr in ("append", "extend")
-        ]
+        known += [each.value for each in fields if said(each.value, "self")]
+        growing = {each.value for each in fields if each.attr in ("append", "extend")}
+        lists = {each.id for each in growing if isinstance(each, ast.Name)}
+        made = chain(*(assigned(each) for each in parts if isinstance(each, ast.Assign | ast.AnnAssign)))
+        begun = sorted((ast.unparse(to), ast.unparse(what)) for to, what in made if names_in(to) & lists)
+        need(begun == [(name, "[]") for name in sorted(lists)], node, "adds to what is no list of its own")
         done = [each.value for each in parts if isinstance(each, ast.Expr)]
         for part in parts:
             need(part in known or self._is_known(part, owner), part)
@@ -218,8 +206,6 @@ class Kernel:
                 asked = [each for each in self._called(part, owner) if each[1] != "__init__"]
                 acts = {act for each in asked for act in self._acts(each[0], self.methods[each].body)}
                 need(acts <= {"require"} and not said(part, CHANGES), part, "changes something")
-            if isinstance(part, ast.Name) and part.id in ("found", "listed") and part in growing:
-                need(made.get(part.id) == ["[]"], part, "is no list of its own")
 
     def _is_known(self, node: ast.AST, owner: str) -> bool:
         """Whether an expression may be said."""
@@ -304,7 +290,7 @@ class Kernel:
         names = set(names)
         for node in body:
             inner, around = set(names), fixed
-            parts = [*parts_of(getattr(node, "test", getattr(node, "iter", node)))]
+            parts = [*ast.walk(getattr(node, "test", getattr(node, "iter", node)))]
             through = [each for each in (node, *parts) if isinstance(each, ast.For | ast.comprehension)]
             within = set().union(*(names_in(each.target) for each in through))
             need(not within & names, node, "names what has a value")
@@ -329,7 +315,7 @@ class Kernel:
         acts: list[str] = []
         for node in body:
             head = getattr(node, "test", getattr(node, "iter", node))
-            calls = [call for call in parts_of(head) if isinstance(call, ast.Call)]
+            calls = [call for call in ast.walk(head) if isinstance(call, ast.Call)]
             asked = [
                 each for call in calls[isinstance(node, ast.Expr) :] for each in self._called(call, owner)
             ]

@@ -39,7 +39,6 @@ Rule = Callable[[Any, Any, Any], object]  # of the ledger, the disk and the othe
 Besides = Callable[[str, Outcome], None]  # what else happens to the disk
 
 _PLACES = {name: z3.Int(f"{x}.first place") for name, x in NAMES.items()}
-UNBOUND = [z3.Not(S[f"{b}.on"]) for b in "LS"]
 _BECOMES = {"announce": ANNOUNCED, "appear": PRESENT, "remove": GONE}  # a disk's phase, once a rule says so
 _REGIONS = "acknowledged granted regions"
 _CHANGES = {  # fields of its disk, and of no other; `all` its bindings with others, `new` the disk itself
@@ -48,16 +47,14 @@ _CHANGES = {  # fields of its disk, and of no other; `all` its bindings with oth
 }  # fmt: skip
 
 
-def of_ledger(
-    rule: str, does: Rule, x: str, besides: Besides | None = None, *given: Any, alone: bool = False
-) -> Case:
-    """A rule of the ledger whose first disk is X, which may have no bindings at all."""
+def of_ledger(rule: str, does: Rule, x: str, besides: Besides | None = None, *given: Any) -> Case:
+    """A rule of the ledger whose first disk is X."""
 
     changes = _CHANGES.get(rule, "")
 
     def run() -> Outcome:
         geometry = Geometry()
-        made = ledger_of(geometry, x, changes, alone=alone)
+        made = ledger_of(geometry, x, changes)
         does(made, made.disks[CODE[x]], made.disks[CODE[OTHER[x]]])
         outcome = Outcome(geometry)
         outcome.after = ledger_state(made)
@@ -69,7 +66,7 @@ def of_ledger(
             besides(x, outcome)
         return outcome
 
-    return Case(f"{rule} {x} alone", run, [*UNBOUND, *given]) if alone else Case(f"{rule} {x}", run, [*given])
+    return Case(f"{rule} {x}", run, [*given])
 
 
 def history(after: State) -> dict[str, Any]:
@@ -172,8 +169,9 @@ def _granted(x: str, outcome: Outcome) -> None:
         outcome.given(z3.Implies(is_empty, so))
 
 
-def _announce(made: Any, disk: Any, *, is_new: bool = False) -> None:
-    if is_new:
+def _announce(made: Any, disk: Any) -> None:
+    """A disk that was there before, or a new one."""
+    if not made.pairs[disk.name] and z3.And(z3.Bool("is new"), disk.phase == GONE):
         del made.disks[disk.name], made.pairs[disk.name]
     found = made.announce(disk.name, NEXT)
     found.held.disk = NAMES[disk.name]
@@ -194,16 +192,13 @@ def ledger_cases() -> Iterator[Case]:
     """Every rule of the ledger, of either disk."""
     for x in "AB":
         yield of_ledger("rejoin", lambda m, d, _: m.rejoin(d), x, _joined)
-        for alone in (False, True):
-            yield of_ledger("fence", lambda m, d, _: m.fence(d, NEXT), x, _fenced, alone=alone)
-            yield of_ledger("grant", lambda m, d, _: m.grant(d, NEXT), x, _granted, alone=alone)
-            yield of_ledger("remove", lambda m, d, _: m.remove(d), x, alone=alone)
+        yield of_ledger("fence", lambda m, d, _: m.fence(d, NEXT), x, _fenced)
+        yield of_ledger("grant", lambda m, d, _: m.grant(d, NEXT), x, _granted)
+        yield of_ledger("remove", lambda m, d, _: m.remove(d), x)
         yield of_ledger("settle", lambda m, d, _: m.settle(d, NEXT), x, _settled)
         yield _acknowledge(x)
         yield of_ledger("ask", lambda m, d, o: m.ask(d, o), x)
         yield of_ledger("announce", lambda m, d, _: _announce(m, d), x, _announced)
-        is_gone, first = S[f"{x}.phase"] == GONE, lambda m, d, _: _announce(m, d, is_new=True)
-        yield of_ledger("announce", first, x, _announced, is_gone, alone=True)
         yield of_ledger("appear", lambda m, d, _: m.appear(d), x)
         yield of_ledger("part", lambda m, d, o: m.part(d, o), x)
         yield of_ledger("question: tied", lambda m, d, o: m.tied(d, o), x)

@@ -95,9 +95,9 @@ def binding_of(b: str) -> Any:
     return with_optional(binding, first=(LINE_OF(S[f"{b}.number"], 0), binding.told != 0))
 
 
-def ledger_of(geometry: Geometry, x: str = "", changing: str = "", *, alone: bool = False) -> Any:
+def ledger_of(geometry: Geometry, x: str = "", changing: str = "") -> Any:
     """The ledger of the state, with a disk X of which these fields may change; a way through it for each of
-    the bindings that may be in force. The two may be alone: they have no bindings with third disks.
+    the bindings that may be in force. Two that have none may have none with third disks, either.
     """
     made = SOURCE.ledger.Ledger(0, {}, geometry)
     made.version = S["v"]
@@ -106,6 +106,7 @@ def ledger_of(geometry: Geometry, x: str = "", changing: str = "", *, alone: boo
     geometry.disks = made.disks = {name: (third_of if name in THIRDS else disk_of)(name) for name in names}
     made.pairs = {name: {} for name in names}
     both = pair_of()
+    alone = both is None and bool(z3.Bool("alone"))
     for other, one in product(names, NAMES):
         pair = both if other in NAMES else None if alone else pair_with_third(one, other)
         if one != other and pair is not None:
