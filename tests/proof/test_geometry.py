@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from agents.lines.negotiation import tangent
 from agents.lines.own_set import OwnSet
 from agents.lines.separating_lines import Cover, CoverGeometry
-from protocol.geometry import ConvexPolygon, Disk, Shape
+from protocol.geometry import ConvexPolygon, Disk, Shape, points_of
 from protocol.kernel.records import PRESENT, Held
 from protocol.kernel.records import DiskRecord as Kept
 from protocol.line import ROUNDING, SURE, Line
@@ -26,7 +26,6 @@ from protocol.region import Region, RegionGeometry, distance, is_beside, parting
 
 LOST = Fraction(1, 10**10)  # m, more than floats lose at 100 km
 FAR = 1e5  # m
-Corner = tuple[Fraction, Fraction]
 
 # -- facts
 
@@ -105,39 +104,21 @@ def exact(*values: float) -> list[Fraction]:
     return [Fraction(value) for value in values]
 
 
-def square_distance(shape: Shape, x: Fraction, y: Fraction) -> Fraction:
-    """From a point to a disk's centre, or to a polygon, m^2."""
-    if isinstance(shape, Disk):
-        return (Fraction(shape.x) - x) ** 2 + (Fraction(shape.y) - y) ** 2
-    corners = [(Fraction(x), Fraction(y)) for x, y in shape.points]
-    edges = list(zip(corners, [*corners[1:], corners[0]], strict=True))
-    if all((bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0 for (ax, ay), (bx, by) in edges):
-        return Fraction(0)
-    return min(_to_edge(a, b, x, y) for a, b in edges)
-
-
-def _to_edge(a: Corner, b: Corner, x: Fraction, y: Fraction) -> Fraction:
-    (ax, ay), (bx, by) = a, b
-    dx, dy = bx - ax, by - ay
-    share = max(Fraction(0), min(Fraction(1), ((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy)))
-    return (ax + share * dx - x) ** 2 + (ay + share * dy - y) ** 2
-
-
 def is_apart(shape: Shape, disk: Disk) -> bool:
-    """Exactly."""
-    radius = Fraction(disk.radius) + (Fraction(shape.radius) if isinstance(shape, Disk) else 0)
-    return square_distance(shape, *exact(disk.x, disk.y)) >= radius * radius
+    """Exactly, by the direction from the shape's nearest point to the disk: the disk is beyond all of it."""
+    (points, radius), (x, y) = points_of(shape), exact(disk.x, disk.y)
+    px, py = exact(*(shape.nearest(disk.x, disk.y) if len(points) > 1 else points[0]))
+    nx, ny = x - px, y - py
+    gap = nx * x + ny * y - max(nx * a + ny * b for a, b in (exact(*each) for each in points))
+    return gap >= 0 and gap * gap >= (Fraction(radius) + Fraction(disk.radius)) ** 2 * (nx * nx + ny * ny)
 
 
 def excess(shape: Shape, line: Line, low: bool) -> Fraction:
     """By how much a shape is beyond a line, as its side is written, m."""
-    nx, ny, offset = exact(line.nx, line.ny, line.offset)
+    (points, radius), (nx, ny, offset) = points_of(shape), exact(line.nx, line.ny, line.offset)
     if not low:
         nx, ny, offset = -nx, -ny, -offset
-    if isinstance(shape, Disk):
-        x, y, radius = exact(shape.x, shape.y, shape.radius)
-        return nx * x + ny * y + radius - offset
-    return max(nx * x + ny * y for x, y in (exact(*each) for each in shape.points)) - offset
+    return max(nx * x + ny * y for x, y in (exact(*each) for each in points)) + Fraction(radius) - offset
 
 
 def side_of(nx: float, ny: float, edge: float, low: bool) -> Line:
@@ -146,7 +127,8 @@ def side_of(nx: float, ny: float, edge: float, low: bool) -> Line:
 
 def is_within(x: float, y: float, room: Fraction, region: Disk) -> bool:
     """Whether a point is no farther from the centre of a region, exactly."""
-    return room >= 0 and square_distance(region, *exact(x, y)) <= room * room
+    dx, dy = Fraction(region.x) - Fraction(x), Fraction(region.y) - Fraction(y)
+    return room >= 0 and dx * dx + dy * dy <= room * room
 
 
 def beside(shape: Shape, angle: float, more: float) -> Disk:

@@ -7,7 +7,6 @@ ever said may arrive at any time, again or never; processes whose lives are over
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import combinations
 from random import Random
@@ -37,10 +36,15 @@ def widened(disk: Disk, left: float, right: float) -> Disk:
     return span(disk.x - disk.radius - left, disk.x + disk.radius + right)
 
 
-def around(one: Disk, other: Disk) -> Disk:
+def hull(one: Disk, other: Disk) -> Disk:
     """The disk of the track around two of them."""
     ends = [edge for each in (one, other) for edge in (each.x - each.radius, each.x + each.radius)]
     return span(min(ends), max(ends))
+
+
+def region(disk: Disk, left: float = 0.0, right: float = 0.0) -> Region:
+    """One that reaches so much farther than a disk, and a little more."""
+    return Region(widened(disk, left + ROOM, right + ROOM))
 
 
 def cover(disk: Disk) -> Cover:
@@ -55,7 +59,7 @@ def covered(body: Cover) -> Disk:
 LENGTH, PART = 24, 4
 NOWHERE = Disk(0.0, 0.0, 0.0)
 ROOM = 2.0**-6  # m, between a body and its region, and a region and a line; sums with integers are exact
-_SHARES = {
+SHARES = {
     "fence": 0.1, "settle": 1.0, "part": 0.1, "remove": 0.1, "restart": 0.3, "rejoin": 1.0, "grant": 2.0,
     "introduce": 2.0,
     "ask": 3.0, "announce": 0.5, "appear": 1.0, "tell": 4.0, "hear": 6.0, "command": 12.0, "reach": 6.0,
@@ -81,14 +85,11 @@ class Walk:
         self.robots: dict[tuple[int, int], Robot] = {}  # by disk and life
         self.said: dict[str, list[Any]] = defaultdict(list)  # of each kind, with whom or what it concerns
         self.carrier = NO
-        self.shares = [share * self.random.choice(_SWARM) for share in _SHARES.values()]
-        self.rules: dict[str, Callable[[], None]] = {
-            name.removeprefix("do_"): getattr(self, name) for name in dir(self) if name.startswith("do_")
-        }
+        self.shares = [share * self.random.choice(_SWARM) for share in SHARES.values()]
 
     def begun(self, version: int) -> Ledger[Region, Line]:
         """A new ledger of the disks that are there."""
-        places = {name: Region(disk) for name, disk in self.truth.items()}
+        places = {name: region(disk) for name, disk in self.truth.items()}
         return Ledger(version, places, RegionGeometry())
 
     # -- choices
@@ -138,20 +139,19 @@ class Walk:
     def do_fence(self) -> None:
         disk = self.disk()
         known = self.random.choices((0, 0, 1, 3), k=2)  # where it stands need not be known exactly
-        self.ledger.fence(disk, Region(widened(self.truth.get(disk.name, NOWHERE), *known)))
+        self.ledger.fence(disk, region(self.truth.get(disk.name, NOWHERE), *known))
         if self.carrier == disk.name and self.ledger.disks[PART].phase == PRESENT:
             self.carrier = NO
 
     def do_settle(self) -> None:
         disk = self.disk()
         require(disk.name in self.truth, "it is not there")
-        self.ledger.settle(disk, Region(self.truth[disk.name]))
+        self.ledger.settle(disk, region(self.truth[disk.name]))
 
     def do_grant(self) -> None:
         disk = self.disk()
-        left, right = (self.random.randint(0, 5) + ROOM for _ in range(2))
-        region = Region(widened(self.truth.get(disk.name, NOWHERE), left, right))
-        self.ledger.grant(disk, self.random.choice((EVERYWHERE, region)))
+        around = region(self.truth.get(disk.name, NOWHERE), *self.random.choices(range(6), k=2))
+        self.ledger.grant(disk, self.random.choice((EVERYWHERE, around)))
 
     def do_acknowledge(self) -> None:
         disk = self.disk()
@@ -188,11 +188,11 @@ class Walk:
             body = self.truth[self.carrier]
             end = body.x + body.radius
             place = span(end - 1.0 + 2.0 * ROOM, end)
-        self.ledger.announce(PART, Region(place))
+        self.ledger.announce(PART, region(place))
 
     def do_appear(self) -> None:
         disk = self.ledger.disks[PART]
-        (place,) = [region for _, region in disk.held.regions]
+        (place,) = [each for _, each in disk.held.regions]
         carrier = (
             self.robots.get((self.carrier, self.ledger.disks[self.carrier].life)) if self.carrier else None
         )
@@ -202,7 +202,7 @@ class Walk:
         if carrier is not None:
             self.truth[self.carrier] = covered(carrier.own)
             self.carrier = NO
-        self.truth[PART] = place.shape
+        self.truth[PART] = widened(place.shape.around, -ROOM, -ROOM)
 
     def do_remove(self) -> None:
         disk = self.disk()
@@ -215,7 +215,7 @@ class Walk:
         require(robot.part == PART and self.is_current(robot), "no robot reaches for it")
         require(part.phase == PRESENT and not self.carrier, "it is not there")
         body = covered(robot.body)
-        require(around(body, self.truth[PART]) == body, "it is not in reach")
+        require(hull(body, self.truth[PART]) == body, "it is not in reach")
         self.ledger.remove(part)
         del self.truth[PART]
         self.carrier, self.truth[robot.name] = robot.name, body
@@ -223,12 +223,8 @@ class Walk:
     def do_restart(self) -> None:
         require(self.random.random() <= 0.05, "seldom")
         self.ledger = self.begun(self.ledger.version + self.random.randint(1, 100))
-        if PART not in self.ledger.disks and not self.carrier:
-            self.ledger.announce(PART, Region(NOWHERE))
-            self.ledger.remove(self.ledger.disks[PART])
-        elif PART not in self.ledger.disks:
-            self.carrier = NO
-            self.ledger.announce(PART, Region(Disk(LENGTH + 10, 0.0, 1.0)))
+        if PART not in self.ledger.disks:
+            self.ledger.remove(self.ledger.announce(PART, Region(NOWHERE)))
 
     # -- robots
 
@@ -263,7 +259,9 @@ class Walk:
         carries = self.carrier == robot.name and PART not in self.truth
         part = self.random.choice((NO, PART)) if carries else NO
         robot.command(cover(swept), cover(widened(swept, 0.0, -1.0) if part else swept), part)
-        self._execute(robot, Disk(body.x + step, 0.0, body.radius), part)
+        if self.ledger.disks[robot.name].phase == PRESENT and self.is_current(robot):
+            body = self.truth[robot.name] = Disk(body.x + step, 0.0, body.radius)  # its base executes it
+        robot.locate(cover(body), cover(widened(body, 0.0, -1.0) if part else body))
 
     def do_reach(self) -> None:
         robot, part = self.robot(), self.truth.get(PART)
@@ -271,15 +269,7 @@ class Walk:
             raise RefusedError("there is none")
         body = self.truth[robot.name]
         require(distance(body, part) <= 4.0, "too far")
-        robot.command(cover(around(body, part)), cover(body), PART)
-
-    def _execute(self, robot: Robot, after: Disk, part: int) -> None:
-        if self.ledger.disks[robot.name].phase == PRESENT and self.is_current(
-            robot
-        ):  # its base executes commands of this life
-            self.truth[robot.name] = after
-        body = self.truth[robot.name]
-        robot.locate(cover(body), cover(widened(body, 0.0, -1.0) if part else body))
+        robot.command(cover(hull(body, part)), cover(body), PART)
 
     def do_propose(self) -> None:
         robot, bound = self.bound(Owner)
@@ -301,9 +291,9 @@ class Walk:
 
     def step(self) -> str:
         """One event; what it broke, or ""."""
-        (rule,) = self.random.choices(list(_SHARES), self.shares)
+        (rule,) = self.random.choices(list(SHARES), self.shares)
         try:
-            self.rules[rule]()
+            getattr(self, f"do_{rule}")()
         except RefusedError:
             return ""
         self.taken[rule] += 1
