@@ -26,12 +26,10 @@ from protocol.scenario.model import Operation
 try:
     import uvicorn
     from starlette.applications import Starlette
-    from starlette.datastructures import MutableHeaders
     from starlette.middleware import Middleware
     from starlette.middleware.trustedhost import TrustedHostMiddleware
     from starlette.routing import Mount, WebSocketRoute
     from starlette.staticfiles import StaticFiles
-    from starlette.types import ASGIApp, Message, Receive, Scope, Send
     from starlette.websockets import WebSocket, WebSocketDisconnect
 except ModuleNotFoundError as error:
     raise missing_library("the live page", error.name or str(error), "web") from error
@@ -75,7 +73,7 @@ class FrameStream:
 
 Steerable = Watcher | Player  # a source that takes requests of its viewers
 PAGE = Path(__file__).parent / "page"
-_HEADERS = {
+_HEADERS = {  # of every HTTP response: no foreign content, no caching
     "content-security-policy": "default-src 'self'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data:; frame-ancestors 'none'",
     "cache-control": "no-cache",
@@ -87,21 +85,6 @@ _HEADERS = {
 _ONLY_LOOKS = "this page may not steer: open the printed address with its token"
 _ANSWER = 10.0  # s for the source to answer an order
 _SILENCE = "no answer from the run, which may still receive the order"
-
-
-class FixedHeaders:
-    """Adds `_HEADERS` to every HTTP response: no foreign content, no caching."""
-
-    def __init__(self, app: ASGIApp) -> None:
-        self._app = app
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        async def send_with_headers(message: Message) -> None:
-            if message["type"] == "http.response.start":
-                MutableHeaders(scope=message).update(_HEADERS)
-            await send(message)
-
-        await self._app(scope, receive, send_with_headers if scope["type"] == "http" else send)
 
 
 def application(source: Steerable, hosts: list[str], token: str) -> Starlette:
@@ -128,7 +111,7 @@ def application(source: Steerable, hosts: list[str], token: str) -> Starlette:
             WebSocketRoute("/live", live),
             Mount("/", StaticFiles(directory=PAGE, html=True)),
         ],
-        middleware=[Middleware(TrustedHostMiddleware, allowed_hosts=hosts), Middleware(FixedHeaders)],
+        middleware=[Middleware(TrustedHostMiddleware, allowed_hosts=hosts)],
     )
 
 
@@ -207,7 +190,12 @@ class Server:
         self.link = f"{self.address}/#{token}"
         app = application(source, [HOST, "localhost"], token)
         config = uvicorn.Config(
-            app, log_level="error", access_log=False, timeout_graceful_shutdown=1, lifespan="off"
+            app,
+            log_level="error",
+            access_log=False,
+            timeout_graceful_shutdown=1,
+            lifespan="off",
+            headers=list(_HEADERS.items()),
         )
         self._server = uvicorn.Server(config)
         serve = partial(self._server.run, [listener])
