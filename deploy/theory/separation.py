@@ -13,6 +13,8 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
+from scipy.cluster.hierarchy import DisjointSet
+
 from agents.law.passages import OUTSIDE, Gap, crosses
 from protocol.geometry import Disk, Shape
 from protocol.messages import Vector
@@ -27,13 +29,7 @@ def separating(obstacles: Sequence[Shape], closed: Sequence[Gap], start: Vector,
         start, goal: places that keep clear of all obstacles, m.
     """
     outside = len(obstacles)
-    root = list(range(2 * outside + 2))  # halves of each obstacle; a crossing joins unlike ones
-
-    def first(index: int) -> int:
-        while root[index] != index:
-            root[index] = index = root[root[index]]
-        return index
-
+    halves = DisjointSet(range(2 * outside + 2))  # of each obstacle; a crossing joins unlike ones
     centres = [_inside(shape) for shape in obstacles]
     for gap in closed:
         chain = [centres[gap.one], gap.begin, gap.end]
@@ -41,8 +37,8 @@ def separating(obstacles: Sequence[Shape], closed: Sequence[Gap], start: Vector,
         crossed = sum(crosses(a, b, start, goal) for a, b in pairwise(chain))
         other = outside if gap.other == OUTSIDE else gap.other
         for half in (0, 1):
-            root[first(2 * gap.one + half)] = first(2 * other + (half + crossed) % 2)
-        if first(2 * gap.one) == first(2 * gap.one + 1):
+            halves.merge(2 * gap.one + half, 2 * other + (half + crossed) % 2)
+        if halves.connected(2 * gap.one, 2 * gap.one + 1):
             return gap
     return None
 
