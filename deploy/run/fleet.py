@@ -36,10 +36,6 @@ _IMPATIENT = 2  # signals after which the report is not waited for
 ENOUGH = "ended as planned"  # reason of a run that `enough` ends
 
 
-class FleetLostError(Exception):
-    """A process without which the run cannot continue has ended."""
-
-
 class Fleet:
     """The processes of a run; a context manager.
 
@@ -116,12 +112,10 @@ class Fleet:
 
     def _ending(self, enough: Callable[[], bool]) -> tuple[str, str]:
         """Watch the run; verdict and reason if it is cut short, empty otherwise."""
-        try:
-            while not (self._report or STOP.requested or enough()):
-                self._take(self._bus.receive(_POLL))
-                self._check(self._poll())
-        except FleetLostError as loss:
-            return "aborted", str(loss)
+        while not (self._report or STOP.requested or enough()):
+            self._take(self._bus.receive(_POLL))
+            if loss := self._loss(self._poll()):
+                return "aborted", loss
         if self._report:
             return "", ""
         return "interrupted", INTERRUPTED if STOP.requested else ENOUGH
@@ -199,8 +193,10 @@ class Fleet:
         self._assembly.start_newcomer(robot)
         return True
 
-    def _check(self, exits: Sequence[Exit]) -> None:
-        """Raise FleetLostError without world or router, or if a process fails before the first tick."""
+    def _loss(self, exits: Sequence[Exit]) -> str:
+        """Take note of ended processes. Returns why the run cannot continue: without world or router, or if
+        a process failed before the first tick; otherwise "".
+        """
         for exit_ in exits:
             LOG.info(str(exit_))
             robot = table.robot_of(exit_.process.name)
@@ -214,7 +210,8 @@ class Fleet:
                 LOG.error(f"{exit_}; the recording ends there")
             tolerable = exit_.expected or (self._clock is not None and self._clock.tick > 0)
             if (exit_.process.vital and not self._report) or not tolerable:
-                raise FleetLostError(f"{exit_}{self._assembly.expired}")
+                return f"{exit_}{self._assembly.expired}"
+        return ""
 
     def _await_last_words(self) -> None:
         self._poll()
