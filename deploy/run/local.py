@@ -97,7 +97,7 @@ class LocalFleet:
         self.launcher = Launcher(scenario, self, self.turn)
         clock = self.network.connect()
         clock.subscribe(world_key(run, "clock"))
-        clock.node = _Follower(self._follow)
+        clock.node = self
 
     def start_world(self) -> None:
         """Start the world's node."""
@@ -128,6 +128,17 @@ class LocalFleet:
         node: Node = RobotNode(bus, self.run, robot, say=say, read=self._read)
         bus.node = node
         return node
+
+    # -- a Node, which receives the world's Clock
+
+    finished, deadline = False, float("inf")
+
+    def handle(self, event: Event) -> None:
+        if isinstance(event, Sample) and isinstance(message := decode(event.key, event.payload), Clock):
+            self._follow(message)
+
+    def wake(self, now: float) -> None:
+        """No timers."""
 
     # -- RobotProcesses
 
@@ -242,22 +253,6 @@ class LocalFleet:
         tick = world.tick
         self._run(lambda: world.tick > tick or bool(world.verdict) or STOP.requested)
         return not world.verdict
-
-
-class _Follower:
-    """A node that receives the world's Clock."""
-
-    finished, deadline = False, float("inf")
-
-    def __init__(self, follow: Callable[[Clock], None]) -> None:
-        self._follow = follow
-
-    def handle(self, event: Event) -> None:
-        if isinstance(event, Sample) and isinstance(message := decode(event.key, event.payload), Clock):
-            self._follow(message)
-
-    def wake(self, now: float) -> None:
-        """No timers."""
 
 
 def _warn(robot: int, text: str) -> None:
