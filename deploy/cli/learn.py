@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -65,6 +66,7 @@ def _certificate(name: str, scenario: Scenario) -> Certified | None:
 
 
 _MINUTES = 10.0
+_PAPER = 160  # width of a table without a terminal
 
 
 def certify(
@@ -208,27 +210,31 @@ def study(
 
     Exit status: 0 done, 1 done, but with contacts that must not happen, 2 invalid, 3 fault, 130 interrupted.
     """
-    from deploy.studies.perform import perform
+    from rich.console import Console
+
+    from deploy.software import provenance
+    from deploy.studies.execution import RunLog, execute
+    from deploy.studies.perform import built, status, table, usual_transport
     from deploy.studies.study import Shard
 
     if name != "peers":
         options.refuse({"--law": law, "--only": only}, f"study {name} compares no laws")
     if name == "scale":
         options.refuse({"--jobs": jobs}, "study scale measures speed: one run at a time")
-    if json_file is None or is_standard_output(json_file):
+    file = None if is_standard_output(json_file) else json_file
+    if file is None:
         options.refuse({"--fresh": fresh}, "no results are kept: add --json FILE")
-    status = perform(
-        name,
-        runs=runs,
-        jobs=jobs or os.cpu_count() or 1,
-        seed=seed,
-        settings=setting or (),
-        transport=transport,
-        shard=Shard() if shard is None else Shard.parse(shard),
-        target=json_file,
-        fresh=fresh,
-        quiet=quiet,
-        laws=law or (),
-        only=only or (),
-    )
-    raise typer.Exit(status)
+    check_json(json_file)
+    bus, part = transport or usual_transport(name), Shard() if shard is None else Shard.parse(shard)
+    jobs = 1 if name == "scale" else jobs or os.cpu_count() or 1
+    silent = quiet or is_standard_output(json_file)
+    found = built(name, seed, runs, transport, law or (), only or ()).adjusted(setting or ())
+    found.cells[0].build(found.cells[0].seeds[0])  # an invalid setting is found before any run
+    with RunLog(None if file is None else file.with_name(f"{file.name}.runs.jsonl"), fresh=fresh) as log:
+        outcome = execute(found, bus, log, jobs=jobs, quiet=silent, shard=part)
+    told = {"shard": str(part), "settings": setting or [], "complete": outcome.complete}
+    document = {"study": name, "rows": outcome.rows, "provenance": provenance(seed, bus, jobs) | told}
+    write_json(document, json_file)
+    if not silent:
+        Console(width=None if sys.stdout.isatty() else _PAPER).print(table(found, outcome.rows))
+    raise typer.Exit(status(found, outcome, file))

@@ -1,4 +1,4 @@
-"""The command `disknav study`: from its options to table, file and exit status."""
+"""What `disknav study` makes of its options and results: a study, its table, and the exit status."""
 
 from __future__ import annotations
 
@@ -7,20 +7,18 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console, Group, RenderableType
+from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE, check_json, is_standard_output, write_json
+from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE
 from deploy.run.options import Transport
-from deploy.software import provenance
 from deploy.studies import StudyName
 from deploy.studies.conditions import arrival, delay, robustness
-from deploy.studies.execution import RunLog, StudyOutcome, execute
+from deploy.studies.execution import StudyOutcome
 from deploy.studies.experiments import scale, tightness, tuning
 from deploy.studies.peers.study import peers
-from deploy.studies.study import Row, Shard, Study
-from protocol.errors import UsageError
+from deploy.studies.study import Row, Study
 
 _BUILD: dict[StudyName, Callable[..., Study]] = {
     "tightness": tightness,
@@ -79,66 +77,30 @@ def _cell(value: object, form: str) -> str:
     return "-" if value is None else format(value, form)
 
 
-_PAPER = 160  # width without a terminal
-
-
-def perform(
+def built(
     name: StudyName,
-    *,
-    runs: int | None = None,
-    jobs: int = 1,
-    seed: int = 0,
-    settings: Sequence[str] = (),
-    transport: Transport | None = None,
-    shard: Shard = Shard(),
-    target: Path | None = None,
-    fresh: bool = False,
-    quiet: bool = False,
-    laws: Sequence[str] = (),
-    only: Sequence[str] = (),
-) -> int:
-    """Run a study and print or write its results; returns the exit status.
-
-    Args:
-        runs: per cell, from `seed` on; default the study's own.
-        target: of the JSON document.
-        fresh: discard the results of an earlier call.
-        laws, only: arguments of `peers`.
-
-    Raises:
-        UsageError, ScenarioError: the study, a setting or the file is invalid.
-        ProcessError: a worker or a fleet was lost; repeat the call to continue.
-    """
-    bus: Transport = transport or ("routed" if name in _ON_PROCESSES else "local")
-    jobs = 1 if name == "scale" else jobs  # its figures are speeds
+    seed: int,
+    runs: int | None,
+    transport: Transport | None,
+    laws: Sequence[str],
+    only: Sequence[str],
+) -> Study:
+    """The study of this name; None for its own defaults, `laws` and `only` for `peers`."""
     arguments: dict[str, Any] = {"seed": seed} if runs is None else {"seed": seed, "runs": runs}
     if name == "scale" and transport is not None:
         arguments["transports"] = (transport,)
     if name == "peers":
         arguments |= {"laws": laws, "only": only}
-    study = _BUILD[name](**arguments).adjusted(settings)
-    file = None if is_standard_output(target) else target
-    if file is not None and not file.parent.is_dir():
-        raise UsageError(f"{file}: the folder {file.parent} does not exist")
-    check_json(target)
-    study.cells[0].build(study.cells[0].seeds[0])  # an invalid setting is found before any run
-    quiet = quiet or is_standard_output(target)
-    runs_file = None if file is None else file.with_name(f"{file.name}.runs.jsonl")
-    with RunLog(runs_file, fresh=fresh) as log:
-        outcome = execute(study, bus, log, jobs=jobs, quiet=quiet, shard=shard)
-    told = {"shard": str(shard), "settings": list(settings), "complete": outcome.complete}
-    document = {
-        "study": study.name,
-        "rows": outcome.rows,
-        "provenance": provenance(seed, bus, jobs) | told,
-    }
-    write_json(document, target)
-    if not quiet:
-        Console(width=None if sys.stdout.isatty() else _PAPER).print(table(study, outcome.rows))
-    return _status(study, outcome, file)
+    return _BUILD[name](**arguments)
 
 
-def _status(study: Study, outcome: StudyOutcome, file: Path | None) -> int:
+def usual_transport(name: StudyName) -> Transport:
+    """Where the runs of a study take place by default."""
+    return "routed" if name in _ON_PROCESSES else "local"
+
+
+def status(study: Study, outcome: StudyOutcome, file: Path | None) -> int:
+    """The exit status; says how to continue a study that was stopped."""
     if not outcome.complete:
         further = "repeat the command to continue" if file else "add --json FILE to be able to continue"
         print(f"disknav: stopped; {further}", file=sys.stderr)

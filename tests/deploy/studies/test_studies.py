@@ -8,13 +8,15 @@ from io import StringIO
 from pathlib import Path
 
 import pytest
+import typer
 from rich.console import Console
 
+from deploy.cli.learn import study as command
 from deploy.software import provenance
 from deploy.studies.conditions import LinkConditions, against, arrival, delay, robustness
 from deploy.studies.execution import RunLog, execute
 from deploy.studies.experiments import PERIOD, TOLERANCE, paper_flow, scale, tuning
-from deploy.studies.perform import perform, table
+from deploy.studies.perform import table
 from deploy.studies.study import Study, error, growth
 from protocol.errors import ScenarioError, UsageError
 
@@ -42,12 +44,14 @@ def test_a_small_study_from_runs_to_table(name: str) -> None:
     assert all(line in text.getvalue() for line in study.summary(result.rows))
 
 
-small = partial(perform, "tightness", runs=1, jobs=2, transport="local", quiet=True)
+small = partial(command, "tightness", runs=1, jobs=2, transport="local", quiet=True)
 
 
 def test_the_document_has_what_is_promised(tmp_path: Path) -> None:
     target = tmp_path / "rows.json"
-    assert small(settings=["time.step=0.05"], target=target) == 0
+    with pytest.raises(typer.Exit) as ended:
+        small(setting=["time.step=0.05"], json_file=target)
+    assert ended.value.exit_code == 0
     document = json.loads(target.read_text())
     assert document["study"] == "tightness"
     assert [row["tight"] for row in document["rows"]] == [2.44, 2.63, 2.87, 3.30, 3.45]
@@ -58,10 +62,10 @@ def test_the_document_has_what_is_promised(tmp_path: Path) -> None:
 
 
 def test_invalid_requests_start_nothing(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="does not exist"):
-        small(target=tmp_path / "nowhere" / "rows.json")
+    with pytest.raises(UsageError, match="No such file or directory"):
+        small(json_file=tmp_path / "nowhere" / "rows.json")
     with pytest.raises(ScenarioError, match="additions"):
-        small(settings=['control.additions=["slow"]'])
+        small(setting=['control.additions=["slow"]'])
 
 
 def test_the_papers_flow_is_bare() -> None:
