@@ -89,8 +89,6 @@ class StudyOutcome:
 
     rows: list[Row]
     complete: bool
-    executed: int  # runs of this call
-    reused: int  # runs of earlier calls
 
 
 class RunLog:
@@ -148,14 +146,13 @@ def execute(
     runs = shard.part(study.runs(transport, code_digest()))
     results = {(run.cell, run.seed): log.known[run.key] for run in runs if run.key in log.known}
     left = [run for run in runs if run.key not in log.known]
-    reused = len(results)
     with bar(study.name, silent=quiet) as tell, suppress(Stopped):
         for run, result in _executed(study, left, jobs):
             results[run.cell, run.seed] = result
             if result["verdict"] != FAILED:
                 log.add(run.key, result)
             tell(len(results) / len(runs))
-    return StudyOutcome(study.rows(results), len(results) == len(runs), len(results) - reused, reused)
+    return StudyOutcome(study.rows(results), len(results) == len(runs))
 
 
 def _executed(study: Study, runs: Sequence[StudyRun], jobs: int) -> Iterator[tuple[StudyRun, Result]]:
