@@ -5,14 +5,18 @@ from __future__ import annotations
 import json
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from shutil import rmtree
 from tempfile import TemporaryFile, mkdtemp
+from typing import TYPE_CHECKING
 
 from protocol.errors import UsageError
 from protocol.process.signals import STOP
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 # After a signal the exit status is 128 plus its number.
 EXIT_ARRIVED, EXIT_OTHERWISE, EXIT_INVALID, EXIT_FAULT = 0, 1, 2, 3
@@ -121,3 +125,19 @@ def bar(description: str, *, silent: bool = False) -> Iterator[Callable[..., Non
         yield tell
     finally:
         progress.stop()
+
+
+def shown(value: object, form: str) -> str:
+    """A value of a table, in this format; "-" for None."""
+    return "-" if value is None else format(value, form)
+
+
+def grid(rows: Mapping[str, str]) -> Table:
+    """A table of names and texts."""
+    from rich.table import Table
+    from rich.text import Text
+
+    found = Table.grid(padding=(0, 3))
+    for name, text in rows.items():
+        found.add_row(Text(name, style="dim"), Text(text))
+    return found

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from deploy.cli import options
-from deploy.output import bar, check_json, is_standard_output, write_json
+from deploy.output import bar, check_json, grid, is_standard_output, write_json
 from protocol.errors import RecordingError
 from protocol.process.signals import STOP
 
@@ -38,7 +37,7 @@ def info(
     summary = _summary(found)
     write_json({**summary, "streams": dict(found.counts), "result": found.result}, json_file)
     if not is_standard_output(json_file):
-        Console().print(Group(_grid(summary), _streams(found)))
+        Console().print(Group(grid(summary), _streams(found)))
 
 
 @app.command()
@@ -156,16 +155,6 @@ def _summary(recording: Recording) -> dict[str, str]:
         "file": "cut short: the messages after the cut are lost" if recording.cut else "complete",
         "trajectory": _check(recording),
     }
-
-
-def _grid(rows: Mapping[str, str]) -> Table:
-    from rich.table import Table
-    from rich.text import Text
-
-    grid = Table.grid(padding=(0, 3))
-    for name, value in rows.items():
-        grid.add_row(Text(name, style="dim"), Text(value))
-    return grid
 
 
 def _check(recording: Recording) -> str:

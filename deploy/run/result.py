@@ -10,7 +10,7 @@ from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from deploy.output import EXIT_ARRIVED, EXIT_FAULT, EXIT_OTHERWISE
+from deploy.output import EXIT_ARRIVED, EXIT_FAULT, EXIT_OTHERWISE, grid, shown
 from deploy.processes.table import is_router
 from deploy.run.options import RunOptions
 from protocol.errors import MessageError
@@ -32,6 +32,7 @@ _PROMISED = {
 }
 _UNKNOWN = ("min_clearance", "nrl", "trajectory_sha256", "positions")
 _PER_ROBOT = ("path_lengths", "lateral_deviation")
+_COLUMNS = ("robot", "arrived", "path, m", "aside, m", "pid", "restarts", "cpu, s", "memory, MB", "exit")
 _STYLES = {"arrived": "bold green", "collision": "bold red", "interrupted": "yellow"}
 
 
@@ -114,51 +115,37 @@ def table(result: Mapping[str, Any]) -> RenderableType:
 
 
 def _figures(result: Mapping[str, Any]) -> Table:
-    grid = Table.grid(padding=(0, 3))
     phi, level, messages = result["phi"], result["log_potential"], result["messages"]
     rejected = sum(messages["rejected"].values())
-    rows = [
-        ("time", f"{result['sim_time']:.2f} s simulated, {result['wall_time']:.2f} s real"),
-        ("ticks", f"{result['ticks']} at {result['ticks_per_second']:.0f} per second, {result['transport']}"),
-        ("path", f"nrl {_number(result['nrl'], 3)}, tight {_number(result['tight'])}"),
-        ("clearance", f"{_number(result['min_clearance'], 5)} m smallest, {result['collisions']} collisions"),
-        (
-            "phi",
-            f"{phi['first']:.4f} to {phi['last']:.4f}, {phi['increases']} increases",
-        ),
-        ("potential", f"log10(gamma / beta^(1/k)): {_number(level['first'])} to {_number(level['last'])}"),
-        ("control", f"{result['law']}, k = {result['k']:g}, filter {result['filter']}"),
-        (
-            "messages",
-            f"{messages['published']} published, {messages['received']} received, {rejected} rejected",
-        ),
-        ("missed", f"{result['missed_commands']} commands"),
-        ("trajectory", result["trajectory_sha256"] or "-"),
-    ]
-    for name, value in rows:
-        grid.add_row(Text(name, style="dim"), value)
-    return grid
+    first, last = (shown(level[end], ".2f") for end in ("first", "last"))
+    return grid(
+        {
+            "time": f"{result['sim_time']:.2f} s simulated, {result['wall_time']:.2f} s real",
+            "ticks": f"{result['ticks']} at {result['ticks_per_second']:.0f} per second, "
+            f"{result['transport']}",
+            "path": f"nrl {shown(result['nrl'], '.3f')}, tight {shown(result['tight'], '.2f')}",
+            "clearance": f"{shown(result['min_clearance'], '.5f')} m smallest, "
+            f"{result['collisions']} collisions",
+            "phi": f"{phi['first']:.4f} to {phi['last']:.4f}, {phi['increases']} increases",
+            "potential": f"log10(gamma / beta^(1/k)): {first} to {last}",
+            "control": f"{result['law']}, k = {result['k']:g}, filter {result['filter']}",
+            "messages": f"{messages['published']} published, {messages['received']} received, "
+            f"{rejected} rejected",
+            "missed": f"{result['missed_commands']} commands",
+            "trajectory": result["trajectory_sha256"] or "-",
+        }
+    )
 
 
 def _robots(result: Mapping[str, Any]) -> Table:
     listing = Table(box=None, padding=(0, 1), header_style="dim")
-    for column in (
-        "robot",
-        "arrived",
-        "path, m",
-        "aside, m",
-        "pid",
-        "restarts",
-        "cpu, s",
-        "memory, MB",
-        "exit",
-    ):
+    for column in _COLUMNS:
         listing.add_column(column, justify="right", no_wrap=True)
     processes = {process["name"]: process for process in result["processes"]}
     for robot in result["robots"]:
         row = processes.get(f"robot-{robot}", {})
         arrived = "yes" if robot in result["arrived"] else "no"
-        ways = [_number(result[name].get(str(robot)), 3) for name in ("path_lengths", "lateral_deviation")]
+        ways = [shown(result[name].get(str(robot)), ".3f") for name in ("path_lengths", "lateral_deviation")]
         listing.add_row(str(robot), arrived, *ways, *_process_cells(row))
     for name, row in processes.items():
         if name == "world" or is_router(name):
@@ -171,7 +158,3 @@ def _process_cells(row: Mapping[str, Any]) -> list[str]:
         return ["-"] * 5
     cells = (row["pid"], row["restarts"], f"{row['cpu_s']:.2f}", f"{row['max_rss_mb']:.0f}", row["exit_code"])
     return ["" if cell is None else str(cell) for cell in cells]
-
-
-def _number(value: float | None, digits: int = 2) -> str:
-    return "-" if value is None else f"{value:.{digits}f}"

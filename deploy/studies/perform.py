@@ -11,7 +11,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE
+from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE, shown
 from deploy.run.options import Transport
 from deploy.studies import StudyName
 from deploy.studies.conditions import arrival, delay, robustness
@@ -69,12 +69,8 @@ def table(study: Study, rows: Sequence[Row]) -> RenderableType:
     for _, title, form in columns:
         listing.add_column(title, justify="left" if form == "" else "right")
     for row in rows:
-        listing.add_row(*(_cell(row.get(name), form) for name, _, form in columns))
+        listing.add_row(*(shown(row.get(name), form) for name, _, form in columns))
     return Group(listing, *(Text(line) for line in study.summary(rows)))
-
-
-def _cell(value: object, form: str) -> str:
-    return "-" if value is None else format(value, form)
 
 
 def built(

@@ -9,6 +9,7 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
+from deploy.output import shown
 from deploy.telemetry.monitor.snapshot import Source
 from protocol.process.signals import STOP
 
@@ -68,14 +69,10 @@ def _cells(row: dict[str, Any]) -> list[str]:
         str(row["id"]),
         mark + row["status"],
         f"{1000 * row['distance']:.1f}",
-        _number(row["age"], 1),
-        _number(row["age_ticks"], 0),
-        _number(row["rate"], 0),
-        _number(None if row["bound"] is None else 1000 * row["bound"], 1),
+        shown(row["age"], ".1f"),
+        shown(row["age_ticks"], ".0f"),
+        shown(row["rate"], ".0f"),
+        shown(None if row["bound"] is None else 1000 * row["bound"], ".1f"),
         str(row["rejected"]),
         str(row["restarts"]),
     ]
-
-
-def _number(value: float | None, digits: int) -> str:
-    return "-" if value is None else f"{value:.{digits}f}"
