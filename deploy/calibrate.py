@@ -15,8 +15,6 @@ from typing import Final, NamedTuple
 from agents.bases import dialects as ros
 from agents.bases.dialects import Topic
 from agents.bases.ros_messages import (
-    NANO,
-    Header,
     Odometry,
     Pose,
     StampedPose,
@@ -49,7 +47,6 @@ class Row(NamedTuple):
     """A position from odometry or from a pose."""
 
     time: float  # s, of arrival
-    stamp: float  # s, by the clock of its publisher
     x: float  # m
     y: float
     yaw: float  # rad, without jumps
@@ -118,17 +115,16 @@ class Calibration:
         if topic == self.hears[0]:
             message = decode(Odometry, payload)
             ahead, rate = message.velocity.linear[0], message.velocity.angular[2]
-            self._note(self.log.odometry, now, message.header, message.pose, ahead, rate)
+            self._note(self.log.odometry, now, message.pose, ahead, rate)
         else:
-            located = decode(StampedPose, payload)
-            self._note(self.log.poses, now, located.header, located.pose)
+            self._note(self.log.poses, now, decode(StampedPose, payload).pose)
 
-    def _note(self, rows: list[Row], now: float, header: Header, pose: Pose, *speeds: float) -> None:
+    def _note(self, rows: list[Row], now: float, pose: Pose, *speeds: float) -> None:
         yaw = planar_yaw(pose)
         if yaw is not None:
             last = rows[-1].yaw if rows else 0.0
             x, y, _ = pose.position
-            rows.append(Row(now, header.stamp / NANO, x, y, last + wrapped(yaw - last), *speeds))
+            rows.append(Row(now, x, y, last + wrapped(yaw - last), *speeds))
 
     def wake(self, now: float) -> None:
         """Publish the command that is due."""
@@ -236,7 +232,7 @@ def _within(rows: Sequence[Row], end: float) -> list[Row]:
 
 def _mean(rows: Sequence[Row], end: float) -> Row:
     chosen = _within(rows, end)
-    return Row(end, 0.0, *(fmean(getattr(row, name) for row in chosen) for name in ("x", "y", "yaw")))
+    return Row(end, *(fmean(getattr(row, name) for row in chosen) for name in ("x", "y", "yaw")))
 
 
 def _farthest(rows: Sequence[Row], mean: Row, end: float) -> float:

@@ -37,11 +37,6 @@ class Cell:
     seeds: Sequence[int]
     transport: Transport | None = None  # default: the study's
 
-    @property
-    def name(self) -> str:
-        """The labels on one line."""
-        return ", ".join(f"{key} {value}" for key, value in self.labels.items())
-
 
 @dataclass(frozen=True)
 class StudyRun:
