@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
@@ -44,22 +44,9 @@ class Routed:
     def __init__(self, endpoint: Endpoint, membership: KeyRing) -> None:
         self.membership, self.endpoint = membership, endpoint
 
-    def world(self) -> Connection:
-        return self._client(WORLD, self.endpoint)
-
-    def robot(self, robot: int) -> Connection:
-        return self._client(robot_role(robot), self.endpoint)
-
-    def observer(self) -> Connection:
-        """Connection of a monitor."""
-        return self._client(MONITOR, self.endpoint)
-
-    def viewer(self) -> Connection:
-        """Connection of a live page: an operator if the operator's key is available."""
-        return self._client(self.membership.viewer, self.endpoint)
-
-    def _client(self, role: str, endpoint: Endpoint) -> Connection:
-        return self.membership.client(role, (endpoint,))
+    def connection(self, role: str) -> Connection:
+        """Connection of a process, or of a monitor or operator on this host."""
+        return self.membership.client(role, (self.endpoint,))
 
 
 class MultiHost(Routed):
@@ -79,13 +66,13 @@ class MultiHost(Routed):
         )
         return self._moved(connection, host)
 
-    def world(self) -> Connection:
-        return self._moved(super().world(), self.hosts.world_host)
-
-    def robot(self, robot: int) -> Connection:
+    def connection(self, role: str) -> Connection:
         """Raises UsageError for a robot that is on no host of the table."""
-        host = self.hosts.host_of(robot)
-        return self._moved(self._client(robot_role(robot), self._router_of(host)), host)
+        robot = table.robot_of(role)
+        if robot is None and role != WORLD:
+            return super().connection(role)
+        host = self.hosts.world_host if robot is None else self.hosts.host_of(robot)
+        return self._moved(self.membership.client(role, (self._router_of(host),)), host)
 
     def _router_of(self, host: Host) -> Endpoint:
         return Endpoint.at(self.membership.protocol, host.address, host.port)
@@ -108,30 +95,21 @@ class Mesh:
     """
 
     folder: Path
-    robots: tuple[int, ...]
+    roles: tuple[str, ...]  # of all processes that listen
 
-    def world(self) -> Connection:
-        return Connection("peer", listen=(self._endpoint("world"),))
+    def connection(self, role: str) -> Connection:
+        """Connection of a process; or of a monitor to all processes, which does not listen."""
+        if role not in self.roles:
+            return Connection("peer", connect=tuple(map(self._endpoint, self.roles)))
+        before = self.roles[: self.roles.index(role)]
+        return Connection("peer", connect=tuple(map(self._endpoint, before)), listen=(self._endpoint(role),))
 
-    def robot(self, robot: int) -> Connection:
-        before = ["world", *map(str, self.robots[: self.robots.index(robot)])]
-        return Connection("peer", connect=self._endpoints(before), listen=(self._endpoint(str(robot)),))
+    def joined(self, role: str) -> Mesh:
+        """The mesh with another process at its end."""
+        return self if role in self.roles else replace(self, roles=(*self.roles, role))
 
-    def joined(self, robot: int) -> Mesh:
-        """The mesh with another robot at its end."""
-        return self if robot in self.robots else replace(self, robots=(*self.robots, robot))
-
-    def observer(self) -> Connection:
-        """Connection of a monitor to all processes; it does not listen."""
-        return Connection("peer", connect=self._endpoints(["world", *map(str, self.robots)]))
-
-    viewer = observer
-
-    def _endpoints(self, names: Iterable[str]) -> tuple[Endpoint, ...]:
-        return tuple(self._endpoint(name) for name in names)
-
-    def _endpoint(self, name: str) -> Endpoint:
-        return Endpoint(f"unixsock-stream/{self.folder / name}")
+    def _endpoint(self, role: str) -> Endpoint:
+        return Endpoint(f"unixsock-stream/{self.folder / role}")
 
 
 Topology = Routed | Mesh
@@ -201,7 +179,7 @@ class Assembly:
         return [self._robot(robot, core_of(turn, together)) for turn, robot in enumerate(ids)]
 
     def _robot(self, robot: int, core: int | None = None) -> Process:
-        options, connection = self._options, self.topology.robot(robot)
+        options, connection = self._options, self.topology.connection(robot_role(robot))
         return table.robot(connection, options.run, robot, options.restarts, core)
 
     def start_newcomer(self, robot: int) -> None:
@@ -211,7 +189,7 @@ class Assembly:
             self.supervisor.restart(name)
             return
         if isinstance(self.topology, Mesh):
-            self.topology = self.topology.joined(robot)
+            self.topology = self.topology.joined(name)
         try:
             self.supervisor.start([self._robot(robot)])
         except DisknavError as error:
@@ -220,7 +198,7 @@ class Assembly:
     def _begin(self, stack: ExitStack) -> Topology:
         options = self._options
         if options.transport == "mesh":
-            return Mesh(self._folder, self._scenario.ids)
+            return Mesh(self._folder, (WORLD, *map(robot_role, self._scenario.ids)))
         membership = KeyRing(options.secure)
         membership.run(options.run)  # refuses keys of another run
         self._ends = membership.end()
@@ -230,7 +208,7 @@ class Assembly:
             )
         if options.router is not None:
             topology = Routed(membership.endpoint(options.router), membership)
-            with closing(ZenohBus(topology.observer())) as bus:
+            with closing(ZenohBus(topology.connection(MONITOR))) as bus:
                 look_for_others(bus, options.run)
             return topology
         if options.hosts is not None:
@@ -278,7 +256,7 @@ class Assembly:
         run, topology = self._options.run, self.topology
         options = self._options
         world = table.world(
-            topology.world(),
+            topology.connection(WORLD),
             run,
             self._scenario,
             options.lockstep,
@@ -289,7 +267,15 @@ class Assembly:
         self.supervisor.start([world])
         if self._record is not None and self.result is not None:
             away = AWAY if options.restarts else 0.0
-            arguments = (topology.observer(), run, self._record, self.result, options.rotation, away, False)
+            arguments = (
+                topology.connection(MONITOR),
+                run,
+                self._record,
+                self.result,
+                options.rotation,
+                away,
+                False,
+            )
             row = Process(
                 table.RECORDER,
                 "deploy.telemetry.recording.recorder:main",

@@ -16,6 +16,7 @@ from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.result import INTERRUPTED, Result, complete, unjudged
+from deploy.security.membership import KeyRing
 from deploy.telemetry.monitor.watcher import Attachment, Watcher
 from deploy.telemetry.plot.draw import check, draw
 from deploy.telemetry.recording.writer import ONE_FILE
@@ -34,7 +35,7 @@ def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[str]:
     """
     from deploy.telemetry.monitor.web import Server
 
-    source = _watch(fleet, options.run)
+    source = _watch(fleet, options)
     server = Server(source)
     print(f"live page: {server.link}", file=sys.stderr, flush=True)
     try:
@@ -45,11 +46,12 @@ def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[str]:
             source.close()
 
 
-def _watch(fleet: Fleet | LocalFleet, run: str) -> Watcher:
+def _watch(fleet: Fleet | LocalFleet, options: RunOptions) -> Watcher:
     if isinstance(fleet, Fleet):
-        return Attachment(ZenohBus(fleet.topology.viewer()), run)
+        viewer = KeyRing(options.secure).viewer
+        return Attachment(ZenohBus(fleet.topology.connection(viewer)), options.run)
     bus = fleet.network.connect()
-    watcher = bus.node = Watcher(bus, run)
+    watcher = bus.node = Watcher(bus, options.run)
     return watcher
 
 

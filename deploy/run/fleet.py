@@ -16,7 +16,7 @@ from deploy.run.assembly import Assembly, Topology, places
 from deploy.run.launcher import Launcher
 from deploy.run.options import RunOptions
 from deploy.run.result import INTERRUPTED, Report, read_report, unjudged
-from deploy.security.roster import WORLD, robot_role
+from deploy.security.roster import MONITOR, WORLD, robot_role
 from protocol.bus.bus import Event, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
@@ -89,7 +89,7 @@ class Fleet:
         return self._assembly.topology
 
     def _listen(self, stack: ExitStack) -> None:
-        self._bus = ZenohBus(self.topology.observer())
+        self._bus = ZenohBus(self.topology.connection(MONITOR))
         stack.callback(self._bus.close)
         self._bus.subscribe(world_key(self._options.run, "clock"))
 

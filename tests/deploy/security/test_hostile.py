@@ -60,7 +60,7 @@ def test_lies_without_the_right_to_write_change_nothing(keys: Path) -> None:
     def watch(clock: Clock) -> None:
         nonlocal told
         if not lying and clock.tick >= 2:
-            router = fleet.topology.observer().connect
+            router = fleet.topology.connection("monitor").connect
             for role, own in (("robot-2", 2), ("monitor", None)):
                 bus = stack.enter_context(closing(ZenohBus(KeyRing(keys).client(role, router))))
                 assert answers(bus, own) == []

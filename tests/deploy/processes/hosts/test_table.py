@@ -46,7 +46,7 @@ def test_what_runs_where() -> None:
 def test_a_robot_that_was_added_is_on_no_host() -> None:
     hosts = parse_hosts(tomllib.loads(GOOD), (1, 2, 3))
     with pytest.raises(UsageError, match=r"\(base, left\) runs robot 7: `disknav node robot 7 --run"):
-        MultiHost(hosts, KeyRing(None), {}).robot(7)
+        MultiHost(hosts, KeyRing(None), {}).connection("robot-7")
 
 
 def test_robots_that_orders_add_may_be_on_a_host() -> None:
