@@ -15,7 +15,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count
 from multiprocessing.connection import Connection as Channel
@@ -147,18 +147,8 @@ News = Started | ProcessReport | Exited | Facts
 
 MAX_NEWS = 1 << 23  # bytes; twice the largest result
 
-_encoder = msgspec.msgpack.Encoder()
-_decoder = msgspec.msgpack.Decoder(News)
-
-
-def encode_news(news: News) -> bytes:
-    return _encoder.encode(news)
-
-
-def decode_news(payload: bytes) -> News:
-    """Inverse of `encode_news`; raises one of `protocol.codec.DAMAGED`."""
-    decoded: News = _decoder.decode(payload)
-    return decoded
+encode_news: Callable[[News], bytes] = msgspec.msgpack.Encoder().encode
+decode_news: Callable[[bytes], News] = msgspec.msgpack.Decoder(News).decode  # raises `protocol.codec.DAMAGED`
 
 
 MODULES: Sequence[str] = (
