@@ -138,14 +138,7 @@ def _check_options(given: Mapping[str, Any]) -> None:
         options.refuse({"--speed": given["speed"]}, "real time has one speed: use --mode lockstep")
     if given["hosts"] is None:
         options.refuse({"--open": given["open_to_all"]}, "it allows --hosts without --secure")
-    elif given["listen"]:
-        options.refuse({"--listen": given["listen"]}, "the table says where each router listens")
-    if given["router"] is not None:
-        options.refuse(
-            {"--listen": given["listen"]}, "--router names a router that runs already: no other is started"
-        )
     if given["transport"] != "routed":
-        options.refuse({"--listen": given["listen"]}, f"transport {given['transport']} has no router")
         options.refuse({"--keep": given["keep"]}, "orders need a router: leave out --transport")
     if given["keep"]:
         options.refuse({"--plot": given["plot"]}, "add --record, then use disknav recording plot")

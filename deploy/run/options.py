@@ -63,6 +63,10 @@ class RunOptions:
             raise UsageError("--restart needs processes of their own: leave out --transport local")
         if self.hosts is not None and (self.transport != "routed" or self.router is not None):
             raise UsageError("--hosts starts a router on every host: leave out --transport and --router")
+        if self.listen is not None and (self.transport != "routed" or self.router or self.hosts):
+            raise UsageError(
+                "--listen is for the one router that is started: leave out --transport, --router and --hosts"
+            )
         if (
             self.hosts is not None
             and self.secure is None
