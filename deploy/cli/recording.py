@@ -123,7 +123,7 @@ def replay(
     if trajectory is not None:
         typer.echo(f"trajectory {trajectory.sha256}, as in the result{trajectory.remark}")
     else:
-        typer.echo("trajectory not compared: this file lacks the result or the beginning of the run")
+        typer.echo("trajectory not compared: this file lacks the world's result or the beginning of the run")
     if ros2 is not None:
         from deploy.telemetry.recording.replay import export
 
@@ -164,9 +164,10 @@ def _check(recording: Recording) -> str:
         found = recomputed(recording)
     except RecordingError as error:
         return f"cannot be checked: {error}"
-    if recording.result is None:
+    said = (recording.result or {}).get("trajectory_sha256")
+    if said is None:
         return f"{found.sha256}, no result to compare with{found.remark}"
-    same = found.sha256 == recording.result.get("trajectory_sha256")
+    same = found.sha256 == said
     return f"{found.sha256}, {'as in the result' if same else 'NOT the one in the result'}{found.remark}"
 
 

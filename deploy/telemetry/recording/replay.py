@@ -141,7 +141,7 @@ def _known(recording: Recording) -> dict[int, _Plane]:
     for tick, positions in zip(recorded.ticks.tolist(), recorded.positions, strict=True):
         there = ~np.isnan(positions[:, 0])
         known[tick] = _Plane(tuple(recorded.robots[there].tolist()), positions[there])
-    final = {int(robot): tuple(place) for robot, place in result.get("positions", {}).items()}
+    final = {int(robot): tuple(place) for robot, place in (result.get("positions") or {}).items()}
     if final and "ticks" in result:
         robots = tuple(sorted(final))
         known.setdefault(result["ticks"], _Plane(robots, [final[robot] for robot in robots]))
@@ -192,14 +192,15 @@ def published(recording: Recording, run: str | None = None) -> Iterator[tuple[fl
 
 
 def verify(recording: Recording) -> CheckedTrajectory | None:
-    """The recomputed trajectory; None if the recording has no result or no beginning.
+    """The recomputed trajectory; None if the recording has no beginning, or no hash in a result.
 
     Raises:
         RecordingError: it differs from the result's, or cannot be recomputed.
     """
-    if recording.result is None or recording.preceding:
+    said = (recording.result or {}).get("trajectory_sha256")  # None: of a world that was lost
+    if said is None or recording.preceding:
         return None
-    found, said = recomputed(recording), recording.result.get("trajectory_sha256")
+    found = recomputed(recording)
     if found.sha256 != said:
         raise RecordingError(
             f"{recording.path}: the recorded trajectory has hash {found.sha256}, its result says {said}: "

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from mcap.writer import Writer
 
-from deploy.cli.recording import info, replay
+from deploy.cli.recording import _check, info, replay
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.telemetry.plot import draw
@@ -81,6 +81,9 @@ def _is_measurement(message: Message, robot: int, tick: int) -> bool:
 
 def test_without_a_result_there_is_nothing_to_compare(recording):
     assert verify(replace(recording, result=None)) is None
+    of_a_lost_world = recording.result | {"positions": None, "trajectory_sha256": None}
+    assert verify(replace(recording, result=of_a_lost_world)) is None
+    assert "no result to compare with" in _check(replace(recording, result=of_a_lost_world))
 
 
 def test_everything_is_published_again_in_order(recording):
