@@ -1,9 +1,8 @@
 """Hosts with a router each; an attacker with all keys of one of them publishes in the name of the others."""
 
-import threading
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,8 +15,8 @@ from deploy.security.roster import Home, KeyRoster
 from protocol.bus.bus import Presence, Query, Sample
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
-from protocol.errors import BusError, CertificateError, UsageError
-from protocol.keys import QUESTIONS, ROBOT_STREAMS, STREAMS, everything, robot_key, world_key
+from protocol.errors import CertificateError, UsageError
+from protocol.keys import ROBOT_STREAMS, STREAMS, everything, robot_key, world_key
 from tests.deploy.processes.ports import free_ports
 from tests.until import until
 
@@ -64,9 +63,6 @@ class Field:
             supervisor.report(table.router_role(host), 20.0)
         self.world, self.spy = self.client("world", "a"), self.client("monitor", "a")
         self.honest = self.client("robot-2", "b")
-        for question in QUESTIONS:
-            for key in keys_of(question.name):
-                self.world.serve(key)
         self.honest.subscribe(robot_key(RUN, 2, "tick"), STATES)
         self.spy.subscribe(ALL)
         self.spy.watch(ALL)
@@ -93,22 +89,6 @@ class Field:
 
     def _open(self, connection: Connection) -> ZenohBus:
         return self._stack.enter_context(closing(ZenohBus(connection)))
-
-    @contextmanager
-    def answering(self) -> Iterator[None]:
-        done = threading.Event()
-
-        def answer() -> None:
-            while not done.is_set():
-                event = self.world.receive(0.05)
-                if isinstance(event, Query):
-                    event.reply(event.key.encode())
-
-        thread = threading.Thread(target=answer)
-        thread.start()
-        yield
-        done.set()
-        thread.join()
 
 
 @pytest.fixture
@@ -156,25 +136,6 @@ def test_with_everything_of_a_host_one_speaks_for_its_robots_only(field: Field) 
     heard(field.spy, b"for the world")
     overheard = iter(lambda: field.rogue.receive(0.2), None)
     assert not any(isinstance(event, Sample | Query) for event in overheard)
-
-
-def test_a_robot_that_joins_proves_its_id(field: Field) -> None:
-    with field.answering():
-        field.rogue.serve(f"disknav/{RUN}/**")
-        for robot in ROSTER.robots:
-            key = robot_key(RUN, robot, "join")
-            if f"robot/{robot}" in OWN:
-                assert field.rogue.ask(key, b"", 5.0) == [key.encode()]
-            else:
-                with pytest.raises(BusError, match="no answer under"):
-                    field.rogue.ask(key, b"", 0.3)
-        others = [question.name for question in QUESTIONS if question.asked_by != "itself"]
-        assert {"steering", "scenario"} <= set(others)
-        for key in [key for name in others for key in keys_of(name)]:  # nor is it a monitor, or an operator
-            with pytest.raises(BusError, match="no answer under"):
-                field.rogue.ask(key, b"", 0.2)
-        key = robot_key(RUN, 2, "join")
-        assert field.honest.ask(key, b"", 5.0) == [key.encode()]
 
 
 def test_a_host_needs_its_own_keys_only(keys: Path, tmp_path: Path) -> None:

@@ -14,7 +14,6 @@ import msgspec
 import pytest
 
 from deploy.library.load import load
-from deploy.output import EXIT_FAULT
 from deploy.processes import table
 from deploy.processes.hosts.table import parse_hosts
 from deploy.processes.supervisor import Supervisor
@@ -167,15 +166,6 @@ def test_a_world_under_another_launcher(tmp_path: Path) -> None:
     assert "world: goes on at tick 60" in again.stderr
     assert unhurt(json.loads(again.stdout))
     assert not checkpoint.exists()
-
-
-def test_a_checkpoint_that_cannot_be_created_is_named(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "disknav", "node", "world", PAIR.name, "--run", fresh_run_name()]
-    command += ["--checkpoint", str(tmp_path / ("n" * 300))]
-    ended = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
-    assert ended.returncode == EXIT_FAULT
-    assert "cannot be kept: File name too long" in ended.stderr
-    assert "Traceback" not in ended.stderr
 
 
 def _steer(connection: Connection, run: str, steer: Steer) -> None:
