@@ -1,13 +1,12 @@
 """The study behind k = "auto": random instances, the exact flow, several multiples of the rule.
 
-Run `python -m tests.benchmarks.theory.auto_k --write` to measure again and rewrite docs/results/auto-k.md.
+Run `python -m tests.benchmarks.theory.auto_k` to print the tables of docs/results/auto-k.md anew.
 """
 
 import argparse
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,8 +43,6 @@ ROBOTS = (3, 4, 6, 8, 12, 16, 24, 32)
 DENSITIES = (0.10, 0.20, 0.30, 0.35)
 RATIOS = (1.0, 2.0)
 FACTORS = (0.25, 0.5, 1.0, 2.0, 4.0)
-MARKER = "<!-- measured -->"
-REPORT = Path(__file__).parents[3] / "docs" / "results" / "auto-k.md"
 
 
 @dataclass(frozen=True)
@@ -124,17 +121,9 @@ def summary(rows: Sequence[Row]) -> str:
 
 
 def main() -> None:
-    """Measure, and print the tables or put them into docs/results/auto-k.md below its marker."""
     parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.theory.auto_k", description=__doc__)
     parser.add_argument("--runs", type=int, default=40, help="instances per cell")
-    parser.add_argument("--write", action="store_true", help=f"replace the tables in {REPORT.name}")
-    options = parser.parse_args()
-    tables = summary(list(auto_k_study(options.runs)))
-    if options.write:
-        head = REPORT.read_text().split(MARKER)[0]
-        REPORT.write_text(head + MARKER + "\n\n" + tables)
-    else:
-        print(tables)
+    print(summary(list(auto_k_study(parser.parse_args().runs))))
 
 
 if __name__ == "__main__":

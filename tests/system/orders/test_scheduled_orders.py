@@ -1,7 +1,6 @@
 """Orders that stand in a scenario: carried out in their ticks, the same on every bus, or refused."""
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,7 +11,6 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from protocol.scenario.model import Journey, Obstacle, Order, ProcessFault, RobotSpec, Scenario, Time
 from tests.campaigns.observe import observe
-from tests.mortal import MortalFleet
 
 GUEST = RobotSpec(3, 0.03, (0.2, 0.1), (-0.2, 0.1))
 EVERYTHING = resolved(
@@ -41,11 +39,6 @@ def report() -> dict[str, Any]:
     return LocalFleet(EVERYTHING).execute()
 
 
-def assert_at_goals(report: dict[str, Any]) -> None:
-    assert report["positions"]["1"] == pytest.approx((-0.2, 0.0), abs=0.006)
-    assert report["positions"]["2"] == pytest.approx((0.0, -0.2), abs=0.006)
-
-
 def test_all_are_carried_out_and_what_cannot_be_is_refused(report: dict[str, Any]) -> None:
     assert (report["verdict"], report["collisions"], report["robots"]) == ("arrived", 0, [1, 2])
     assert [order["tick"] for order in report["orders"]] == [10, 20, 30, 40, 50, 60, 61, 80, 80, 84, 86]
@@ -54,7 +47,8 @@ def test_all_are_carried_out_and_what_cannot_be_is_refused(report: dict[str, Any
     assert refused[0] == "there is no obstacle 1"
     assert "no robot 3" in refused[1]
     assert report["faults"]["given_up"] == []
-    assert_at_goals(report)
+    assert report["positions"]["1"] == pytest.approx((-0.2, 0.0), abs=0.006)
+    assert report["positions"]["2"] == pytest.approx((0.0, -0.2), abs=0.006)
     assert report["path_lengths"]["2"] > 0.1  # of both that had this id
 
 
@@ -76,22 +70,6 @@ def test_real_processes_drive_the_same_trajectory(report: dict[str, Any]) -> Non
     assert found["faults"]["given_up"] == []
     assert {row["name"] for row in rows} == {"world", "robot-1", "robot-2", "robot-3"}
     assert {row["exit_code"] for row in rows} == {0}
-
-
-@pytest.mark.slow
-def test_worlds_that_died_have_asked_for_the_same(report: dict[str, Any], tmp_path: Path) -> None:
-    deaths = [15, 31, 45, 60, 61, 85]
-    with MortalFleet(EVERYTHING, tmp_path / "checkpoint") as fleet:
-        for tick in deaths:
-            for _ in range(tick - fleet.world.world.tick):
-                fleet.step()
-            fleet.kill_world()
-            fleet.start_world()
-        found = fleet.execute()
-    assert (found["verdict"], found["collisions"], found["robots"]) == ("arrived", 0, [1, 2])
-    assert (found["worlds"], found["orders"]) == (deaths, report["orders"])
-    assert found["faults"]["process"] == report["faults"]["process"]
-    assert_at_goals(found)
 
 
 def test_a_later_life_of_one_process_hears_peers_that_the_first_did_not_know() -> None:
