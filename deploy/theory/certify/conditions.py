@@ -11,6 +11,7 @@ it holds for all their numbers; each branch below is correct in either case.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
 from itertools import combinations
 
 from deploy.theory.certify.certificate import GoalSet
@@ -50,14 +51,6 @@ def scale(w: Ends, b: Ends) -> Ends:
 
 def mul(a: Ends, b: Ends) -> Ends:
     """a b, both finite."""
-    if a[0] >= 0:
-        return scale(a, b)
-    if b[0] >= 0:
-        return scale(b, a)
-    if a[1] <= 0:
-        return negative(scale(negative(a), b))
-    if b[1] <= 0:
-        return negative(scale(negative(b), a))
     s, t, u, v = a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]
     return s.min(t).min(u.min(v)), s.max(t).max(u.max(v))
 
@@ -65,11 +58,7 @@ def mul(a: Ends, b: Ends) -> Ends:
 def square(a: Ends) -> Ends:
     """a^2."""
     s, t = a[0] * a[0], a[1] * a[1]
-    if a[0] >= 0:
-        return s, t
-    if a[1] <= 0:
-        return t, s
-    return ZERO, s.max(t)
+    return s.min(t) if a[0] > 0 or a[1] < 0 else ZERO, s.max(t)
 
 
 def over(a: Ends, b: Ends) -> Ends:
@@ -139,11 +128,8 @@ class BoxConditions:
     def derive(self) -> bool:
         """Derive y, gamma, s, d, beta from b; narrow lambda by beta, and beta by lambda."""
         self.y = [sub(self.b(row), (g, g)) for row, g in enumerate(self.g)]
-        gamma = (ZERO, ZERO)
-        for y in self.y:
-            gamma = add(gamma, square(y))
-        self.gamma = gamma
-        self.s = scale(gamma, self.b(len(self.rows) - 1))
+        self.gamma = _sum([square(y) for y in self.y])
+        self.s = scale(self.gamma, self.b(len(self.rows) - 1))
         self.d: list[list[Ends]] = []
         self.beta: list[Ends] = []
         return all(self._derive(q, i, j) for q, (i, j) in enumerate(self.factors))
@@ -310,10 +296,7 @@ def _quotient(s: Ends, by: list[arb]) -> Ends:
 
 
 def _sum(terms: list[Ends]) -> Ends:
-    total = (ZERO, ZERO)
-    for term in terms:
-        total = add(total, term)
-    return total
+    return reduce(add, terms, (ZERO, ZERO))
 
 
 def whole(goals: GoalSet, kappa: Ends) -> Rows:
