@@ -18,7 +18,7 @@ from deploy.run.local import LocalFleet
 from disknav import Simulation
 from protocol.errors import LawError, UsageError
 from protocol.messages import Vector
-from protocol.scenario.model import Control, ProcessFault, Scenario
+from protocol.scenario.model import Control, Scenario
 from protocol.scenario.network import Link
 
 PAGE = Path(__file__).parents[3] / "docs" / "guides" / "law.md"
@@ -74,18 +74,6 @@ def test_the_example_of_the_page_brings_a_swap_home_behind_lines(tmp_path: Path,
     one, again = (LocalFleet(scenario).execute() for _ in range(2))
     assert (one["verdict"], one["collisions"]) == ("arrived", 0), one["reason"]
     assert one["trajectory_sha256"] == again["trajectory_sha256"]
-
-
-@pytest.mark.slow
-def test_lines_keep_what_wants_to_collide_apart_under_delay_loss_and_a_killed_process(write: Write) -> None:
-    law = write("return (-9 * view.position[0], -9 * view.position[1])")
-    faults = (ProcessFault(2, 1.0, "kill"),)
-    scenario = under(law, "swap-8", link=Link(delay=(0.0, 0.3), loss=0.3), process=faults)
-    scenario = replace(scenario, time=replace(scenario.time, limit=8.0))
-    behind = LocalFleet(scenario).execute()
-    assert behind["collisions"] == 0
-    bare = LocalFleet(replace(scenario, control=replace(scenario.control, filter="none"))).execute()
-    assert bare["collisions"] > 0
 
 
 def test_a_module_and_an_entry_point_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
