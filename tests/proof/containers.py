@@ -2,46 +2,55 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache, cached_property
-from operator import itemgetter
 from typing import Any
+
+from tests.proof.symbolic import expression
 
 
 class Frame:
-    """What objects were: all of their fields that no rule names keep the very same values, fields that the
-    state has no number for as well.
+    """What a ledger or robot was, and all that the kernel keeps within it, by its place. What is within
+    another thing at the same place is not looked at: the state has numbers for it, or claims.
 
     Args:
-        things: each with the names of the fields that may change; a dictionary has entries.
+        thing: it.
+        may_change: a pattern of places.
     """
 
-    def __init__(self, *things: tuple[Any, str]) -> None:
-        self._things = things
-        self._before = self._now()
+    def __init__(self, thing: Any, may_change: str) -> None:
+        self._thing, self._may_change = thing, may_change
+        self._before = dict(_places(thing))
 
-    def _now(self) -> list[Any]:
-        return [
-            each
-            for thing, changing in self._things
-            for item in (thing.items() if isinstance(thing, dict) else _fields_of(thing))
-            if not changing or item[0] not in changing.split()
-            for each in (*item, getattr(item[1], "appended", ()))
-        ]
+    @property
+    def changed(self) -> dict[tuple[str, ...], tuple[Any, Any]]:
+        """Places that have something else, with what they had and what they have."""
+        before, now = self._before, dict(_places(self._thing))
+        found = {place: (before.get(place, self), now.get(place, self)) for place in before | now}
+        found = {place: both for place, both in found.items() if both[0] is not both[1]}
+        within = {place for place in found if any(place[:end] in found for end in range(len(place)))}
+        return {place: both for place, both in found.items() if place not in within}
 
     @property
     def holds(self) -> bool:
-        """Whether nothing else has changed."""
-        now = self._now()
-        return len(now) == len(self._before) and all(map(_is_kept, self._before, now))
+        """Whether nothing else has changed; a field that may be None has been looked at."""
+        return all(
+            re.fullmatch(self._may_change, "/".join(place))
+            or (isinstance(before, Optional) and now is before.found())
+            for place, (before, now) in self.changed.items()
+        )
 
 
-def _fields_of(thing: Any) -> list[tuple[str, Any]]:
-    return sorted((vars(type(thing)).get("optional", {}) | vars(thing)).items(), key=itemgetter(0))
-
-
-def _is_kept(before: Any, now: Any) -> bool:
-    return now is before or (isinstance(before, Optional) and now is before.found())
+def _places(thing: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    yield place, thing
+    inner = thing if isinstance(thing, dict) else {}
+    if isinstance(thing, Some):
+        inner = {"appended": thing.appended}
+    elif type(thing).__module__.startswith("protocol.kernel"):
+        inner = vars(type(thing)).get("optional", {}) | vars(thing)
+    for name, each in inner.items():
+        yield from _places(each, (*place, name if isinstance(name, str) else expression(name).sexpr()))
 
 
 class Optional(cached_property[Any]):
@@ -54,8 +63,9 @@ class Optional(cached_property[Any]):
 
 def with_optional(made: Any, **fields: tuple[Any, Any]) -> Any:
     """An object with fields that have a value under a condition each."""
-    optional = {name: Optional(*field) for name, field in fields.items()}
-    made.__class__ = type(type(made).__name__, (type(made),), {**optional, "optional": optional})
+    kind, optional = type(made), {name: Optional(*field) for name, field in fields.items()}
+    also = {"optional": optional, "__module__": kind.__module__}
+    made.__class__ = type(kind.__name__, (kind,), optional | also)
     for name in fields:
         delattr(made, name)
     return made

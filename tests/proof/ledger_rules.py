@@ -40,26 +40,28 @@ Besides = Callable[[str, Outcome], None]  # what else happens to the disk
 
 _PLACES = {name: z3.Int(f"{x}.first place") for name, x in NAMES.items()}
 _BECOMES = {"announce": ANNOUNCED, "appear": PRESENT, "remove": GONE}  # a disk's phase, once a rule says so
-_REGIONS = "acknowledged granted regions"
-_CHANGES = {  # fields of its disk, and of no other; `all` its bindings with others, `new` the disk itself
-    "rejoin": "life", "settle": _REGIONS, "acknowledge": _REGIONS, "grant": f"all still {_REGIONS}",
-    "fence": f"all life still {_REGIONS}", "announce": "all new", "appear": "phase", "remove": "all phase",
+_REGIONS = "/held/(acknowledged|granted|regions(/appended)?)"
+_CHANGES = {  # of its disk, and of no other: fields, or the disk itself; and its bindings with third ones
+    "rejoin": "/life", "settle": _REGIONS, "acknowledge": _REGIONS, "grant": f"/still|{_REGIONS}",
+    "fence": f"/life|/still|{_REGIONS}", "announce": "", "appear": "/phase", "remove": "/phase",
 }  # fmt: skip
+_THIRDS = {"grant", "fence", "announce", "remove"}
 
 
 def of_ledger(rule: str, does: Rule, x: str, besides: Besides | None = None, *given: Any) -> Case:
     """A rule of the ledger whose first disk is X."""
 
-    changes = _CHANGES.get(rule, "")
+    changes = rf"disks/id\.{x}({_CHANGES[rule]})" if rule in _CHANGES else ""
+    changes += rf"|pairs/(.*/)?id\.{x}(/.*)?" if rule in _THIRDS else ""
 
     def run() -> Outcome:
         geometry = Geometry()
-        made = ledger_of(geometry, x, changes)
+        made = ledger_of(geometry, changes)
         does(made, made.disks[CODE[x]], made.disks[CODE[OTHER[x]]])
         outcome = Outcome(geometry)
         outcome.after = ledger_state(made)
         outcome.claims = history(outcome.after) | noted(geometry, outcome.after)
-        outcome.claims |= ledger_claims(made, x if "all" in changes else "")
+        outcome.claims |= ledger_claims(made)
         if rule in _BECOMES:
             outcome.claims[f"{x}: is where it is said to be"] = outcome.after[f"{x}.phase"] == _BECOMES[rule]
         if besides is not None:

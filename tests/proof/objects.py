@@ -95,9 +95,9 @@ def binding_of(b: str) -> Any:
     return with_optional(binding, first=(LINE_OF(S[f"{b}.number"], 0), binding.told != 0))
 
 
-def ledger_of(geometry: Geometry, x: str = "", changing: str = "") -> Any:
-    """The ledger of the state, with a disk X of which these fields may change; a way through it for each of
-    the bindings that may be in force. Two that have none may have none with third disks, either.
+def ledger_of(geometry: Geometry, changing: str = "") -> Any:
+    """The ledger of the state, of which these places may change besides bindings; a way through it for each
+    of the bindings that may be in force. Two disks that have none may have none with third ones, either.
     """
     made = SOURCE.ledger.Ledger(0, {}, geometry)
     made.version = S["v"]
@@ -111,15 +111,7 @@ def ledger_of(geometry: Geometry, x: str = "", changing: str = "") -> Any:
         pair = both if other in NAMES else None if alone else pair_with_third(one, other)
         if one != other and pair is not None:
             made.pairs[one][other] = made.pairs[other][one] = pair
-    made.others = {name: others_of(made, name) for name in NAMES}
-    bindings = bindings_of(made).values()
-    ends = [(end, "life dead") for binding in bindings for end in (binding.low, binding.high)]
-    disks = [(disk, changing if NAMES.get(name) == x else "") for name, disk in made.disks.items()]
-    helds = [(disk.held, changes) for disk, changes in disks]
-    told = [(each, "told first") for each in bindings]
-    entries = [] if "new" in changing else [(made.disks, "")]
-    made.frame = Frame((made, "version others frame held"), *entries, *disks, *helds, *told, *ends)
-    made.held = {x: Frame((made.disks[CODE[x]].held, "")) for x in "AB"}
+    made.frame = Frame(made, f"version|frame|pairs/id.[AB]/id.[AB](/.*)?|{changing}")
     return made
 
 
@@ -164,16 +156,6 @@ def pair_with_third(name: Code, third: Code) -> Any:
     return both
 
 
-def others_of(made: Any, name: int) -> list[Any]:
-    """All that the ledger has of a disk's bindings with third ones, object by object."""
-    found = [made.pairs[one].get(two) for each in THIRDS for one, two in ((name, each), (each, name))]
-    bindings = [binding for each in THIRDS for binding in bindings_of(made, name, each).values()]
-    ends = [end for each in bindings for end in (each.low, each.high)]
-    return found + [
-        value for each in (*filter(None, found), *bindings, *ends) for value in vars(each).values()
-    ]
-
-
 def treated(made: Any, name: int, third: int) -> list[Any]:
     """What has become of a disk's bindings with a third one, in words that do not say which."""
     pair = made.pairs[name].get(third)
@@ -193,15 +175,13 @@ def ledger_state(made: Any) -> dict[str, Any]:
     return after | ledger_fields(made)
 
 
-def ledger_claims(made: Any, x: str = "") -> dict[str, Any]:
-    """The ledger's objects are what its state says, and nothing changes between third disks and any but X."""
+def ledger_claims(made: Any) -> dict[str, Any]:
+    """The ledger's objects are what its state says, and nothing else changes."""
     both = made.pairs[CODE["A"]].get(CODE["B"])
-    kept = [(made.others[CODE[y]], others_of(made, CODE[y])) for y in "AB" if y != x]
     found = {
         "both disks know the pair": both is made.pairs[CODE["B"]].get(CODE["A"]),
         "only disks that are there are a pair": both is None
         or z3.And(*[made.disks[name].phase != GONE for name in NAMES]),
-        "others stay as they are": all(list(map(id, old)) == list(map(id, now)) for old, now in kept),
         "others are treated alike": all(
             treated(made, name, one) == treated(made, name, third)
             for name, one, third in product(NAMES, THIRDS, THIRDS)
@@ -212,7 +192,7 @@ def ledger_claims(made: Any, x: str = "") -> dict[str, Any]:
         **own_claims(made),
     }
     for x in "AB":
-        if not made.held[x].holds:
+        if {(f"id.{x}",), (f"id.{x}", "held")} & {place[1:3] for place in made.frame.changed}:
             found[f"{x}: regions"] = holds_its_regions(made.disks[CODE[x]].held, x)
     for binding in bindings_of(made).values():
         found[f"{binding.number} has its first line"] = _has_its_first_line(binding)
@@ -332,16 +312,3 @@ def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any]) -> Any:
     regions = {"region": (made.number, made.number != 0), "offered": (made.offered_number, is_offered)}
     with_optional(made, **regions)
     return made
-
-
-_OF_LINES = "held held_number seen number open"
-_OF_END = "state half lines"
-
-
-def frame_of(made: Any, changing: str, taken: Any = None) -> Frame:
-    """A robot of which these fields may change, and of one end those that the state has."""
-    lines = [(each.lines, _OF_LINES if each is taken else "") for each in made.bound.values()]
-    ends = [(each, _OF_END if each is taken else "") for each in made.bound.values()]
-    return Frame(
-        (made, changing), (made.bound, ""), *ends, *[each for each in lines if hasattr(each[0], "held")]
-    )

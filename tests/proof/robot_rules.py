@@ -28,7 +28,6 @@ from tests.proof.objects import (
     UNKNOWN,
     bound_claims,
     bound_of,
-    frame_of,
     ledger_claims,
     ledger_of,
     ledger_state,
@@ -57,7 +56,7 @@ def of_bound(
         others = [] if alone else [each for each in ends_of(x, S[f"{b}.{x}.life"]) if each != b]
         bounds = [bound_of(each, x) for each in (b, *others)]
         bound, made = bounds[0], robot_of(x, geometry, bounds)
-        frame = frame_of(made, "", bound)
+        frame = Frame(made, rf"bound/{b}\.number/(state|half|lines(/.*)?)")
         does(made, bound)
         read, outcome = bound.obeyed, Outcome(geometry)
         outcome.after |= end_fields(b, x, bound)
@@ -78,7 +77,7 @@ def of_robot(rule: str, x: str, does: Callable[[str, Any, Outcome], None], chang
     def run() -> Outcome:
         geometry = Geometry()
         made = robot_of(x, geometry, [bound_of(b, x) for b in ends_of(x, S[f"{x}.life"])])
-        frame, outcome = frame_of(made, changing), Outcome(geometry)
+        frame, outcome = Frame(made, changing), Outcome(geometry)
         does(x, made, outcome)
         outcome.after |= {f"{x}.obeyed": made.number, f"{x}.body": made.body, f"{x}.own": made.own}
         outcome.claims[f"{x}: nothing else changes"] = frame.holds
@@ -115,9 +114,9 @@ def _cases() -> Iterator[Case]:
         yield _freeze("freeze kept", "L", x, S["S.on"], S[f"S.{x}.has"], S[f"S.{x}.static"], line == kept)
         # An end of a living binding is never told that the other stands for good.
         yield of_bound("turn", "S", x, lambda made, bound: made.turn(bound, HALF_PLANE))
-        yield of_robot("adopt region", x, _adopt, "number region")
-        yield of_robot("command", x, _command, "body own part")
-        yield of_robot("locate", x, _locate, "body own")
+        yield of_robot("adopt region", x, _adopt, "number|region")
+        yield of_robot("command", x, _command, "body|own|part")
+        yield of_robot("locate", x, _locate, "body|own")
         yield Case(f"say region {x}", partial(_say, x), [S[f"{x}.life"] != 0, S[f"{x}.phase"] == PRESENT])
         yield Case(f"hear {x}", partial(_hear, x, ""), _heard(x))
         yield Case(f"hear {x} late", partial(_hear, x, "S"), _heard_late(x))
@@ -250,9 +249,8 @@ def _hear(x: str, late: str) -> Outcome:
     told = z3.Int("listed place"), z3.Bool("listed static")
     others = [SOURCE.records.Listed(*third, *told) for third in each]
     listed = [others[0], *_listed(x), others[1]]
-    ends = [(bound, "place static") for bound in made.bound.values()]
-    ends += [(bound.lines, "") for bound in known if bound.lines is not None]
-    frame = Frame((made, "version offered_number offered bound"), *ends)
+    frames = [Frame(bound, "place|static") for bound in made.bound.values()]
+    frames.append(Frame(made, "version|offered_number|offered|bound"))
     made.hear(SOURCE.records.Told(TO, AT, NUMBER, NUMBER, Some(lambda: listed)))
     outcome = Outcome(geometry)
     after, claims = outcome.after, outcome.claims
@@ -261,7 +259,7 @@ def _hear(x: str, late: str) -> Outcome:
     else:
         after[f"{x}.taken"], after[f"{x}.offered"] = made.version, made.offered_number
     claims[f"{x}: offered"] = made.offered == made.offered_number
-    claims[f"{x}: nothing else changes"] = frame.holds
+    claims[f"{x}: nothing else changes"] = all(frame.holds for frame in frames)
     claims[f"{x}: takes others alike"] = all(_is_taken(made, each) for each in others)
     for b in ends_of(x, LIFE, taken=False):
         after[f"{b}.{x}.has"] = False
