@@ -21,9 +21,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.proof", description=__doc__)
     parser.add_argument("rules", nargs="*", help="only rules with these words in their names")
     parser.add_argument("--cvc5", action="store_true", help="ask cvc5, too")
-    parser.add_argument(
-        "--mutants", action="store_true", help="only refute the kernel without each of its rules"
-    )
+    parser.add_argument("--mutants", action="store_true", help="only refute the kernel without each rule")
     options = parser.parse_args()
     asked: dict[str, Iterable[str]] = {"keeps_the_invariant": CASES, "is_possible": CASES}
     if options.cvc5:

@@ -144,9 +144,9 @@ class Kernel:
 
     def __init__(self, sources: dict[str, str]) -> None:
         self._top = [node for source in sources.values() for node in ast.parse(source).body]
-        parts = [(node, each) for node in self._top if isinstance(node, ast.ClassDef) for each in node.body]
-        methods = [(of, each) for of, each in parts if isinstance(each, ast.FunctionDef)]
-        self.methods = {(of.name, each.name): each for of, each in methods}
+        kinds = [node for node in self._top if isinstance(node, ast.ClassDef)]
+        parts = [(kind.name, each) for kind in kinds for each in kind.body]
+        self.methods = {(kind, each.name): each for kind, each in parts if isinstance(each, ast.FunctionDef)}
 
     def strange(self) -> Iterator[str]:
         """What is not of the language."""
@@ -263,18 +263,14 @@ class Kernel:
         """Whether a call gives numbers and conditions of their kinds to a method, or is a listed one."""
         if said(node.func, "require"):
             return noun(node.args[0]) == "bool" and isinstance(node.args[-1], ast.Constant)
-        taken = [self.methods[each].args.args[1:] for each in self._called(node, owner)]
-        given = [
-            (said_of(arg), arg.arg, noun(each))
-            for args in taken
+        called = [self.methods[each].args.args[1:] for each in self._called(node, owner)]
+        kinds = [
+            (noun(each), {"int": NUMBERS.get(arg.arg, ""), "bool": "bool"}.get(said_of(arg), ""))
+            for args in called
             for arg, each in zip(args, node.args, strict=False)
         ]
-        kinds = [
-            (kind, {"int": NUMBERS.get(word, ""), "bool": "bool"}.get(text, "")) for text, word, kind in given
-        ]
-        return said(node, f"{CHANGES}|{ENTRIES}|{MANY}") or (
-            bool(taken) and all(goes(*each) for each in kinds)
-        )
+        is_kept = bool(called) and all(goes(*each) for each in kinds)
+        return is_kept or said(node, f"{CHANGES}|{ENTRIES}|{MANY}")
 
     def _called(self, node: ast.Call, owner: str) -> list[tuple[str, str]]:
         """Methods that a call may mean."""
@@ -315,10 +311,8 @@ class Kernel:
         acts: list[str] = []
         for node in body:
             head = getattr(node, "test", getattr(node, "iter", node))
-            calls = [call for call in ast.walk(head) if isinstance(call, ast.Call)]
-            asked = [
-                each for call in calls[isinstance(node, ast.Expr) :] for each in self._called(call, owner)
-            ]
+            calls = [each for each in ast.walk(head) if isinstance(each, ast.Call)]
+            asked = chain(*(self._called(each, owner) for each in calls[isinstance(node, ast.Expr) :]))
             acts += ["require" for each in asked if self._asks(*each)]
             match node:
                 case ast.If(body=one, orelse=other):
@@ -340,10 +334,8 @@ class Kernel:
 
     def _asks(self, owner: str, name: str) -> bool:
         """Whether a method asks geometry, which has to be told of changes first."""
-        is_geometry = owner.endswith("Geometry")
-        return is_geometry or (
-            name != "__init__" and "require" in self._acts(owner, self.methods[owner, name].body)
-        )
+        requires = "require" in self._acts(owner, self.methods[owner, name].body)
+        return owner.endswith("Geometry") or (name != "__init__" and requires)
 
     def _check_acts(self, owner: str, node: ast.FunctionDef) -> None:
         acts = self._acts(owner, node.body)
@@ -367,23 +359,19 @@ class Kernel:
         """Nothing goes from an element to another, or to what follows."""
         inside = [each for statement in loop.body for each in ast.walk(statement)]
         acts = set(self._acts(owner, loop.body, deep=False))
-        need(acts <= {"require"} or acts <= ALIKE, loop, "stores what is of no element, or requires, too")
+        changes = not acts <= {"require"}
+        need(not changes or acts <= ALIKE, loop, "stores what is of no element, or requires, too")
         for each in inside:
             need(not is_loop(each) and not isinstance(each, ast.Return | ast.ListComp), each, "is in a loop")
             if isinstance(each, ast.Call):
                 called = [self.methods[name] for name in self._called(each, owner)]
                 need(not any(map(is_loop, chain(*map(ast.walk, called)))), each, "loops in a loop")
                 is_made = getattr(each.func, "attr", "get") in ("get", "append", "extend")
-                need(
-                    acts <= {"require"} or is_made or ast.unparse(each) in acts, each, "asks what may change"
-                )
+                need(not changes or is_made or ast.unparse(each) in acts, each, "asks what may change")
         stored = [re.sub(r"\[.*|\.pop.*", "", each) for each in self._acts(owner, loop.body)]
         words = {each.rpartition(".")[2] for each in stored}
-        entered = [
-            each.value
-            for each in inside
-            if isinstance(each, ast.Subscript | ast.Attribute) and isinstance(each.ctx, ast.Store)
-        ]
+        entries = [each for each in inside if isinstance(each, ast.Subscript | ast.Attribute)]
+        entered = [each.value for each in entries if isinstance(each.ctx, ast.Store)]
         for each in ast.walk(node):
             if isinstance(each, ast.Attribute) and isinstance(each.ctx, ast.Load) and each.attr in words:
                 is_before = each in entered or (each not in inside and each.lineno <= loop.end_lineno)

@@ -7,33 +7,10 @@ from typing import Any
 
 import z3
 
-from tests.proof.model import (
-    ANNOUNCED,
-    ANY_LINE,
-    APART,
-    BESIDE,
-    BODY,
-    CODE,
-    DISJOINT,
-    GONE,
-    INSIDE,
-    LINE_OF,
-    OTHER,
-    PRESENT,
-    REGION,
-    State,
-    invariant,
-    real,
-)
-from tests.proof.objects import (
-    SOURCE,
-    holds_its_regions,
-    ledger_claims,
-    ledger_of,
-    ledger_state,
-    own_claims,
-)
-from tests.proof.outcomes import EPOCH, NAMES, NEXT, SAID, Case, Geometry, Outcome, S
+from protocol.kernel.records import ANNOUNCED, GONE, PRESENT
+from tests.proof.model import ANY_LINE, APART, BESIDE, CODE, INSIDE, LINE_OF, OTHER, REGION, invariant, real
+from tests.proof.objects import SOURCE, holds_its_regions, ledger_of, ledger_state, outcome_of, own_claims
+from tests.proof.outcomes import EPOCH, NAMES, NEXT, SAID, Case, Geometry, Outcome, S, any_body
 
 Rule = Callable[[Any, Any, Any], object]  # of the ledger, the disk and the other one
 Besides = Callable[[str, Outcome], None]  # what else happens to the disk
@@ -50,7 +27,6 @@ _THIRDS = {"grant", "fence", "announce", "remove"}
 
 def of_ledger(rule: str, does: Rule, x: str, besides: Besides | None = None, *given: Any) -> Case:
     """A rule of the ledger whose first disk is X."""
-
     changes = rf"disks/id\.{x}({_CHANGES[rule]})" if rule in _CHANGES else ""
     changes += rf"|pairs/(.*/)?id\.{x}(/.*)?" if rule in _THIRDS else ""
 
@@ -58,10 +34,8 @@ def of_ledger(rule: str, does: Rule, x: str, besides: Besides | None = None, *gi
         geometry = Geometry()
         made = ledger_of(geometry, changes)
         does(made, made.disks[CODE[x]], made.disks[CODE[OTHER[x]]])
-        outcome = Outcome(geometry)
-        outcome.after = ledger_state(made)
-        outcome.claims = history(outcome.after) | noted(geometry, outcome.after)
-        outcome.claims |= ledger_claims(made)
+        outcome = outcome_of(made, geometry)
+        outcome.claims |= history(outcome.after) | noted(geometry, outcome.after)
         if rule in _BECOMES:
             outcome.claims[f"{x}: is where it is said to be"] = outcome.after[f"{x}.phase"] == _BECOMES[rule]
         if besides is not None:
@@ -71,17 +45,14 @@ def of_ledger(rule: str, does: Rule, x: str, besides: Besides | None = None, *gi
     return Case(f"{rule} {x}", run, [*given])
 
 
-def history(after: State) -> dict[str, Any]:
+def history(after: dict[str, Any]) -> dict[str, Any]:
     """What makes a Tick of an earlier version tell each binding in force as it was then: a binding changes
     once at most in each of its fields, at a version that the field keeps."""
     v, version = S["v"], after["v"]
     changed = [f"{x}.{f}" for x in "AB" for f in ("phase", "life", "still", "granted")]
     changed += [f"{b}.{f}" for b in "LS" for f in ("on", "number", "told", "A.dead", "B.dead")]
-    found = {
-        "a change has a version": z3.And(
-            version >= v, z3.Or(version > v, *[z3.And(*[after[f] == S[f] for f in changed])])
-        )
-    }
+    nothing = z3.And(*[after[f] == S[f] for f in changed])
+    found = {"a change has a version": z3.And(version >= v, z3.Or(version > v, nothing))}
     for x in "AB":
         found[f"{x}: regions are numbered upwards"] = after[f"{x}.granted"] >= S[f"{x}.granted"]
     for b in "LS":
@@ -101,22 +72,19 @@ def history(after: State) -> dict[str, Any]:
     return found
 
 
-def noted(geometry: Geometry, after: State) -> dict[str, Any]:
+def noted(geometry: Geometry, after: dict[str, Any]) -> dict[str, Any]:
     """What geometry was told last covers all that each disk holds."""
     found = {}
     for x, told in geometry.noted.items():
-        covers = z3.And(
-            told.phase != GONE,
-            told.acknowledged <= after[f"{x}.acked"],
-            told.granted >= after[f"{x}.granted"],
-        )
+        acked, granted = after[f"{x}.acked"], after[f"{x}.granted"]
+        covers = z3.And(told.phase != GONE, told.acknowledged <= acked, told.granted >= granted)
         found[f"{x}: is noted"] = z3.Implies(after[f"{x}.phase"] != GONE, covers)
         if told.regions is not None:
             found[f"{x}: is noted as it is"] = holds_its_regions(told, x)
     return found
 
 
-def _goes_on(after: State, b: str, old: str) -> Iterator[Any]:
+def _goes_on(after: dict[str, Any], b: str, old: str) -> Iterator[Any]:
     for kept in ("number", "asked", "A.life", "B.life"):
         yield after[f"{b}.{kept}"] == S[f"{old}.{kept}"]
     for once in ("told", "A.dead", "B.dead"):
@@ -133,7 +101,7 @@ def _settled(x: str, outcome: Outcome) -> None:
 
 
 def _fenced(x: str, outcome: Outcome) -> None:
-    body = z3.Const(f"{x}.stands", BODY)  # with a part that it carries, or without one that it may carry
+    body = any_body(f"{x}.stands")  # with a part that it carries, or without one that it may carry
     there = S[f"{OTHER[x]}.phase"] == PRESENT
     outcome.stands(x, body)
     outcome.given(
@@ -157,7 +125,7 @@ def _joined(x: str, outcome: Outcome) -> None:
 
 
 def _announced(x: str, outcome: Outcome) -> None:
-    body = z3.Const(f"{x}.announced", BODY)
+    body = any_body(f"{x}.announced")
     outcome.stands(x, body)
     outcome.begins(x)
     outcome.given(INSIDE[x](body, NEXT))
@@ -224,12 +192,11 @@ def _answer(b: str, slot: str) -> Case:
 
 
 def _begin() -> Outcome:
-    """The first ledger, of disks that are disjoint."""
+    """The first ledger, of disks that are disjoint; nothing was held before."""
     outcome = _restart()
-    a, b = (outcome.after[f"{x}.body"] for x in "AB")
     outcome.facts = []
     outcome.given(EPOCH > 0, *[INSIDE[x](outcome.after[f"{x}.body"], EPOCH) for x in "AB"])
-    outcome.given(DISJOINT(a, b), *[S[f"{x}.granted"] < EPOCH for x in "AB"])  # nothing was held before
+    outcome.given(invariant(outcome.after)["safe"], *[S[f"{x}.granted"] < EPOCH for x in "AB"])
     outcome.after |= {f"{x}.said": 0 for x in "AB"}
     return outcome
 
@@ -248,7 +215,7 @@ def _restart() -> Outcome:
     for x in "AB":
         outcome.claims[f"{x}: regions"] = holds_its_regions(made.disks[CODE[x]].held, x)
         outcome.claims[f"{x}: is there"] = after[f"{x}.phase"] == PRESENT
-        body = z3.Const(f"{x}.restarted", BODY)
+        body = any_body(f"{x}.restarted")
         after[f"{x}.phase"] = z3.If(S[f"{x}.phase"] == PRESENT, PRESENT, GONE)
         outcome.begins(x)
         outcome.stands(x, body)

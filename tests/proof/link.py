@@ -16,21 +16,11 @@ import z3
 
 from protocol.geometry import Disk, Shape
 from protocol.kernel.ledger import Ledger
-from protocol.kernel.pair import Owner
 from protocol.kernel.records import Held
 from protocol.kernel.robot import Bound, RobotLife
 from protocol.line import ROUNDING, Line
 from protocol.region import Region, RegionGeometry, distance
-from tests.proof.model import (
-    BOOL,
-    FIELDS,
-    INT,
-    bindings_of,
-    end_fields,
-    general_in,
-    ledger_fields,
-    process_fields,
-)
+from tests.proof.model import S, bindings_of, end_fields, general_in, ledger_fields, process_fields
 from tests.proof.prove import TEMPLATE
 
 Processes = Mapping[tuple[int, int], RobotLife[Any, Any, Any]]  # by disk and life
@@ -63,21 +53,18 @@ def python_of(term: z3.ExprRef) -> str:
 @cache
 def conjuncts() -> dict[str, Callable[[Facts, Record], bool]]:
     """Whether each conjunct holds, of all that its general terms may mean."""
-    each = {
-        name: "".join(f" for {term} in g.any[{str(term)!r}]" for term in general_in(claim)) or " for _ in [0]"
-        for name, claim in TEMPLATE.items()
-    }
-    return {
-        name: eval(f"lambda g, s: all({python_of(claim)}{each[name]})")  # of the solver's own terms
-        for name, claim in TEMPLATE.items()
-    }
+    found = {}
+    for name, claim in TEMPLATE.items():
+        each = [f" for {term} in g.any[{str(term)!r}]" for term in general_in(claim)] or [" for _ in [0]"]
+        found[name] = eval(f"lambda g, s: all({python_of(claim)}{''.join(each)})")  # the solver's own terms
+    return found
 
 
 # -- two disks
 
 Record = dict[str, Any]
 _NOTHING: Record = {
-    name: 0 if sort == INT else False if sort == BOOL else None for name, sort in FIELDS.items()
+    name: 0 if z3.is_int(term) else False if z3.is_bool(term) else None for name, term in S.items()
 }
 
 
@@ -101,10 +88,7 @@ def record(ledger: Ledger[Any, Any], processes: Processes, low: int, high: int) 
 def _lines(bound: Bound[Any, Any] | None) -> dict[int, Any]:
     """The lines that an end keeps, by number."""
     lines = None if bound is None else bound.lines
-    if lines is None:
-        return {}
-    known = {lines.held_number: lines.held}
-    return known | dict(lines.open) if isinstance(lines, Owner) else known
+    return {} if lines is None else {lines.held_number: lines.held, **dict(getattr(lines, "open", ()))}
 
 
 class Facts:

@@ -26,6 +26,9 @@ from typing import Any
 
 import z3
 
+from protocol.kernel.records import ANNOUNCED, GONE, PRESENT
+from protocol.kernel.robot import ASKED, HALF, LINES
+
 BODY, LINE = z3.DeclareSort("Body"), z3.DeclareSort("Line")
 INT, BOOL = z3.IntSort(), z3.BoolSort()
 
@@ -73,12 +76,11 @@ THIRDS = {  # disks beside A and B, with ids below, between and above, and the k
 }
 _IDS = sorted([*CODE.values(), *THIRDS])
 IDS = z3.And(*[z3.ArithRef.__lt__(*each) for each in pairwise(_IDS)], *[name != 0 for name in _IDS])
-GONE, ANNOUNCED, PRESENT = 0, 1, 2
-ASKED, LINES, HALF = 0, 1, 2
 
 State = Mapping[str, z3.ExprRef]
 
 _KINDS = (
+    ("", INT, "v"),
     ("{x}.", INT, "phase life acked granted taken offered obeyed said"),
     ("{x}.", BOOL, "still reach"),
     ("{x}.", BODY, "body own"),
@@ -89,13 +91,9 @@ _KINDS = (
     ("{b}.{x}.", LINE, "half"),
     ("{b}.A.", INT, "number"),
 )
-FIELDS: dict[str, z3.SortRef] = {"v": INT} | {
-    f"{of.format(b=b, x=x)}{name}": sort
-    for of, sort, names in _KINDS
-    for name in names.split()
-    for b, x in product("LS", "AB")
-}
-S: dict[str, z3.ExprRef] = {name: z3.Const(name, sort) for name, sort in FIELDS.items()}  # any state
+_FIELDS = [(of + name, sort) for of, sort, names in _KINDS for name in names.split()]
+_NAMES = {name.format(b=b, x=x): sort for name, sort in _FIELDS for b, x in product("LS", "AB")}
+S: dict[str, z3.ExprRef] = {name: z3.Const(name, sort) for name, sort in _NAMES.items()}  # any state
 
 
 @cache

@@ -109,12 +109,10 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
 )  # fmt: skip
 
 
-def _edits(old: str, new: str) -> tuple[Edit, ...]:
-    (name,) = [name for name, source in SOURCES.items() if old in source]
-    return (Edit(f"protocol.kernel.{name}", old, new),)
-
-
-CHANGES = {name: (rule, _edits(old, new)) for name, rule, old, new in _CHANGED}  # rules that read otherwise
+CHANGES = {  # rules that read otherwise
+    name: (rule, [Edit(f"protocol.kernel.{of}", old, new) for of, text in SOURCES.items() if old in text])
+    for name, rule, old, new in _CHANGED
+}
 
 
 def preconditions() -> list[str]:

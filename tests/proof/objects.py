@@ -8,27 +8,13 @@ from typing import Any
 
 import z3
 
+from protocol.kernel.records import ANNOUNCED, GONE, PRESENT
+from protocol.kernel.robot import ASKED, HALF, LINES
 from tests.interpreted import Edit, interpreted
 from tests.proof import symbolic
 from tests.proof.containers import Frame, Some, with_optional
-from tests.proof.model import (
-    ANNOUNCED,
-    ASKED,
-    CODE,
-    GONE,
-    HALF,
-    LINE,
-    LINE_OF,
-    LINES,
-    OTHER,
-    PRESENT,
-    THIRDS,
-    Code,
-    bindings_of,
-    ledger_fields,
-    obeys,
-)
-from tests.proof.outcomes import HELD, NAMES, OBEYED, SAID, Geometry, S
+from tests.proof.model import CODE, LINE, LINE_OF, OTHER, THIRDS, Code, bindings_of, ledger_fields, obeys
+from tests.proof.outcomes import HELD, NAMES, OBEYED, SAID, Geometry, Outcome, S
 
 
 class Source:
@@ -167,6 +153,13 @@ def treated(made: Any, name: int, third: int) -> list[Any]:
     return found
 
 
+def outcome_of(made: Any, geometry: Geometry) -> Outcome:
+    """What has become of the ledger."""
+    outcome = Outcome(geometry)
+    outcome.after, outcome.claims = ledger_state(made), ledger_claims(made)
+    return outcome
+
+
 def ledger_state(made: Any) -> dict[str, Any]:
     """The state that the ledger has become."""
     after = dict(S)
@@ -232,12 +225,11 @@ def _goes_along(b: str, binding: Any) -> dict[str, Any]:
             for name in S
             if name.startswith(f"{before}.") and not name.endswith(".on")
         }
-    if before not in (None, b):  # of processes whose lives may be over
-        state |= {f"{b}.{x}.taken": S[f"{x}.taken"] for x in "AB"}
+        state |= {f"{b}.{x}.taken": S[f"{x}.taken"] for x in "AB"}  # by processes whose lives may be over
     return state
 
 
-def bound_of(b: str, x: str, place: Any = None) -> Any:
+def end_of(b: str, x: str, place: Any = None) -> Any:
     """An end that was taken, with all that it has, a place that it was told or the present one."""
     y, number = OTHER[x], S[f"{b}.number"]
     bound = SOURCE.robot.Bound(SOURCE.records.Listed(number, CODE[y], None, None, False), x == "A")
@@ -260,7 +252,7 @@ def _open(b: str) -> list[Any]:
     return [(k, LINE_OF(S[f"{b}.number"], k)) for k in numbers]
 
 
-def bound_claims(bound: Any, after: dict[str, Any], b: str, x: str) -> dict[str, Any]:
+def end_claims(bound: Any, after: dict[str, Any], b: str, x: str) -> dict[str, Any]:
     """An end obeys the lines that its state numbers, and no others."""
     number, state, half = S[f"{b}.number"], after[f"{b}.{x}.state"], after[f"{b}.{x}.half"]
     lines = bound.obeyed
@@ -280,6 +272,7 @@ def bound_claims(bound: Any, after: dict[str, Any], b: str, x: str) -> dict[str,
 
 
 UNKNOWN, _PEER, _STATIC = z3.Int("unknown"), z3.Int("unknown.peer"), z3.Bool("unknown.static")
+EARLIER = {x: z3.And(_STATIC, CODE[OTHER[x]] == _PEER) for x in "AB"}  # it is towards an earlier life
 
 
 def unknown_of(x: str) -> Any:
@@ -291,11 +284,6 @@ def unknown_of(x: str) -> Any:
     bound.of, bound.state = "", z3.Int("unknown.state")
     place, half = z3.Int("unknown.place"), z3.Const("unknown.half", LINE)
     return with_optional(bound, place=(place, bound.state == HALF), half=(half, bound.state == HALF))
-
-
-def unknown_is_static(x: str) -> z3.BoolRef:
-    """Whether it is one towards an earlier life of the other disk."""
-    return z3.And(_STATIC, CODE[OTHER[x]] == _PEER)
 
 
 def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any]) -> Any:

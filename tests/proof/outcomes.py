@@ -9,31 +9,21 @@ from typing import Any
 
 import z3
 
-from tests.proof.model import (
-    ANY_LINE,
-    APART,
-    BESIDE,
-    CODE,
-    FITS,
-    HALF,
-    INSIDE,
-    LINE,
-    LINE_OF,
-    LINES,
-    OTHER,
-    REGION,
-    K,
-    S,
-    obeys,
-)
+from protocol.kernel.robot import HALF, LINES
+from tests.proof.model import ANY_LINE, APART, BESIDE, CODE, FITS, INSIDE, LINE_OF, OTHER, REGION, K, S, obeys
 
 NAMES = {CODE[x]: x for x in "AB"}
 NEXT = S["v"] + 1
 PART, EPOCH = z3.Int("part"), z3.Int("epoch")
-HALF_PLANE, PROPOSED = z3.Const("half", LINE), z3.Int("proposed")
+PROPOSED = z3.Int("proposed")
 OBEYED = {b: z3.Int(f"{b}.any line") for b in "LS"}  # number of any line of a binding
 SAID = {x: z3.Int(f"{x}.also said") for x in "AB"}  # the region of any acknowledgement under way
 HELD = {x: z3.Int(f"{x}.any held") for x in "AB"}  # number of any region
+
+
+def any_body(name: str) -> Any:
+    """One that a rule takes or leaves."""
+    return z3.Const(name, S["A.body"].sort())
 
 
 class Outcome:
@@ -97,6 +87,7 @@ class Geometry:
         self._count = 0
         self.noted = {x: _noted(*[S[f"{x}.{f}"] for f in ("phase", "acked", "granted")]) for x in "AB"}
         self.disks: dict[Any, Any] = {}
+        self.x = ""  # disk of the robot that asks
 
     def _answer(self, *says: Any) -> z3.BoolRef:
         self._count += 1
@@ -165,8 +156,6 @@ class Geometry:
             z3.Implies(state == HALF, FITS[x](body, S[f"{b}.{x}.half"])),
             z3.Implies(z3.And(state == LINES, obeys(S, b, x, K)), FITS[x](body, LINE_OF(number, K))),
         )
-
-    x = ""  # disk of the robot that asks
 
 
 def _is_held(held: Any) -> z3.BoolRef:

@@ -87,7 +87,7 @@ def is_kept_by_cvc5(step: Step) -> bool:
     for option in (("tlimit-per", str(TIMEOUT)), ("var-elim-quant", "false"), ("enum-inst", "true")):
         solver.setOption(*option)
     parser = cvc5.InputParser(solver)
-    text = f"(set-logic ALL)\n{writer.to_smt2()}"
+    text = "(set-logic ALL)\n" + writer.to_smt2()
     parser.setStringInput(cvc5.InputLanguage.SMT_LIB_2_6, text, "obligation")
     said = ""
     while not (command := parser.nextCommand()).isNull():
@@ -108,10 +108,9 @@ class Example:
 
     def __init__(self, step: Step, model: z3.ModelRef, conjunct: str) -> None:
         self.rule, self.conjunct = step.case.rule, conjunct
-        self._model = model
-        execution = Execution(model)
-        outcome = judged(execution, step.case.run)
-        self.refused = execution.refused
+        self._model, self._execution = model, Execution(model)
+        outcome = judged(self._execution, step.case.run)
+        self.refused = self._execution.refused
         self.invalid = [each for each in step.known() if not self._holds(each)]
         claims = Step(step.case, outcome, ()).claims()
         self.broken = [name for name, claim in claims.items() if not self._holds(claim)]
@@ -123,7 +122,7 @@ class Example:
             z3.substitute(claim, *zip(terms, values, strict=True))
             for values in product(*map(self._every, terms))
         )
-        return all(z3.is_true(self._model.eval(each, model_completion=True)) for each in all_of_them)
+        return all(map(self._execution.answer, all_of_them))
 
     def _every(self, term: z3.ExprRef) -> list[Any]:
         """What a general term may mean."""
@@ -139,8 +138,7 @@ def example(case: Case) -> Example | None:
 
 def counterexample(case: Case, without: str = "") -> Example | None:
     """What a rule breaks, with a precondition left out or none."""
-    found = (example_of(step, conjunct) for conjunct, step in not_kept(case, without))
-    return next(filter(None, found), None)
+    return next(filter(None, (example_of(step, name) for name, step in not_kept(case, without))), None)
 
 
 def example_of(step: Step, conjunct: str = "") -> Example | None:

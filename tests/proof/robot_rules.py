@@ -8,64 +8,33 @@ from typing import Any
 
 import z3
 
+from protocol.kernel.records import PRESENT
+from protocol.kernel.robot import ASKED, HALF
 from tests.proof.containers import Frame, Some, with_optional
-from tests.proof.model import (
-    ASKED,
-    BODY,
-    CODE,
-    HALF,
-    LINE,
-    LINE_OF,
-    OTHER,
-    PRESENT,
-    THIRDS,
-    end_fields,
-    ends,
-    smaller,
-)
-from tests.proof.objects import (
-    SOURCE,
-    UNKNOWN,
-    bound_claims,
-    bound_of,
-    ledger_claims,
-    ledger_of,
-    ledger_state,
-    robot_of,
-    unknown_is_static,
-)
-from tests.proof.outcomes import HALF_PLANE, OBEYED, PART, PROPOSED, Case, Geometry, Outcome, S
+from tests.proof.model import CODE, LINE, LINE_OF, OTHER, THIRDS, end_fields, ends, process_fields, smaller
+from tests.proof.objects import EARLIER, SOURCE, UNKNOWN, end_claims, end_of, ledger_of, outcome_of, robot_of
+from tests.proof.outcomes import OBEYED, PART, PROPOSED, Case, Geometry, Outcome, S, any_body
+
+OfEnd = Callable[[Any, Any, Outcome], object]  # of the process, the end, and what else becomes of it
 
 
-def of_bound(
-    rule: str,
-    b: str,
-    x: str,
-    does: Callable[[Any, Any], object],
-    *given: Any,
-    says: str = "",
-    numbers: int = 0,
-    alone: bool = False,
-) -> Case:
-    """A rule of one end that was taken, be its life the present one or over; what it says is under way, and
-    it numbers so many lines. The process may have no other end of a binding in force.
+def of_bound(rule: str, b: str, x: str, does: OfEnd, *given: Any, alone: bool = False) -> Case:
+    """A rule of one end that was taken, be its life the present one or over. The process may have no other
+    end of a binding in force.
     """
 
     def run() -> Outcome:
         geometry = Geometry()
         others = [] if alone else [each for each in ends_of(x, S[f"{b}.{x}.life"]) if each != b]
-        bounds = [bound_of(each, x) for each in (b, *others)]
+        bounds = [end_of(each, x) for each in (b, *others)]
         bound, made = bounds[0], robot_of(x, geometry, bounds)
         frame = Frame(made, rf"bound/{b}\.number/(state|half|lines(/.*)?)")
-        does(made, bound)
-        read, outcome = bound.obeyed, Outcome(geometry)
+        outcome = Outcome(geometry)
+        does(made, bound, outcome)
+        read = bound.obeyed
         outcome.after |= end_fields(b, x, bound)
-        outcome.after |= {says: True} if says else {}
-        outcome.claims = bound_claims(bound, outcome.after, b, x)
+        outcome.claims |= end_claims(bound, outcome.after, b, x)
         outcome.claims[f"{x}: nothing else changes"] = frame.holds and read == bound.obeyed
-        if numbers:
-            newest = outcome.after[f"{b}.A.number"]
-            outcome.claims["a line has its own number"] = newest == S[f"{b}.A.number"] + numbers
         return outcome
 
     return Case(f"{rule} {x} {b}", run, [S[f"{b}.on"], S[f"{b}.{x}.has"], *given])
@@ -76,10 +45,10 @@ def of_robot(rule: str, x: str, does: Callable[[str, Any, Outcome], None], chang
 
     def run() -> Outcome:
         geometry = Geometry()
-        made = robot_of(x, geometry, [bound_of(b, x) for b in ends_of(x, S[f"{x}.life"])])
+        made = robot_of(x, geometry, [end_of(b, x) for b in ends_of(x, S[f"{x}.life"])])
         frame, outcome = Frame(made, changing), Outcome(geometry)
         does(x, made, outcome)
-        outcome.after |= {f"{x}.obeyed": made.number, f"{x}.body": made.body, f"{x}.own": made.own}
+        outcome.after |= process_fields(x, made)
         outcome.claims[f"{x}: nothing else changes"] = frame.holds
         return outcome
 
@@ -113,7 +82,7 @@ def _cases() -> Iterator[Case]:
         kept = z3.If(S[f"S.{x}.state"] == HALF, half, held)
         yield _freeze("freeze kept", "L", x, S["S.on"], S[f"S.{x}.has"], S[f"S.{x}.static"], line == kept)
         # An end of a living binding is never told that the other stands for good.
-        yield of_bound("turn", "S", x, lambda made, bound: made.turn(bound, HALF_PLANE))
+        yield of_bound("turn", "S", x, lambda made, bound, _: made.turn(bound, HALF_PLANE))
         yield of_robot("adopt region", x, _adopt, "number|region")
         yield of_robot("command", x, _command, "body|own|part")
         yield of_robot("locate", x, _locate, "body|own")
@@ -133,15 +102,16 @@ def _line_cases(b: str) -> Iterator[Case]:
     has_lines = {x: S[f"{b}.{x}.state"] != ASKED for x in "AB"}
     is_said = [PROPOSED >= 1, ends(S, b)["number"] >= PROPOSED]
 
-    def propose(made: Any, bound: Any) -> None:
+    def propose(made: Any, bound: Any, outcome: Outcome) -> None:
         bound.lines.propose(line, made.fits(bound, line))
+        outcome.claims["a line has its own number"] = bound.lines.number == S[f"{b}.A.number"] + 1
 
-    def adopt(made: Any, bound: Any) -> None:
+    def adopt(made: Any, bound: Any, _: Outcome) -> None:
         bound.lines.on_proposal(PROPOSED, proposed, made.fits(bound, proposed))
 
-    yield of_bound("propose", b, "A", propose, has_lines["A"], numbers=1)
+    yield of_bound("propose", b, "A", propose, has_lines["A"])
     yield of_bound("adopt", b, "B", adopt, has_lines["B"], *is_said)
-    yield of_bound("read answer", b, "A", lambda _, bound: bound.lines.on_answer(*answer), has_lines["A"])
+    yield of_bound("read answer", b, "A", lambda _, bound, __: bound.lines.on_answer(*answer), has_lines["A"])
     yield Case(f"send answer {b}", lambda: _send(b), [S[f"{b}.on"], S[f"{b}.B.has"]])
 
 
@@ -154,14 +124,21 @@ def _send(b: str) -> Outcome:
     return outcome
 
 
-def _ask(made: Any, bound: Any) -> None:
+HALF_PLANE = z3.Const("half", LINE)
+
+
+def _ask(made: Any, bound: Any, _: Outcome) -> None:
     made.fits(bound, HALF_PLANE), made.behind(bound, HALF_PLANE), made.kept(bound), bound.obeyed
 
 
 def _freeze(rule: str, b: str, x: str, *given: Any) -> Case:
     """An end finds its first line. A static binding that was told beside it is in force (`history`)."""
-    beside = [z3.Not(unknown_is_static(x)), *given]
-    return of_bound(rule, b, x, lambda m, bound: m.freeze(bound, _line(b, 0)), *beside, says=f"{b}.frozen")
+
+    def freeze(made: Any, bound: Any, outcome: Outcome) -> None:
+        made.freeze(bound, _line(b, 0))
+        outcome.after[f"{b}.frozen"] = True
+
+    return of_bound(rule, b, x, freeze, z3.Not(EARLIER[x]), *given)
 
 
 def _adopt(x: str, made: Any, outcome: Outcome) -> None:
@@ -170,7 +147,7 @@ def _adopt(x: str, made: Any, outcome: Outcome) -> None:
 
 
 def _command(x: str, made: Any, outcome: Outcome) -> None:
-    body, own = z3.Const("next body", BODY), z3.Const("next own", BODY)
+    body, own = any_body("next body"), any_body("next own")
     made.command(body, own, PART)
     outcome.after[f"{x}.reach"] = made.part == CODE[OTHER[x]]
     outcome.given(*smaller(x, own, body))
@@ -180,7 +157,7 @@ def _command(x: str, made: Any, outcome: Outcome) -> None:
 
 def _locate(x: str, made: Any, outcome: Outcome) -> None:
     """The body covers less than before: a command has no more effect, or the estimate is better."""
-    body, own = z3.Const(f"{x}.less body", BODY), z3.Const(f"{x}.less own", BODY)
+    body, own = any_body(f"{x}.less body"), any_body(f"{x}.less own")
     made.locate(body, own)
     for less, more in ((body, S[f"{x}.body"]), (own, S[f"{x}.own"]), (own, body)):
         outcome.given(*smaller(x, less, more))
@@ -240,7 +217,7 @@ def _is_taken(made: Any, listed: Any) -> bool:
 def _hear(x: str, late: str) -> Outcome:
     """A Tick is heard, of which every binding in force is told as it was at its version (`history`)."""
     geometry = Geometry()
-    known = [bound_of(b, x, z3.Int(f"{b}.place before")) for b in ends_of(x, LIFE)]
+    known = [end_of(b, x, z3.Int(f"{b}.place before")) for b in ends_of(x, LIFE)]
     made = robot_of(x, geometry, known)
     made.life = LIFE
     if late:
@@ -270,7 +247,7 @@ def _hear(x: str, late: str) -> Outcome:
                     claims[f"{b}.{x}: its lines"] = bound.of == b
                 else:
                     after |= end_fields(b, x, bound)
-                    claims |= bound_claims(bound, after, b, x)
+                    claims |= end_claims(bound, after, b, x)
                 claims[f"{b}.{x}: its place"] = bound.place == S[f"{OTHER[x]}.acked"]
                 claims[f"{b}.{x}: its ends"] = bound.peer == CODE[OTHER[x]] and bound.low == (x == "A")
     return outcome
@@ -284,22 +261,22 @@ def tells() -> Iterator[Case]:
 
 
 def _told_now(x: str) -> Outcome:
-    made = ledger_of(Geometry())
-    told, listed, outcome = made.told(made.disks[CODE[x]]), _listed(x), Outcome()
+    geometry = Geometry()
+    made = ledger_of(geometry)
+    told, listed = made.told(made.disks[CODE[x]]), _listed(x)
     for each in listed:
         each.place = each.place if S[f"{OTHER[x]}.still"] else None
-    granted = S[f"{x}.granted"]
+    granted, pairs = S[f"{x}.granted"], made.pairs[CODE[x]]
     thirds = [each.peer for each in told.bindings if each.peer not in CODE.values()]
-    outcome.claims = {
+    outcome = outcome_of(made, geometry)
+    outcome.claims |= {
         "told: what it obeys": _same(told, SOURCE.records.Told(TO, AT, granted, granted, told.bindings)),
         "told: its bindings": z3.And(
             len(told.bindings) == len(listed) + len(thirds),
             *[z3.Or(*[_same(one, each) for one in told.bindings]) for each in listed],
         ),
-        "told: all others": thirds
-        == [third for third, kind in THIRDS.items() if kind != "loose" and third in made.pairs[CODE[x]]],
-    } | ledger_claims(made)
-    outcome.after = ledger_state(made)
+        "told: all others": thirds == [each for each in THIRDS if each in pairs and THIRDS[each] != "loose"],
+    }
     return outcome
 
 

@@ -18,12 +18,10 @@ _judges: list[Way | Execution] = []
 
 def expression(value: object) -> Any:
     """The solver's term for what the product says."""
-    if isinstance(value, bool):
-        return z3.BoolVal(value)
     if isinstance(value, z3.ExprRef):
         return value
     assert isinstance(value, int), value
-    return z3.IntVal(value)
+    return z3.BoolVal(value) if isinstance(value, bool) else z3.IntVal(value)
 
 
 def require(holds: object, name: str) -> None:

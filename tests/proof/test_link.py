@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from agents.robot import Robot
-from protocol.geometry import Disk, Shape
+from protocol.geometry import Disk
 from protocol.kernel import ledger as ledgers
 from protocol.kernel.ledger import Ledger, Pair
 from protocol.kernel.pair import Follower, Owner
@@ -86,15 +86,12 @@ class Watch:
         low, high = sorted((robot, self._random.choice([name for name in there if name != robot])))
         facts = Facts(ledger, self._processes, low, high)
         for x, name in (("A", low), ("B", high)):
-            body = self._body(self.run, name, ledger.disks[name].held.regions[0][1].shape)
+            body = ledger.disks[name].held.regions[0][1].shape  # of an obstacle
+            if name > 0:
+                x_y, radius = self.run.world.simulation.places[name], self.run.scenario.spec(name).radius
+                body = Disk(*x_y, radius)
             facts.s |= {f"{x}.body": body, f"{x}.own": body}
         return [f"{low}, {high}: {each}" for each in facts.broken()]
-
-    def _body(self, run: Skirmish, name: int, place: Shape) -> Shape:
-        """The true disk of a robot; an obstacle is its place."""
-        if name < 0:
-            return place
-        return Disk(*run.world.simulation.places[name], run.scenario.spec(name).radius)
 
 
 @pytest.mark.slow

@@ -61,10 +61,9 @@ NOWHERE = Disk(0.0, 0.0, 0.0)
 ROOM = 2.0**-6  # m, between a body and its region, and a region and a line; sums with integers are exact
 SHARES = {
     "fence": 0.1, "settle": 1.0, "part": 0.1, "remove": 0.1, "restart": 0.3, "rejoin": 1.0, "grant": 2.0,
-    "introduce": 2.0,
-    "ask": 3.0, "announce": 0.5, "appear": 1.0, "tell": 4.0, "hear": 6.0, "command": 12.0, "reach": 6.0,
-    "take_up": 4.0, "adopt_region": 6.0, "acknowledge": 3.0, "freeze": 8.0, "answer": 6.0, "turn": 3.0,
-    "propose": 4.0, "adopt": 6.0, "read_answer": 4.0,
+    "introduce": 2.0, "ask": 3.0, "announce": 0.5, "appear": 1.0, "tell": 4.0, "hear": 6.0, "command": 12.0,
+    "reach": 6.0, "take_up": 4.0, "adopt_region": 6.0, "acknowledge": 3.0, "freeze": 8.0, "answer": 6.0,
+    "turn": 3.0, "propose": 4.0, "adopt": 6.0, "read_answer": 4.0,
 }  # fmt: skip
 _SWARM = (0.2, 0.5, 1.0, 1.0, 2.0, 4.0)  # factors of these: no two walks have the same character
 
@@ -77,10 +76,8 @@ class Walk:
     taken: Counter[str] = field(default_factory=Counter)
 
     def __post_init__(self) -> None:
-        starts = self.random.sample(range(0, LENGTH, 4), 4)
-        self.truth = {
-            name: Disk(at, 0.0, 1.0 - 2.0 * ROOM) for name, at in zip((1, 2, 3, PART), starts, strict=True)
-        }
+        starts = zip((1, 2, 3, PART), self.random.sample(range(0, LENGTH, 4), 4), strict=True)
+        self.truth = {name: Disk(at, 0.0, 1.0 - 2.0 * ROOM) for name, at in starts}
         self.ledger = self.begun(1)
         self.robots: dict[tuple[int, int], Robot] = {}  # by disk and life
         self.said: dict[str, list[Any]] = defaultdict(list)  # of each kind, with whom or what it concerns
@@ -192,17 +189,13 @@ class Walk:
 
     def do_appear(self) -> None:
         disk = self.ledger.disks[PART]
-        (place,) = [each for _, each in disk.held.regions]
-        carrier = (
-            self.robots.get((self.carrier, self.ledger.disks[self.carrier].life)) if self.carrier else None
-        )
-        puts_down = carrier is not None and carrier.part == PART
-        require(not self.carrier or puts_down, "its carrier does not put it down")
+        (place,) = [each.shape.around for _, each in disk.held.regions]
+        lives = [each for each in self.robots.values() if self.is_current(each) and each.part == PART]
+        carriers = [each for each in lives if each.name == self.carrier]
+        require(bool(carriers) or not self.carrier, "its carrier does not put it down")
         self.ledger.appear(disk)
-        if carrier is not None:
-            self.truth[self.carrier] = covered(carrier.own)
-            self.carrier = NO
-        self.truth[PART] = widened(place.shape.around, -ROOM, -ROOM)
+        self.truth |= {each.name: covered(each.own) for each in carriers}
+        self.truth[PART], self.carrier = widened(place, -ROOM, -ROOM), NO
 
     def do_remove(self) -> None:
         disk = self.disk()
@@ -264,9 +257,8 @@ class Walk:
         robot.locate(cover(body), cover(widened(body, 0.0, -1.0) if part else body))
 
     def do_reach(self) -> None:
-        robot, part = self.robot(), self.truth.get(PART)
-        if part is None or self.carrier == robot.name:
-            raise RefusedError("there is none")
+        robot, part = self.robot(), self.truth.get(PART, NOWHERE)
+        require(PART in self.truth and self.carrier != robot.name, "there is none")
         body = self.truth[robot.name]
         require(distance(body, part) <= 4.0, "too far")
         robot.command(cover(hull(body, part)), cover(body), PART)
