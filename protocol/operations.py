@@ -14,11 +14,12 @@ A request under `world/operation` has the form of an entry of a scenario's `[[or
     {"halt": true}                                    emergency stop: all robots brake in the present tick,
                                                       external bases in the next, and stand
     {"halt": false}                                   they are released
+    {"release": 3}                                    they are, unless more than three stops came before
 
 An empty request returns the state alone. The reply has `accepted`, `number` of the goal or obstacle, `text`
-(the reason of a refusal, or a warning), and the state: the present `tick`, `halted`, `moving` (robots that
-still move after a stop), `roster`, `obstacles` that are present or announced, and `goals` of all robots, as
-in a `GoalStatus`. A stop has succeeded once `halted` is true and `moving` is empty.
+(the reason of a refusal, or a warning), and the state: the present `tick`, `halted`, the number of `stops` so
+far, `moving` (robots that still move after a stop), `roster`, `obstacles` that are present or announced, and
+`goals` of all robots, as in a `GoalStatus`. A stop has succeeded once `halted` is true and `moving` is empty.
 
 A request under `world/steering` changes the pace of a lock-step run: `{"pause": true}` pauses the clock,
 `{"pause": false}` resumes it, `{"step": n}` pauses it after n more ticks, `{"speed": x}` limits simulated
@@ -67,6 +68,7 @@ class Reply(Outcome, frozen=True, kw_only=True):
     Attributes:
         tick: the present one; of a stop, the first in which it is in force.
         halted: whether all robots must stand.
+        stops: number of emergency stops so far, which `release` names.
         moving: robots that do not stand yet; empty unless `halted`.
         obstacles: all that are present or announced.
         goals: of all robots, by increasing id.
@@ -74,6 +76,7 @@ class Reply(Outcome, frozen=True, kw_only=True):
 
     tick: Count
     halted: bool = False
+    stops: Count = 0
     moving: tuple[Id, ...] = ()
     roster: Roster = Roster(0, ())
     obstacles: tuple[PlacedObstacle, ...] = ()

@@ -40,15 +40,16 @@ class WorldCore:
         simulation: positions of the disks and measurements of robots; of an external fleet, its reports.
         referee: record of the run, and its verdict.
         stopped: whether an emergency stop is in force.
+        stops: number of emergency stops so far.
         contested: whether there is another coordinator of this run.
     """
 
     def __init__(self, scenario: Scenario, past: Past = Past(), *, returning: float = 0.0) -> None:
-        self.stopped, self.contested = past.stopped, False
+        self.stopped, self.stops, self.contested = past.stopped, past.stops, False
         lives = self.lives = Lives(scenario, returning, past.lives, past.tick)
         self.membership = Membership(scenario, lives, past.fleet)
         fleet = self.membership.scenario
-        self.missions = Missions(fleet, past.missions)
+        self.missions = Missions(fleet, past.missions, past.numbered)
         self.parts = Parts(fleet, lives)
         self.schedule = Schedule(scenario, past.orders)
         self.exchange = Exchange(scenario, lives, self.missions, past.tick)
@@ -72,8 +73,10 @@ class WorldCore:
             self.tick,
             self.lives.founded,
             self.stopped,
+            self.stops,
             self.lives.past,
             self.missions.past,
+            self.missions.numbered,
             self.membership.fleet,
             self.schedule.past,
             self.exchange.missed,
@@ -264,8 +267,7 @@ class WorldCore:
             return self._place(operation.place)
         if operation.take is not None:
             return self._take(operation.take)
-        self._stand(bool(operation.halt), self.contested)
-        return Outcome(True)
+        return self._halt(bool(operation.halt), operation.release)
 
     def _order(self, order: Journey) -> Outcome:
         standing, obstacles = self.lives.roster.standing, self.lives.obstacles.standing
@@ -339,6 +341,14 @@ class WorldCore:
     def halted(self) -> bool:
         """Whether all robots must stand."""
         return self.stopped or self.contested
+
+    def _halt(self, stopped: bool, seen: int | None) -> Outcome:
+        """Stop or release the robots; one that knows of fewer stops was long on its way."""
+        if seen is not None and seen != self.stops:
+            return Outcome(False, text="the robots have been stopped again")
+        self.stops += stopped
+        self._stand(stopped, self.contested)
+        return Outcome(True)
 
     def contest(self, contested: bool) -> None:
         """Set whether there is another coordinator of this run: then all robots stand, also if released."""

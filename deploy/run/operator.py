@@ -49,11 +49,14 @@ class Operator:
         """Request an operation, or (None) the state alone.
 
         If several worlds answer, their replies are combined: a refusal if one refuses, the newest tick,
-        halted if all are, and all robots that move.
+        halted if all are, and all robots that move. A release lifts the stops that are in force as it is
+        requested: later ones remain, however late it arrives.
 
         Raises BusError without an answer (the operation may take effect all the same), MessageError if the
         answer is of another version.
         """
+        if operation is not None and operation.halt is False:
+            operation = Operation(release=self.operate().stops)
         request = b"" if operation is None else msgspec.msgpack.encode(operation)
         try:
             answers = self._bus.ask(world_key(self._run, "operation"), request, ANSWER)

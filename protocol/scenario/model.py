@@ -257,6 +257,7 @@ class Operation:
     place: Obstacle | None = None  # it appears once all robots keep clear of it
     take: RobotId | None = None  # obstacle that is taken away
     halt: bool | None = None  # all robots stand; or are released
+    release: Annotated[int, Meta(ge=0, le=2**63 - 1)] | None = None  # they are, if there were this many stops
 
     @property
     def asked(self) -> list[str]:
@@ -266,7 +267,7 @@ class Operation:
     def __str__(self) -> str:
         if self.goal is not None:
             return f"robot {self.goal.robot} is sent to {list(self.goal.points)}"
-        if self.halt is not None:
+        if self.halt is not None or self.release is not None:
             return "emergency stop" if self.halt else "released"
         if self.add is not None or self.remove is not None:
             return f"robot {self.remove} goes" if self.add is None else f"robot {self.add.id} comes"

@@ -20,9 +20,19 @@ class Missions:
 
     An order takes effect with the next tick that is opened. A point is reached within the scenario's
     tolerance.
+
+    Args:
+        past: of an earlier world; the ordered ones, by robot.
+        numbered: number of orders before.
+
+    Attributes:
+        numbered: number of orders so far.
     """
 
-    def __init__(self, scenario: Scenario, past: Mapping[int, Mission] = MappingProxyType({})) -> None:
+    def __init__(
+        self, scenario: Scenario, past: Mapping[int, Mission] = MappingProxyType({}), numbered: int = 0
+    ) -> None:
+        self.numbered = numbered
         self._missions = dict(past)
         self._news: list[GoalStatus] = []
         self.set_fleet(scenario)
@@ -89,7 +99,7 @@ class Missions:
         """Execute an order that is not refused, from `position` (m), at the start of `tick`."""
         robot = order.robot
         before = self._missions[robot]
-        number = before.number + 1
+        number = self.numbered = self.numbered + 1
         deadline = None if order.within is None else tick + self._scenario.ticks(order.within)
         if not order.points:
             self._missions[robot] = Mission((position,), number)

@@ -61,6 +61,7 @@ class Operations:
             **msgspec.structs.asdict(outcome),
             tick=world.tick,
             halted=world.halted,
+            stops=world.stops,
             moving=world.moving,
             roster=world.lives.roster.message,
             obstacles=world.lives.obstacles.present,
@@ -70,12 +71,13 @@ class Operations:
 
     def _operate(self, operation: Operation) -> Outcome:
         world, asked = self._run.world, f"tick {self._run.world.tick}: {operation}"
-        if operation.halt is not None:
+        if operation.halt is not None or operation.release is not None:
             if world.contested and not operation.halt:
                 return Outcome(False, text=OTHER_WORLD)
-            if operation.halt != world.stopped:
+            before, outcome = world.stopped, world.operate(operation)
+            if world.stopped != before:
                 self._say(asked)
-            return world.operate(operation)
+            return outcome
         over = self._run.phase is not Phase.RUNNING
         outcome = Outcome(False, text="the run is over") if over else world.operate(operation)
         if outcome.accepted and operation.add is not None:

@@ -66,7 +66,7 @@ def test_keep_and_send(disknav: Forks, tmp_path: Path) -> None:
         request = b'{"goal": {"robot": 3, "points": [[0, -0.1]]}}'
         told = json.loads(bus.ask("disknav/yard/world/operation", request, 5.0)[0])
         bus.close()
-        assert (told["accepted"], told["number"]) == (True, 1)
+        assert (told["accepted"], told["number"]) == (True, 3)
         said = disknav("fleet", "goal", "yard", "3", "-0.1", "-0.1", "--router", endpoint, "--json")
         assert json.loads(said.stdout)["status"]["goal"] == [-0.1, -0.1]
         for words, status, text in OBSTACLES:

@@ -1,6 +1,7 @@
 """Orders of where to go: what is refused and why, point after point, patrols, ends that are no arrivals."""
 
 import math
+from dataclasses import replace
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -129,10 +130,25 @@ def test_a_robot_that_is_halted_stands_and_goes_on_when_released() -> None:
         assert world.open_tick()[1].halted
         advance(world, {1: (0.1, 0.0), 2: (0.1, 0.0)})
     assert (world.truth.positions, world.verdict) == (before, "")
-    world.operate(Operation(halt=False))
+    world.operate(Operation(halt=True))
+    assert not world.operate(Operation(release=1)).accepted, "it was sent before the second stop"
+    assert world.halted
+    assert world.operate(Operation(release=2)).accepted
     assert not world.open_tick()[1].halted
     advance(world, {1: (0.1, 0.0)})
     assert world.truth.positions[0] == (before[0][0] + 0.1 * STEP, before[0][1])
+
+
+def test_a_successor_and_a_robot_that_is_added_again_repeat_no_numbers() -> None:
+    world = joined(two())
+    world.operate(Operation(halt=True))
+    assert order(world, Journey(1, (HERE,))).number == 1
+    world = WorldCore(two(), world.past)
+    assert (world.stops, order(world, Journey(2, (THERE,))).number) == (1, 2)
+    alone = replace(two(), robots=two().robots[1:])
+    for fleet in (alone, two()):
+        world.missions.set_fleet(fleet)
+    assert (status(world).number, order(world, Journey(1, (HERE,))).number) == (0, 3)
 
 
 points = st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))

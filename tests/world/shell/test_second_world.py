@@ -239,7 +239,7 @@ def test_what_became_of_an_order_is_asked_while_its_world_may_be_restarted() -> 
     with pytest.raises(BusError, match="obstacle 1 was accepted, but has not appeared: no world of run 'r'"):
         away.stands(1, 1e6)
     with pytest.raises(BusError, match="may still obey: look at `disknav monitor r`"):
-        away.operate(Operation(halt=False))
+        away.operate(Operation(halt=True))
 
 
 def test_a_join_request_names_a_session_that_can_stand_in_a_key() -> None:
