@@ -1,15 +1,19 @@
-"""A second world of a run, as a real process, is refused, and requests reach the first."""
+"""Two worlds of one run as real processes: one is refused, requests reach all that answer, and both stand."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import pytest
 
 from deploy.library.load import load
 from deploy.processes import table
 from deploy.processes.supervisor import Supervisor
-from deploy.run.operator import operating
+from deploy.run.operator import Operator, operating
 from deploy.run.options import fresh_run_name
 from protocol.bus.connection import Connection
 from protocol.scenario.model import Journey, Operation
 from tests.forks import Forks
+from tests.until import until
 from world.process import REFUSED
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(120)]
@@ -19,18 +23,33 @@ ASIDE = Operation(goal=Journey(1, ((0.1, 0.1), (-0.1, 0.1)), patrol=True))
 RELEASE = Operation(halt=False)
 
 
+def rows(connection: Connection, run: str) -> list[table.Process]:
+    robots = [table.robot(connection, run, robot) for robot in SCENARIO.ids]
+    return [table.world(connection, run, SCENARIO, True, speed=2.0), *robots]
+
+
+def router(supervisor: Supervisor, *others: str) -> Connection:
+    supervisor.start([table.router(Connection("router", connect=others))])
+    return Connection(connect=(supervisor.report("router", 20.0),))
+
+
+@contextmanager
+def driving(supervisor: Supervisor, connection: Connection, run: str) -> Iterator[Operator]:
+    """A fleet that goes round and round, and its operator."""
+    supervisor.start(rows(connection, run))
+    with operating(run, connection.connect[0]) as operator:
+        operator.reach(30.0)
+        assert operator.operate(ASIDE).accepted
+        yield operator
+
+
 def test_a_second_world_is_refused_and_stops_reach_the_first(
     disknav: Forks, capfd: pytest.CaptureFixture[str]
 ) -> None:
     run = fresh_run_name()
     with Supervisor() as supervisor, Supervisor() as others:
-        supervisor.start([table.router(Connection("router"))])
-        connection = Connection(connect=(supervisor.report("router", 20.0),))
-        supervisor.start([table.world(connection, run, SCENARIO, True, speed=2.0)])
-        supervisor.start([table.robot(connection, run, robot) for robot in SCENARIO.ids])
-        with operating(run, connection.connect[0]) as operator:
-            operator.reach(30.0)
-            assert operator.operate(ASIDE).accepted
+        connection = router(supervisor)
+        with driving(supervisor, connection, run) as operator:
             others.start([table.Process("other", "world.process:main", (connection, run, SCENARIO, True))])
             while not (exits := others.poll(0.01)):
                 stopped = operator.stop(10.0)
@@ -45,3 +64,16 @@ def test_a_second_world_is_refused_and_stops_reach_the_first(
     assert f"another world of run {run!r} is on this network: end that one first" in said
     assert (done.returncode, len(done.stderr.splitlines())) == (2, 1)
     assert f"another world of run {run!r} is on this network" in done.stderr
+
+
+def test_fleets_on_joined_networks_stand_until_one_has_left(caplog: pytest.LogCaptureFixture) -> None:
+    run = fresh_run_name()
+    with Supervisor() as first, Supervisor() as second, Supervisor() as link:
+        here, there = router(first), router(second)
+        with driving(first, here, run) as operator, driving(second, there, run):
+            router(link, *here.connect, *there.connect)
+            until(lambda: operator.operate().halted and f"2 worlds of run {run!r}" in caplog.text)
+            assert operator.operate(RELEASE).text.startswith("another world of this run")
+            assert operator.operate().halted
+            second.stop()
+            until(lambda: not operator.operate().halted)
