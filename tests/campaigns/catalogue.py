@@ -12,6 +12,7 @@ CAMPAIGNS = {  # what each searches for, and where it is
     "falsify-routed": ("the same, each scenario also on real processes and a router", "falsify:ROUTED"),
     "falsify-mesh": ("the same, also on real processes without one", "falsify:MESH"),
     "falsify-mortal": ("the same while worlds die, at any message", "falsify:MORTAL"),
+    "faults": ("a collision under everything that may go wrong at once", "faults:FAULTS"),
     "skirmish": ("a broken invariant of the lines of whole robots", "models:SKIRMISH"),
     "aftermath": ("a broken invariant after a skirmish", "models:AFTERMATH"),
     "mortal-floor": ("contact of external bases, under worlds and processes that die", "mortal_floor:FLOOR"),
