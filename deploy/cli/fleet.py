@@ -53,7 +53,7 @@ def goal(
     Example: disknav fleet goal yard 3 0.1 -0.05 0.1 0.15 --queue --wait
 
     Exit status: 0 accepted (with --wait: arrived), 1 refused, cancelled or given up, 2 invalid, 3 no answer,
-    no such robot, or another order followed.
+    no such robot, another order followed, or the run ended.
     """
     check_json(json_file)
     if not points:

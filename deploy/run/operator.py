@@ -19,7 +19,7 @@ from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode, encode
 from protocol.errors import BusError, MessageError, UsageError
 from protocol.keys import STREAMS, checked_run, robot_key, world_key
-from protocol.messages import GoalStatus, Vector, Wish
+from protocol.messages import GoalStatus, Result, Vector, Wish
 from protocol.operations import Reply, decode_reply
 from protocol.process.log import LOG
 from protocol.process.signals import STOP
@@ -140,13 +140,23 @@ class Operator:
                 if done(reply) or time.monotonic() >= deadline:
                     return reply
             STOP.check()
-            self._bus.receive(_LOOK)
+            self._hear(_LOOK)
+
+    def _hear(self, timeout: float) -> GoalStatus | None:
+        """A published status, if one arrives within `timeout` s; raises BusError once the run has ended."""
+        event = self._bus.receive(timeout)
+        with suppress(MessageError):  # from another sender
+            message = decode(event.key, event.payload) if isinstance(event, Sample) else None
+            if isinstance(message, Result):
+                raise BusError(f"run {self._run!r} is over")
+            return cast(GoalStatus | None, message)
+        return None
 
     def outcome(self, robot: int, number: int, within: float) -> GoalStatus:
         """Wait until a goal is reached, cancelled or given up; returns its status.
-        Raises BusError after `within` s, or if another order followed, or the robot was removed.
+        Raises BusError after `within` s, if another order followed, the robot was removed, or the run ended.
         """
-        self._bus.subscribe(robot_key(self._run, robot, "goalstatus"))
+        self._bus.subscribe(robot_key(self._run, robot, "goalstatus"), world_key(self._run, "result"))
         deadline, heard = time.monotonic() + within, None
         while True:
             remaining = deadline - time.monotonic()
@@ -157,10 +167,7 @@ class Operator:
                 return status
             if remaining <= 0.0:
                 raise BusError(f"order {number} of robot {robot} has not ended within {within:g} s")
-            event, heard = self._bus.receive(min(remaining, _PAUSE)), None
-            if isinstance(event, Sample):
-                with suppress(MessageError):  # from another sender
-                    heard = cast(GoalStatus, decode(event.key, event.payload))
+            heard = self._hear(min(remaining, _PAUSE))
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from protocol.bus.local import LocalNetwork
 from protocol.codec import decode, encode
 from protocol.errors import BusError, RunTakenError
 from protocol.keys import robot_key, world_key
-from protocol.messages import Command, GoalStatus, Message, PlacedObstacle, Tick
+from protocol.messages import Command, GoalStatus, Message, PlacedObstacle, Result, Tick
 from protocol.operations import Reply
 from protocol.scenario.model import Operation
 from tests.listening import overhear
@@ -193,6 +193,7 @@ class Answers:
 
     def __init__(self, *rounds: tuple[Reply, ...]) -> None:
         self.rounds = list(rounds)
+        self.events: list[Sample] = []
 
     def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
         replies = self.rounds.pop(0) if len(self.rounds) > 1 else self.rounds[0]
@@ -200,9 +201,10 @@ class Answers:
             raise BusError("no answer")
         return [msgspec.msgpack.encode(reply) for reply in replies]
 
-    def receive(self, _: object) -> None: ...
+    def subscribe(self, *keys: str) -> None: ...
 
-    subscribe = receive
+    def receive(self, _: object) -> Sample | None:
+        return self.events.pop(0) if self.events else None
 
 
 def test_a_stop_is_repeated_until_all_of_all_worlds_stand() -> None:
@@ -232,6 +234,10 @@ def test_what_became_of_an_order_is_asked_while_its_world_may_be_restarted() -> 
     for robot, number in ((7, 1), (1, 2)):
         with pytest.raises(BusError, match=f"there is no robot {robot} with order {number}, or no longer"):
             operator.outcome(robot, number, 60.0)
+    ended = Answers((ahead,))
+    ended.events = [Sample(world_key("r", "result"), encode(Result("{}")))]
+    with pytest.raises(BusError, match="run 'r' is over"):
+        Operator(ended, "r").outcome(1, 1, 60.0)  # type: ignore[arg-type]
     with pytest.raises(BusError, match="robot 7 was accepted, but has not appeared: it was removed"):
         operator.appeared(7, 60.0)
     away = Operator(Answers(()), "r")  # type: ignore[arg-type]
