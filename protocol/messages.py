@@ -308,6 +308,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     newcomers: tuple[Id, ...] = ()  # added robots with a disk, whose processes have not joined
     parts: tuple[PartPlace, ...] = ()  # places of the scenario's parts
     passed_over: tuple[tuple[Count, Id], ...] = ()  # tick and robot of each fault without a disk so far
+    stops: Count = 0  # number of emergency stops so far, which a release names
 
 
 class Summary(Message, frozen=True, array_like=True, gc=False):

@@ -21,6 +21,7 @@ class Past(msgspec.Struct, frozen=True):
     founded: bool = False
     stopped: bool = False
     stops: Count = 0
+    scheduled: Count = 0  # number of the scenario's latest stop
     lives: PastLives | None = None
     missions: dict[Id, Mission] = {}
     numbered: Count = 0  # orders to robots

@@ -46,6 +46,7 @@ class WorldCore:
 
     def __init__(self, scenario: Scenario, past: Past = Past(), *, returning: float = 0.0) -> None:
         self.stopped, self.stops, self.contested = past.stopped, past.stops, False
+        self._scheduled = past.scheduled  # number of the scenario's latest stop
         lives = self.lives = Lives(scenario, returning, past.lives, past.tick)
         self.membership = Membership(scenario, lives, past.fleet)
         fleet = self.membership.scenario
@@ -74,6 +75,7 @@ class WorldCore:
             self.lives.founded,
             self.stopped,
             self.stops,
+            self._scheduled,
             self.lives.past,
             self.missions.past,
             self.missions.numbered,
@@ -251,23 +253,24 @@ class WorldCore:
 
     # -- operations
 
-    def operate(self, operation: Operation, *, awaited: bool = False) -> Outcome:
+    def operate(self, operation: Operation, *, scheduled: bool = False) -> Outcome:
         """Execute an operation; a refused one changes nothing.
 
         Args:
-            awaited: whether the run waits for the process of an added robot.
+            scheduled: whether it is the scenario's: the run waits for the process of an added robot, and a
+                release lifts no stop by an operator.
         """
         if operation.goal is not None:
             return self._order(operation.goal)
         if operation.add is not None:
-            return self._add(operation.add, awaited)
+            return self._add(operation.add, awaited=scheduled)
         if operation.remove is not None:
             return self._remove(operation.remove)
         if operation.place is not None:
             return self._place(operation.place)
         if operation.take is not None:
             return self._take(operation.take)
-        return self._halt(bool(operation.halt), operation.release)
+        return self._halt(bool(operation.halt), operation.release, scheduled=scheduled)
 
     def _order(self, order: Journey) -> Outcome:
         standing, obstacles = self.lives.roster.standing, self.lives.obstacles.standing
@@ -293,7 +296,7 @@ class WorldCore:
             for status in statuses
         )
 
-    def _add(self, spec: RobotSpec, awaited: bool) -> Outcome:
+    def _add(self, spec: RobotSpec, *, awaited: bool) -> Outcome:
         """Announce the disk of another robot; it appears once every robot keeps clear of its start."""
         reason = self._fixed or self.membership.unfit(spec) or self.simulation.plant.refusal(spec)
         if not reason:
@@ -342,11 +345,15 @@ class WorldCore:
         """Whether all robots must stand."""
         return self.stopped or self.contested
 
-    def _halt(self, stopped: bool, seen: int | None) -> Outcome:
-        """Stop or release the robots; one that knows of fewer stops was long on its way."""
+    def _halt(self, stopped: bool, seen: int | None, *, scheduled: bool) -> Outcome:
+        """Stop or release the robots; a release that knows of fewer stops was long on its way."""
         if seen is not None and seen != self.stops:
             return Outcome(False, text="the robots have been stopped again")
+        if scheduled and self.stopped and self.stops != self._scheduled and not stopped:
+            return Outcome(False, text="an operator has stopped the robots")
         self.stops += stopped
+        if scheduled and stopped and not self.stopped:
+            self._scheduled = self.stops
         self._stand(stopped, self.contested)
         return Outcome(True)
 

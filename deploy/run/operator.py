@@ -72,6 +72,7 @@ class Operator:
             min(replies, key=lambda reply: reply.accepted),
             tick=max(reply.tick for reply in replies),
             halted=all(reply.halted for reply in replies),
+            stops=min(reply.stops for reply in replies),
             moving=tuple(sorted({robot for reply in replies for robot in reply.moving})),
         )
 

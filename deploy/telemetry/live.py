@@ -223,7 +223,7 @@ class FleetView:
     def _clear(self) -> None:
         self.tick, self.verdict, self.reason = 0, "", ""
         self.missed, self.rejected = 0, dict[str, int]()
-        self.halted = False  # an emergency stop is in force
+        self.halted, self.stops = False, 0  # an emergency stop is in force; number of them so far
         self.smallest: float | None = None
         self.obstacles: tuple[PlacedObstacle, ...] = ()  # placed or removed during the run
         self.history: Thinned[Point] = Thinned(HISTORY, _worst)
@@ -296,7 +296,7 @@ class FleetView:
         self.tick, self.verdict, self.reason = max(self.tick, clock.tick), clock.verdict, clock.reason
         self.smallest = clock.clearance if self.smallest is None else min(self.smallest, clock.clearance)
         self.missed, self.rejected = clock.missed, clock.rejected
-        self.obstacles, self.halted = clock.obstacles, clock.halted
+        self.obstacles, self.halted, self.stops = clock.obstacles, clock.halted, clock.stops
         down = {each.robot for each in clock.standing}
         active = frozenset(clock.active)
         carried = {place.carrier: place.part for place in clock.parts if place.carrier}

@@ -196,7 +196,7 @@ def obstruction(
 class Operated(Protocol):
     """Carries out operations: `world.world.WorldCore`."""
 
-    def operate(self, operation: Operation, *, awaited: bool = False) -> Outcome: ...
+    def operate(self, operation: Operation, *, scheduled: bool = False) -> Outcome: ...
 
 
 class Schedule:
@@ -231,5 +231,5 @@ class Schedule:
         """Execute the orders that are due by `tick`."""
         while self._due and self._due[0][0] <= tick:
             _, order = self._due.popleft()
-            outcome = operated.operate(order, awaited=True)
+            outcome = operated.operate(order, scheduled=True)
             self.done.append((tick, order, "" if outcome.accepted else outcome.text))

@@ -134,6 +134,10 @@ class WorldNode:
         self._publishers.goals(run.world.missions.news())
 
     @property
+    def _stop(self) -> tuple[bool, int]:
+        return self.world.halted, self.world.stops
+
+    @property
     def world(self) -> WorldCore:
         return self._run.world
 
@@ -150,9 +154,9 @@ class WorldNode:
         elif isinstance(event, Presence):
             self._on_presence(event)
         elif isinstance(event, Query):
-            halted, reply = self.world.halted, self._reply(event)
+            before, reply = self._stop, self._reply(event)
             self._save()
-            if self.world.halted != halted:
+            if self._stop != before:
                 self._inform(due=True)
             event.reply(reply)
             self._advance()

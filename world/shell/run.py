@@ -81,6 +81,7 @@ class JudgedRun:
             world.lives.newcomers,
             world.parts.places,
             world.lives.passed_over,
+            world.stops,
         )
 
     def is_marked(self) -> bool:

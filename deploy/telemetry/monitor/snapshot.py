@@ -64,6 +64,7 @@ def snapshot(view: FleetView, now: float, since: int = -1) -> dict[str, Any]:
         "epoch": view.epoch,
         "run": view.run,
         "phase": view.phase,
+        "stops": view.stops,
         "tick": view.tick,
         "time": round(view.tick * rules.step, 6),
         "pace": view.ticks_per_second(now),

@@ -139,6 +139,22 @@ def test_a_robot_that_is_halted_stands_and_goes_on_when_released() -> None:
     assert world.truth.positions[0] == (before[0][0] + 0.1 * STEP, before[0][1])
 
 
+def test_a_scheduled_release_lifts_no_stop_by_an_operator() -> None:
+    world, stop, release = joined(two()), Operation(halt=True), Operation(halt=False)
+    for _ in range(2):  # also after the scenario's own stops
+        world.operate(stop, scheduled=True)
+        world = WorldCore(two(), world.past)
+        assert world.operate(release, scheduled=True).accepted
+    for before, after in ((stop, ()), ((), stop)):
+        for operation, scheduled in ((before, False), (stop, True), (after, False)):
+            if operation:
+                world.operate(operation, scheduled=scheduled)
+        world = WorldCore(two(), world.past)
+        assert world.operate(release, scheduled=True).text == "an operator has stopped the robots"
+        assert world.stopped
+        assert world.operate(Operation(release=world.stops)).accepted
+
+
 def test_a_successor_and_a_robot_that_is_added_again_repeat_no_numbers() -> None:
     world = joined(two())
     world.operate(Operation(halt=True))

@@ -60,7 +60,7 @@ const live = new Live({
     showFigures(null, model);
   },
   answer(answer) {
-    if ("halt" in answer.asked) halt.answered(answer.text);
+    if ("halt" in answer.asked || "release" in answer.asked) halt.answered(answer.text);
     else selected.answered({ ...answer.asked.goal, ...answer });
   },
   refused: (refusal) => controls.refused(refusal.text),

@@ -71,6 +71,20 @@ def test_a_viewer_can_hold_the_run_and_let_it_go() -> None:
         assert news(viewer, "frame", lambda it: it["verdict"])["verdict"] == "arrived"
 
 
+def test_a_viewer_releases_only_the_stops_that_it_has_been_shown() -> None:
+    fleet = LocalFleet(ring(), "r")
+    watcher = watch_local(fleet.network, "r", speed=0.1)
+    with running(fleet), served(watcher) as server, live(server) as viewer:
+        news(viewer, "frame", lambda it: it["phase"] == "running")
+        for stops in (1, 2):
+            viewer.send('{"halt": true}')
+            news(viewer, "frame", lambda it, stops=stops: (it["phase"], it["stops"]) == ("halted", stops))
+        for seen, accepted in ((1, False), (2, True)):
+            viewer.send(f'{{"release": {seen}}}')
+            assert news(viewer, "answer", lambda it: "release" in it["asked"])["accepted"] == accepted
+        news(viewer, "frame", lambda it: it["phase"] == "running")
+
+
 def asleep(server: Server) -> socket.socket:
     """A viewer that asks and does not read, until the server can send it no more, and reads no more."""
     viewer = socket.socket()

@@ -1,4 +1,4 @@
-// The emergency stop: a button, and the key S with any focus. Only the button releases.
+// The emergency stop: a button, and the key S with any focus. Only the button releases: the stops that it has shown.
 const DONE = ["ended", "lost", "searching"];
 
 export class Halt {
@@ -7,7 +7,7 @@ export class Halt {
     this.may = this.open = this.halted = false;
     this.button = document.getElementById("halt");
     this.note = document.getElementById("halt-note");
-    this.button.addEventListener("click", () => this.send({ halt: !this.halted }));
+    this.button.addEventListener("click", () => this.send(this.halted ? { release: this.stops } : { halt: true }));
     document.addEventListener("keydown", (event) => this.key(event));
   }
 
@@ -18,6 +18,7 @@ export class Halt {
 
   show(frame) {
     this.halted = frame.phase === "halted";
+    this.stops = frame.stops;
     this.open = !DONE.includes(frame.phase);
     this.button.disabled = !this.open;
     this.button.textContent = this.halted ? "Release all" : "Stop all";
