@@ -26,6 +26,7 @@ from protocol.process.signals import STOP
 from protocol.scenario.model import Operation
 
 ANSWER = 5.0  # s for a router to accept, and for a world to answer
+_PRESENT = 2.0  # s from a release to the number of stops in force; after that others may have followed
 _LOOK = 0.05  # s between queries of the state
 _PAUSE = 0.5  # s between them while nothing is published about an order
 _AWAY = 60.0  # s in which a world that has answered may be restarted
@@ -49,14 +50,14 @@ class Operator:
         """Request an operation, or (None) the state alone.
 
         If several worlds answer, their replies are combined: a refusal if one refuses, the newest tick,
-        halted if all are, and all robots that move. A release lifts the stops that are in force as it is
-        requested: later ones remain, however late it arrives.
+        halted if all are, and all robots that move. A release asks for the number of stops so far, and lifts
+        those: later ones remain, however late it arrives.
 
-        Raises BusError without an answer (the operation may take effect all the same), MessageError if the
-        answer is of another version.
+        Raises BusError without an answer (the operation may take effect all the same), or if that number was
+        late; MessageError if the answer is of another version.
         """
         if operation is not None and operation.halt is False:
-            operation = Operation(release=self.operate().stops)
+            operation = Operation(release=self._in_force())
         request = b"" if operation is None else msgspec.msgpack.encode(operation)
         try:
             answers = self._bus.ask(world_key(self._run, "operation"), request, ANSWER)
@@ -75,6 +76,17 @@ class Operator:
             stops=min(reply.stops for reply in replies),
             moving=tuple(sorted({robot for reply in replies for robot in reply.moving})),
         )
+
+    def _in_force(self) -> int:
+        """Number of stops so far; BusError if the answer is late: later stops may be among them."""
+        asked = time.monotonic()
+        stops = self.operate().stops
+        if time.monotonic() > asked + _PRESENT:
+            raise BusError(
+                f"the world of run {self._run!r} answered after more than {_PRESENT:g} s: the robots are not "
+                f"released, as they may have been stopped again meanwhile; release them again"
+            )
+        return stops
 
     def wish(self, robot: int, velocity: Vector) -> None:
         """Send the desired velocity, m/s, of a robot with law "external"; valid until the next one."""

@@ -2,6 +2,7 @@
 
 import itertools
 from pathlib import Path
+from types import SimpleNamespace
 
 import msgspec
 import pytest
@@ -17,7 +18,7 @@ from protocol.codec import decode, encode
 from protocol.errors import BusError, RunTakenError
 from protocol.keys import robot_key, world_key
 from protocol.messages import Command, GoalStatus, Message, PlacedObstacle, Result, Tick
-from protocol.operations import Reply
+from protocol.operations import Reply, decode_operation
 from protocol.scenario.model import Operation
 from tests.listening import overhear
 from tests.mortal import Death, Doom, DoomedFleet
@@ -220,6 +221,28 @@ def test_a_stop_is_repeated_until_all_of_all_worlds_stand() -> None:
     bus = Answers((Reply(True, tick=4, halted=True, moving=(3, 7)), moving))
     told = Operator(bus, "r", print).stop(0.0)  # type: ignore[arg-type]
     assert (told.halted, told.moving) == (True, (2, 3, 7)), "without effect it names those that move"
+
+
+def test_a_release_lifts_no_stop_that_may_have_come_after_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[bytes] = []
+
+    class Late(Answers):
+        delay = 2.5
+
+        def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
+            asked.append(payload)
+            clock.now += self.delay
+            return super().ask(key, payload, timeout)
+
+    clock = SimpleNamespace(now=0.0, monotonic=lambda: clock.now)
+    monkeypatch.setattr("deploy.run.operator.time", clock)
+    bus = Late((Reply(True, tick=4, halted=True, stops=3), Reply(True, tick=4, halted=True, stops=2)))
+    operator = Operator(bus, "r", print)  # type: ignore[arg-type]
+    with pytest.raises(BusError, match="answered after more than 2 s"):
+        operator.operate(Operation(halt=False))
+    bus.delay = 0.5
+    operator.operate(Operation(halt=False))
+    assert [payload and decode_operation(payload) for payload in asked] == [b"", b"", Operation(release=2)]
 
 
 def test_what_became_of_an_order_is_asked_while_its_world_may_be_restarted() -> None:
