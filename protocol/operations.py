@@ -13,8 +13,8 @@ A request under `world/operation` has the form of an entry of a scenario's `[[or
     {"take": 2}                                       the obstacle has been removed
     {"halt": true}                                    emergency stop: all robots brake in the present tick,
                                                       external bases in the next, and stand
-    {"halt": false}                                   they are released
-    {"release": 3}                                    they are, if there have been three stops
+    {"release": 3}                                    they are released, if there have been three stops: none
+                                                      that followed is lifted, as `"halt": false` would
 
 An empty request returns the state alone. The reply has `accepted`, `number` of the goal or obstacle, `text`
 (the reason of a refusal, or a warning), and the state: the present `tick`, `halted`, the number of `stops` so

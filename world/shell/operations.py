@@ -15,6 +15,7 @@ from world.shell.pacing import Pacing
 from world.shell.publishers import Publishers
 from world.shell.run import JudgedRun, Phase
 
+UNNAMED = "a release names the number of stops so far, `release`: it lifts no later one"
 OTHER_WORLD = "another world of this run is on the network: all robots stand until one of the two has left"
 
 
@@ -71,7 +72,9 @@ class Operations:
 
     def _operate(self, operation: Operation) -> Outcome:
         world, asked = self._run.world, f"tick {self._run.world.tick}: {operation}"
-        if operation.halt is not None or operation.release is not None:
+        if operation.halt is False:
+            return Outcome(False, text=UNNAMED)
+        if operation.halt or operation.release is not None:
             if world.contested and not operation.halt:
                 return Outcome(False, text=OTHER_WORLD)
             before, outcome = world.stopped, world.operate(operation)

@@ -19,6 +19,8 @@ ASKED = (
     {"halt": True},
     {"halt": True},
     {"halt": False},
+    {"release": 1},
+    {"release": 2},
     {},
 )
 
@@ -34,6 +36,8 @@ def test_a_log_holds_every_order_and_a_person_hears_of_every_stop() -> None:
         world.handle(Query("disknav/r/world/operation", payload, replies.append))
     assert len(replies) == len(ASKED)
     assert said == ["tick 0: emergency stop", "tick 0: released"]
+    outcomes = [json.loads(reply)["accepted"] for reply in replies[4:9]]
+    assert outcomes == [True, True, False, False, True], "a release names both stops"
     assert noted[0] == "tick 0: robot 2 is sent to [(0.05, 0.02)]"
     assert noted[1].startswith("tick 0: robot 2 is sent to [(9.0, 0.0)]: refused, ")
     assert noted[2].startswith("tick 0: robot 1 goes")

@@ -50,7 +50,7 @@ def test_a_running_world_stands_while_another_is_there_and_goes_on_after_that() 
     assert other.refused, "it has not begun, and came later"
     assert (fleet.world.world.halted, said) == (True, [f"tick 10: {OTHER_WORLD}"])
     before = fleet.world.world.simulation.places
-    released = asked(fleet, {"halt": False})
+    released = asked(fleet, {"release": 0})
     assert (released.accepted, released.halted, released.text) == (False, True, OTHER_WORLD)
     step(fleet, 5)
     assert fleet.world.world.simulation.places == before
@@ -108,11 +108,11 @@ def test_an_emergency_stop_outlasts_the_other_world() -> None:
     bus.announce("disknav/local/world/alive/another")
     assert asked(fleet, {"halt": True}).halted
     step(fleet, 3)
-    assert not asked(fleet, {"halt": False}).accepted
+    assert not asked(fleet, {"release": 1}).accepted
     bus.close()
     step(fleet, 3)
     assert (asked(fleet).halted, asked(fleet).moving, said[-1][-13:]) == (True, (), "stays stopped")
-    assert not asked(fleet, {"halt": False}).halted
+    assert not asked(fleet, {"release": 1}).halted
 
 
 def test_a_stop_and_an_order_of_which_anyone_heard_outlast_their_world(tmp_path: Path) -> None:
