@@ -168,7 +168,7 @@ def _of_others(dice: Dice, kind: str, fleet: Fleet, before: tuple[Order, ...]) -
             yield 0, Order(0.0, take=dice.whole(1, len(fleet.obstacles)))
         case "halt":
             yield 0, Order(0.0, halt=True)
-            yield later, Order(0.0, halt=False)
+            yield later, dice.pick((Order(0.0, halt=False), Order(0.0, release=dice.whole(1, 2))))
 
 
 def _journey(dice: Dice, fleet: Fleet, robot: RobotSpec) -> Journey:
