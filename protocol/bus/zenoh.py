@@ -156,13 +156,15 @@ class ZenohBus:
         deadline = time.monotonic() + timeout
         with self._session.declare_querier(key) as querier:
             served = _await(lambda: querier.matching_status.matching, timeout)  # type: ignore[attr-defined]  # no bool
-        left = max(0.0, deadline - time.monotonic())
-        if served and (replies := self._replies(key, payload, left)):  # sent once: it may be an order
-            return replies
-        raise BusError(
-            f"no answer under {key} within {timeout:g} s; is the process that serves it running, "
-            f"under the same run name and reachable from the same endpoint?"
-        )
+        if not served:
+            raise BusError(
+                f"no answer under {key} within {timeout:g} s; is the process that serves it running, "
+                f"under the same run name and reachable from the same endpoint?"
+            )
+        replies = self._replies(key, payload, max(0.0, deadline - time.monotonic()))
+        if not replies:  # sent once: it may be an order
+            raise BusError(f"no answer under {key}: the process that serves it has ended, or is too slow")
+        return replies
 
     def _replies(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
         """Those of all that serve `key`. A frozen process is not waited for once another has answered."""
