@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import partial
 from queue import Empty, SimpleQueue
-from typing import Final
+from typing import Any, Final
 
 # zenoh reads this once, at the first `open` of a process: four threads instead of seven are faster.
 os.environ.setdefault(
@@ -154,8 +154,9 @@ class ZenohBus:
 
     def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
         deadline = time.monotonic() + timeout
-        with self._session.declare_querier(key) as querier:
-            served = _await(lambda: querier.matching_status.matching, timeout)  # type: ignore[attr-defined]  # no bool
+        with self._session.declare_querier(key) as declared:
+            querier: Any = declared  # zenoh's stub takes its status for a bool
+            served = _await(lambda: bool(querier.matching_status.matching), timeout)
         if not served:
             raise BusError(
                 f"no answer under {key} within {timeout:g} s; is the process that serves it running, "
