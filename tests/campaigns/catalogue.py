@@ -33,12 +33,13 @@ CAMPAIGNS = {  # what each searches for, and where it is
 
 
 _ROOT = Path(__file__).resolve().parents[2]
-_REPLACING = ("skirmish", "aftermath", "mortal-floor", "bodies")  # parts of the product
+# Parts of the product, or derived from them.
+_REPLACING = "falsify", "skirmish", "aftermath", "mortal-floor", "bodies"
 
 
 def find(name: str) -> Campaign:
     """The campaign of this name; it imports what it needs."""
-    if name in _REPLACING and _of_sources not in sys.path_hooks:
+    if name.startswith(_REPLACING) and _of_sources not in sys.path_hooks:
         sys.path_hooks.insert(0, _of_sources)
         sys.path_importer_cache.clear()
     module, _, attribute = CAMPAIGNS[name][1].partition(":")
