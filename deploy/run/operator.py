@@ -60,7 +60,7 @@ class Operator:
             operation = Operation(release=self._in_force())
         request = b"" if operation is None else msgspec.msgpack.encode(operation)
         try:
-            answers = self._bus.ask(world_key(self._run, "operation"), request, ANSWER)
+            answers = self._bus.ask(world_key(self._run, "operation"), request, ANSWER, once=request != b"")
         except BusError as error:
             late = f" (It may still obey: look at `disknav monitor {self._run}` first.)" if operation else ""
             raise BusError(f"no world of run {self._run!r} answers: {error}{late}") from error

@@ -93,8 +93,11 @@ class Bus(Protocol):
     def announce(self, key: str) -> None:
         """Declare a liveliness token, which lasts until `close`, or the death of this process."""
 
-    def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
-        """Request once, when the key is served; all replies, or BusError after `timeout` s at most."""
+    def ask(self, key: str, payload: bytes, timeout: float, *, once: bool = False) -> list[bytes]:
+        """Request, and wait for all replies; raises BusError after `timeout` s without one.
+
+        `once`: what may be an order is sent once, when the key is served; other requests are repeated.
+        """
 
     def post(self, key: str, payload: bytes) -> None:
         """Send a request without waiting: replies are events."""

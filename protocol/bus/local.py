@@ -167,7 +167,7 @@ class LocalBus:
         self.announced.append(key)
         self.network.tell_presence(key, True, self)
 
-    def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:  # noqa: ARG002
+    def ask(self, key: str, payload: bytes, timeout: float, *, once: bool = False) -> list[bytes]:  # noqa: ARG002
         """In one thread no other node can act meanwhile: replies come at once or never."""
         replies: list[bytes] = []
         for node in self.network.servers(key):

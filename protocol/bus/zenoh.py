@@ -33,6 +33,7 @@ from protocol.keys import Stream
 from protocol.process.signals import STOP, Stopped
 
 _ATTEMPT = 0.5  # s; a failed attempt reports its reason only at its end, so the first ones are short
+_ASK_AGAIN = 0.02  # s between attempts while no process serves a key
 _OTHERS = 0.5  # s to wait for further answers
 _TOKENS = 2.0  # s for routers to list their tokens
 _LONGEST: Final = 3600.0  # s, longest single wait for the queue
@@ -152,20 +153,22 @@ class ZenohBus:
             self._awaited = True
         self._declared.append(self._session.liveliness().declare_token(key))
 
-    def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
+    def ask(self, key: str, payload: bytes, timeout: float, *, once: bool = False) -> list[bytes]:
         deadline = time.monotonic() + timeout
-        with self._session.declare_querier(key) as declared:
-            querier: Any = declared  # zenoh's stub takes its status for a bool
-            served = _await(lambda: bool(querier.matching_status.matching), timeout)
-        if not served:
-            raise BusError(
-                f"no answer under {key} within {timeout:g} s; is the process that serves it running, "
-                f"under the same run name and reachable from the same endpoint?"
-            )
-        replies = self._replies(key, payload, max(0.0, deadline - time.monotonic()))
-        if not replies:  # sent once: it may be an order
-            raise BusError(f"no answer under {key}: the process that serves it has ended, or is too slow")
-        return replies
+        if once:
+            with self._session.declare_querier(key) as declared:
+                querier: Any = declared  # zenoh's stub takes its status for a bool
+                _await(lambda: bool(querier.matching_status.matching), timeout)
+        while (remaining := deadline - time.monotonic()) > 0.0:
+            if replies := self._replies(key, payload, remaining):
+                return replies
+            if once:
+                raise BusError(f"no answer under {key}: the process that serves it has ended, or is too slow")
+            STOP.wait(min(_ASK_AGAIN, max(0.0, deadline - time.monotonic())))
+        raise BusError(
+            f"no answer under {key} within {timeout:g} s; is the process that serves it running, "
+            f"under the same run name and reachable from the same endpoint?"
+        )
 
     def _replies(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
         """Those of all that serve `key`. A frozen process is not waited for once another has answered."""

@@ -146,7 +146,9 @@ class Watcher(Source):
         """Outcome of an operation; a refusal if one of several worlds refuses."""
         try:
             key, request = world_key(self._run, "operation"), msgspec.msgpack.encode(operation)
-            replies = [decode_reply(each, Reply) for each in self._bus.ask(key, request, _ASK_TIMEOUT)]
+            replies = [
+                decode_reply(each, Reply) for each in self._bus.ask(key, request, _ASK_TIMEOUT, once=True)
+            ]
         except (BusError, MessageError):
             return Outcome(False, text=_UNANSWERED)
         reply = min(replies, key=lambda each: each.accepted)
@@ -158,7 +160,7 @@ class Watcher(Source):
     def _ask_for(self, steer: Steer) -> None:
         try:
             key, request = world_key(self._run, "steering"), msgspec.msgpack.encode(steer)
-            steering = decode_reply(self._bus.ask(key, request, _ASK_TIMEOUT)[0], Steering)
+            steering = decode_reply(self._bus.ask(key, request, _ASK_TIMEOUT, once=True)[0], Steering)
         except (BusError, MessageError):
             return  # the world is gone, or of another version: the controls stay as shown
         self.change(lambda view, _: setattr(view, "steering", steering))

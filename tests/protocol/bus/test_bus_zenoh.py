@@ -139,12 +139,12 @@ def test_presence_goes_with_a_killed_process(connect: Connect, endpoint: str) ->
 def test_asking_waits_for_one_that_will_serve(connect: Connect) -> None:
     asker, server, heir = connect(), connect(), connect()
     with ThreadPoolExecutor() as pool:
-        asking = pool.submit(asker.ask, SCENARIO, b"may I?", PATIENCE)
+        asking = pool.submit(asker.ask, SCENARIO, b"may I?", PATIENCE, once=True)
         assert server.receive(0.1) is None  # nobody serves it
         server.serve(SCENARIO)
         answer(server, b"now")
         assert asking.result() == [b"now"]
-        asking = pool.submit(asker.ask, SCENARIO, b"may I?", PATIENCE)
+        asking = pool.submit(asker.ask, SCENARIO, b"may I?", PATIENCE, once=True)
         assert isinstance(server.receive(PATIENCE), Query)
         heir.serve(SCENARIO)
         server.close()  # perhaps after it has obeyed

@@ -196,7 +196,7 @@ class Answers:
         self.rounds = list(rounds)
         self.events: list[Sample] = []
 
-    def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
+    def ask(self, key: str, payload: bytes, timeout: float, **_: object) -> list[bytes]:
         replies = self.rounds.pop(0) if len(self.rounds) > 1 else self.rounds[0]
         if not replies:
             raise BusError("no answer")
@@ -229,7 +229,7 @@ def test_a_release_lifts_no_stop_that_may_have_come_after_it(monkeypatch: pytest
     class Late(Answers):
         delay = 2.5
 
-        def ask(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
+        def ask(self, key: str, payload: bytes, timeout: float, **_: object) -> list[bytes]:
             asked.append(payload)
             clock.now += self.delay
             return super().ask(key, payload, timeout)
