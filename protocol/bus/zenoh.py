@@ -33,6 +33,7 @@ from protocol.keys import Stream
 from protocol.process.signals import STOP, Stopped
 
 _ATTEMPT = 0.5  # s; a failed attempt reports its reason only at its end, so the first ones are short
+_SERVED = 0.5  # s to wait for news that a key is served, before what may be repeated is sent all the same
 _ASK_AGAIN = 0.02  # s between attempts while no process serves a key
 _OTHERS = 0.5  # s to wait for further answers
 _TOKENS = 2.0  # s for routers to list their tokens
@@ -155,10 +156,9 @@ class ZenohBus:
 
     def ask(self, key: str, payload: bytes, timeout: float, *, once: bool = False) -> list[bytes]:
         deadline = time.monotonic() + timeout
-        if once:
-            with self._session.declare_querier(key) as declared:
-                querier: Any = declared  # zenoh's stub takes its status for a bool
-                _await(lambda: bool(querier.matching_status.matching), timeout)
+        with self._session.declare_querier(key) as declared:
+            querier: Any = declared  # zenoh's stub takes its status for a bool
+            _await(lambda: bool(querier.matching_status.matching), timeout if once else min(timeout, _SERVED))
         while (remaining := deadline - time.monotonic()) > 0.0:
             if replies := self._replies(key, payload, remaining):
                 return replies
