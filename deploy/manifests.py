@@ -103,7 +103,7 @@ def router_host(orchestrator: str, plan: Plan) -> str:
 def compose(plan: Plan) -> dict[str, str]:
     """Docker Compose: a service for each process, with its own key only. Returns files by name.
 
-    The containers run as the user of this process, who owns the keys.
+    The containers run as the user of this process, the owner of the keys.
     """
     roles = (ROUTER, WORLD, *plan.robots)
     robots = [

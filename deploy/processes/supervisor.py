@@ -181,11 +181,13 @@ class Supervisor:
         life = self._life(name)
         self._advance(timeout, lambda: life.report is not None or life.over or STOP.requested)
         STOP.check()
-        if life.report is None and life.exit_code in _SAID and life.over:
+        code = life.exit_code if life.over else None
+        if life.report is None and code in _SAID:
             raise StartError(f"{name} could not start; see its output above")
+        if life.report is None and code is not None:
+            raise ProcessError(f"{Exit(life.process, code, expected=False)} before it had started")
         if life.report is None:
-            state = "ended at once" if life.over else f"did not answer within {timeout:g} s"
-            raise ProcessError(f"{name} {state}; see its output above")
+            raise ProcessError(f"{name} did not answer within {timeout:g} s; see its output above")
         return life.report
 
     def up(self, names: Iterable[str]) -> None:

@@ -66,7 +66,7 @@ class KeyRing:
 
     @property
     def viewer(self) -> str:
-        """Role of a live page: the operator, who may give orders, if its key is in the directory."""
+        """Role of a live page: operator, which may give orders, if its key is in the directory."""
         if self.directory is None or (self.directory / key_file(OPERATOR)).exists():
             return OPERATOR
         return MONITOR

@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def on_config(config: Any) -> Any:
-    """See mkdocs. Whoever writes a page need not think of its place."""
+    """See mkdocs. An author of a page need not think of its place."""
     guides = next(section["Guides"] for section in config.nav if "Guides" in section)
     listed = str(config.nav)
     pages = [path.relative_to(ROOT / "docs").as_posix() for path in sorted((ROOT / "docs").rglob("*.md"))]

@@ -33,9 +33,9 @@ FIELDS = {
     "ticks_per_second": "ticks over wall time",
     "missed_commands": "how often a robot that took part had no command in time",
     "rejected_commands": "commands refused by the world, by reason",
-    "down": "ids of robots whose disks stand at the end, for no life moves them",
-    "orders": "the scenario's `orders` that were due, each with its `tick` and why it was `refused`, if so",
-    "faults": "what was injected: `process` faults, `fenced` lives, whom the world has `given_up`, "
+    "down": "ids of robots whose disks stand at the end, without a life that moves them",
+    "orders": "the scenario's `orders` that were due, each with its `tick` and the reason if `refused`",
+    "faults": "what was injected: `process` faults, `fenced` lives, robots that the world has `given_up`, "
     "`measurements` (`delayed`, `missing`, `dropped`), and the scenario's `sensing`, `link` and `actuation`",
     "phi": "navigation function: `first`, `last`, and in how many ticks it rose (`increases`)",
     "log_potential": "log10(gamma^k / beta) / k, with which phi grows: `first` and `last`; -300 where "

@@ -143,6 +143,8 @@ def test_a_process_that_dies_in_the_middle_of_a_report_dies_alone(supervisor: Su
     (exit_,) = exits(supervisor, 1)
     assert (exit_.process.name, exit_.code) == ("torn", -signal.SIGKILL)
     assert supervisor.heard("torn") == []
+    with pytest.raises(ProcessError, match="torn: killed by SIGKILL before it had started"):
+        supervisor.report("torn", PATIENCE)
     assert supervisor.report("well", PATIENCE) == "waiting"
     supervisor.restart("well")
     assert supervisor.report("well", PATIENCE) == "waiting"
