@@ -104,12 +104,15 @@ def test_a_robot_that_no_longer_asks_has_put_nothing_down() -> None:
     assert not found.lives.obstacles.appearing
 
 
-def test_a_robot_that_dies_stands_with_what_it_carries_until_another_takes_it() -> None:
+@pytest.mark.parametrize("last", [TAKE, PUT], ids=["carries", "puts down"])
+def test_a_robot_that_dies_stands_with_what_it_carries_until_another_takes_it(last: Handling) -> None:
     found = world()
     tick(found, {1: TAKE})
+    tick(found, {1: last}, kept=False)
     _move(found, 2, (0.0, -0.095))
     for _ in range(5):
-        tick(found, {2: TAKE}, silent=(1,))
+        tick(found, {2: TAKE}, silent=(1,), kept=False)
+    assert not found.lives.obstacles.appearing
     assert found.lives.roster.status(1) == "standing"
     assert (where(found).carrier, radius(found, 1), radius(found, 2)) == (2, SMALL, LARGE)
     assert found.lives.keeper.excludes(1, Disk(0.0, 0.005, SMALL), SMALL), (
