@@ -46,12 +46,12 @@ _MODULES = {
     "protocol.scenario.model": ("Scenario",),
 }
 _FROM = {name: module for module, names in _MODULES.items() for name in names}
-__all__ = sorted(_FROM)  # noqa: PLE0605  # each name is listed once
+__all__ = sorted(_FROM.keys() - {"parallel_env"})  # noqa: PLE0605  # which needs an extra
 
 
 def __getattr__(name: str) -> Any:
     if name not in _FROM:
-        raise AttributeError(f"module 'disknav' has no attribute {name!r}; it has {', '.join(__all__)}")
+        raise AttributeError(f"module 'disknav' has no attribute {name!r}; it has {', '.join(__dir__())}")
     from disknav import ownership
 
     ownership.check()
@@ -60,4 +60,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return __all__
+    return sorted(_FROM)

@@ -10,6 +10,7 @@ from protocol.errors import UsageError
 Floats = NDArray[np.float64]
 _ROUNDS = 8  # projections onto all half-planes; scaling removes the rest
 _ROOM = 1e-9  # m, allowance for rounding
+_TINY = np.finfo(np.float64).tiny
 
 
 def filtered(
@@ -36,7 +37,8 @@ def filtered(
         workspace: radius of a disk around the origin that no disk leaves, m; none by default.
 
     Returns:
-        Velocities, m/s, shaped as positions. Overlapping disks come no closer.
+        Velocities, m/s, shaped as positions. Overlapping disks come no closer, those outside move no farther
+        out.
 
     Raises:
         UsageError: a shape does not match, or a number is not finite or not positive.
@@ -51,8 +53,8 @@ def filtered(
         np.isfinite(at).all() and np.isfinite(wish).all() and (size > 0.0).all() and np.isfinite(size).all()
     ):
         raise UsageError("positions and wishes must be finite, radii finite and positive")
-    if not (period > 0.0 and speed > 0.0):
-        raise UsageError("period and speed must be positive")
+    if not (0.0 < period < np.inf and speed > 0.0 and (workspace is None or 0.0 < workspace < np.inf)):
+        raise UsageError("period and workspace must be finite and positive, speed positive")
     normals, limits = _half_planes(at, np.broadcast_to(size, at.shape[:-1]), period, workspace)
     velocity = _slowed(wish, speed)
     for _ in range(_ROUNDS):
@@ -69,15 +71,13 @@ def filtered(
 
 
 def _inside(at: Floats, velocity: Floats, room: Floats, period: float) -> Floats:
-    """The velocities, shortened so that each centre is within `room` (m) of the origin after a period."""
+    """The velocities, shortened so that each centre is within `room` (m) of the origin after a period, or no
+    farther from it than before."""
     step = period * velocity
-    along, square = (
-        (at * step).sum(axis=-1),
-        np.maximum((step * step).sum(axis=-1), np.finfo(np.float64).tiny),
-    )
-    left = room * room * np.sign(room) - (at * at).sum(axis=-1)
-    share = (np.sqrt(np.maximum(along * along + square * left, 0.0)) - along) / square
-    inside: Floats = velocity * np.clip(np.where(left > 0.0, share, 0.0), 0.0, 1.0)[..., None]
+    along, square = (at * step).sum(axis=-1), (step * step).sum(axis=-1)
+    left = np.maximum(room * room * np.sign(room) - (at * at).sum(axis=-1), 0.0)
+    chord = np.sqrt(along * along + square * left) - along
+    inside: Floats = velocity * np.clip(chord / np.maximum(square, _TINY), 0.0, 1.0)[..., None]
     return inside
 
 
@@ -100,7 +100,5 @@ def _half_planes(at: Floats, radii: Floats, period: float, workspace: float | No
 
 def _slowed(velocity: Floats, speed: float) -> Floats:
     size = np.hypot(velocity[..., 0], velocity[..., 1])
-    slowed: Floats = (
-        velocity * np.minimum(1.0, speed / np.maximum(size, np.finfo(np.float64).tiny))[..., None]
-    )
+    slowed: Floats = velocity * np.minimum(1.0, speed / np.maximum(size, _TINY))[..., None]
     return slowed

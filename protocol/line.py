@@ -10,7 +10,12 @@ from mypy_extensions import mypyc_attr
 ROUNDING: Final = 1e-9  # m; covers rounding between an agreed line and the judged truth
 SURE: Final = 0.25 * ROUNDING  # m, margin with which a half-plane must be satisfied at its agreement
 _ULP: Final = 2.0**-51  # of |x| + |y|: more than the rounding of two coordinates, and of an edge's distance
-_UNIT: Final = 1e-12  # tolerance of a normal's length
+UNIT: Final = 1.0 + 1e-12  # greatest length of a unit vector, with rounding
+
+
+def is_unit(nx: float, ny: float) -> bool:
+    """Whether a vector has length one, up to rounding."""
+    return abs(math.hypot(nx, ny) - 1.0) <= UNIT - 1.0
 
 
 def room_of(slack: float, x: float, y: float) -> float:
@@ -82,4 +87,4 @@ class Line:
     @property
     def is_unit(self) -> bool:
         """Whether the normal has length one; a line from the network must be checked."""
-        return abs(math.hypot(self.nx, self.ny) - 1.0) <= _UNIT
+        return is_unit(self.nx, self.ny)

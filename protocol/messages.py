@@ -1,5 +1,5 @@
 """Messages: the payload of each key. On the wire each is one msgpack array: a tag that names type and version
-(`"state/3"`), then the fields in the order of their definition.
+(`"state/6"`), then the fields in the order of their definition.
 
 Units are SI: metres, seconds, metres per second. Times are integer ticks, t = tick * step. `incarnation`
 numbers the lives of one robot id; the world assigns it on joining, and it only increases. `epoch` identifies
@@ -16,6 +16,7 @@ import msgspec
 from msgspec import Meta
 
 from protocol.geometry import Shape, defect, shape_of
+from protocol.line import UNIT, is_unit
 
 VERSION = 6
 HIGHEST_ID: Final = 999_999_999
@@ -28,8 +29,6 @@ LARGEST: Final = 1e15  # far above any number of a run; sums of its squares do n
 Real = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]  # NaN is within no bounds
 Size = Annotated[float, Meta(ge=0, le=LARGEST)]
 Square = Annotated[float, Meta(ge=0, le=LARGEST**2)]
-UNIT: Final = 1.0 + 1e-6  # either part of a unit vector, up to rounding
-_SQUARE: Final = 2e-6  # of its squared length
 Cosine = Annotated[float, Meta(ge=-UNIT, le=UNIT)]
 Vector = tuple[Real, Real]
 Heard = Annotated[tuple[Id, Count], Meta(extra={"names": ("peer", "tick")})]
@@ -74,7 +73,7 @@ class FirstLine(msgspec.Struct, frozen=True, array_like=True, gc=False):
     offset: Real  # m, as of a Proposal
 
     def __post_init__(self) -> None:
-        if abs(self.nx * self.nx + self.ny * self.ny - 1.0) >= _SQUARE:
+        if not is_unit(self.nx, self.ny):
             raise ValueError(f"the normal of the first line of binding {self.binding} is not of length 1")
 
 
@@ -98,7 +97,7 @@ class ListedBinding(msgspec.Struct, frozen=True, array_like=True, gc=False):
             raise ValueError(f"the place of disk {self.peer} {problem}")
         if (self.static or self.first is None) and not self.points:
             raise ValueError(f"disk {self.peer} stands, and has no place")
-        if self.first is not None and abs(self.first[0] ** 2 + self.first[1] ** 2 - 1.0) >= _SQUARE:
+        if self.first is not None and not is_unit(*self.first[:2]):
             raise ValueError(f"the normal of the first line towards disk {self.peer} is not of length 1")
 
     @property

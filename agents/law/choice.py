@@ -86,7 +86,7 @@ class GuardedLaw:
         self._most = MOST * scenario.workspace.shape.around.radius
         self._from_outside = ":" in self._name
         self._law: Law | None = None
-        with self._guarded(f"cannot be made for robot {robot}"):
+        with self._guarded(f"cannot be constructed for robot {robot}", UsageError):
             self._law = choose(scenario, robot)
 
     def tell(self, wish: Vector, tick: int) -> None:
@@ -115,12 +115,14 @@ class GuardedLaw:
         return min(attraction(position, goal), self._most)
 
     @contextmanager
-    def _guarded(self, what: str) -> Iterator[None]:
-        """Record the failure of an external law, which is not called again."""
+    def _guarded(self, what: str, *passed: type[Exception]) -> Iterator[None]:
+        """Record the failure of an external law, which is not called again; errors `passed` are raised."""
         try:
             yield
+        except passed:
+            raise
         except Exception as error:
-            if isinstance(error, UsageError) or not self._from_outside:
+            if not self._from_outside:
                 raise
             self._law, self.failure = None, f"{self._name}: {what}: {error!r}"
 

@@ -16,7 +16,8 @@ from mypy_extensions import mypyc_attr
 from protocol.codec import Cursor, keeps_newest, read
 from protocol.errors import MessageError
 from protocol.keys import STREAMS
-from protocol.messages import HIGHEST_ID, LARGEST, UNIT, Answer, Claim, Proposal, State, Vector
+from protocol.line import UNIT
+from protocol.messages import HIGHEST_ID, LARGEST, Answer, Claim, Proposal, State, Vector
 from protocol.scenario.model import Scenario
 
 

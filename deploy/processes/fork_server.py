@@ -55,7 +55,12 @@ _LIBC = ctypes.CDLL(None)
 
 
 def run_forked(
-    process: Process, run: str, report: int | None, lifeline: int, begin_log: Callable[[str], None]
+    process: Process,
+    run: str,
+    report: int | None,
+    lifeline: int,
+    parent: int,
+    begin_log: Callable[[str], None],
 ) -> NoReturn:
     """Run the entry function of `process` in this newly forked process, and exit.
 
@@ -64,6 +69,7 @@ def run_forked(
         run: name of the run, for the process title.
         report: writing end of a pipe for text to the supervisor, if any.
         lifeline: reading end of a pipe that ends with the fork server.
+        parent: process id of the fork server.
         begin_log: starts the log of a process, by its name.
 
     The exit status is the function's result, 0 after a signal, 3 after an exception.
@@ -74,7 +80,7 @@ def run_forked(
         signal.set_wakeup_fd(-1)
         signal.signal(signal.SIGCHLD, signal.SIG_DFL)
         _close_all_but({report, lifeline})
-        _end_with_parent(lifeline)
+        _end_with_parent(lifeline, parent)
         os.dup2(2, 1)  # standard output is reserved for the command
         begin_log(process.name)
         LOG.info(f"process {os.getpid()} begins")
@@ -113,12 +119,12 @@ def end_with_pipe(lifeline: int) -> None:
     threading.Thread(target=watch, name="lifeline", daemon=True).start()
 
 
-def _end_with_parent(lifeline: int) -> None:
+def _end_with_parent(lifeline: int, parent: int) -> None:
     if sys.platform == "linux":
         # Done by the kernel: needs no thread, and also kills a stopped process.
         if _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL) != 0:
             raise OSError("prctl(PR_SET_PDEATHSIG) failed")
-        if os.getppid() == 1 or _ended(lifeline):  # the parent died before that
+        if os.getppid() != parent or _ended(lifeline):  # the parent died before that
             os._exit(FAULT)
     else:
         end_with_pipe(lifeline)
@@ -258,10 +264,11 @@ class ForkServer:
 
     def _fork(self, start: Start) -> None:
         reading, writing = os.pipe() if start.process.reports else (None, None)
+        parent = os.getpid()
         with STOP.held():  # signals that arrive before Python is ready in the new process
             pid = os.fork()
         if pid == 0:
-            run_forked(start.process, self._run, writing, self._lifeline, self._begin_log)
+            run_forked(start.process, self._run, writing, self._lifeline, parent, self._begin_log)
         if reading is not None and writing is not None:
             os.close(writing)
             self._reports[reading] = (start.life, Channel(reading, writable=False))

@@ -1,5 +1,7 @@
 """The filter as a function: nothing touches, harmless wishes are kept, bad input is named."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -52,16 +54,31 @@ def test_a_disk_slides_along_what_is_in_its_way_and_comes_no_closer_to_what_it_t
     assert touching == pytest.approx(np.array([(0.0, 1.0), (0.0, 0.0)]))
 
 
+@pytest.mark.parametrize("x", [0.9, 0.95], ids=["at the rim", "over it"])
+def test_a_disk_leaves_the_rim_inwards_and_goes_no_farther_out(x: float) -> None:
+    at = [[x, 0.0]] * 3
+    wishes = [[-0.1, 0.0], [0.1, 0.0], [-0.1, 9.0]]
+    velocity = disknav.filtered(
+        np.array(at)[:, None], [0.1], np.array(wishes)[:, None], period=0.1, workspace=1.0
+    )
+    assert velocity[:2, 0] == pytest.approx(np.array([(-0.1, 0.0), (0.0, 0.0)]))
+    assert np.hypot(*(np.array(at) + 0.1 * velocity[:, 0]).T) == pytest.approx((x - 0.01, x, x))
+
+
 @pytest.mark.parametrize(
-    ("at", "radii", "wishes", "period"),
+    "wrong",
     [
-        ([[0.0, 0.0]], [0.1], [[np.nan, 0.0]], 0.1),
-        ([[0.0, 0.0]], [-0.1], [[0.0, 0.0]], 0.1),
-        ([[0.0, 0.0]], [0.1, 0.1], [[0.0, 0.0]], 0.1),
-        ([0.0, 0.0], [0.1], [0.0, 0.0], 0.1),
-        ([[0.0, 0.0]], [0.1], [[0.0, 0.0]], 0.0),
+        {"wishes": [[np.nan, 0.0]]},
+        {"radii": [-0.1]},
+        {"radii": [0.1, 0.1]},
+        {"positions": [0.0, 0.0], "wishes": [0.0, 0.0]},
+        {"period": 0.0},
+        {"period": np.inf},
+        {"workspace": np.nan},
+        {"workspace": -1.0},
     ],
 )
-def test_bad_input_is_named(at: list, radii: list, wishes: list, period: float) -> None:  # type: ignore[type-arg]
+def test_bad_input_is_named(wrong: dict[str, Any]) -> None:
+    given_ = {"positions": [[0.0, 0.0]], "radii": [0.1], "wishes": [[0.0, 0.0]], "period": 0.1}
     with pytest.raises(UsageError):
-        disknav.filtered(at, radii, wishes, period=period)
+        disknav.filtered(**{**given_, **wrong})

@@ -16,7 +16,8 @@ from protocol.bus.bus import Event, Sample
 from protocol.codec import decode, encode
 from protocol.errors import JoinError
 from protocol.keys import Stream
-from protocol.messages import HIGHEST_ID, LARGEST, UNIT, Answer, Claim, Command, FirstLine, Proposal, State
+from protocol.line import UNIT
+from protocol.messages import HIGHEST_ID, LARGEST, Answer, Claim, Command, FirstLine, Proposal, State
 from protocol.scenario.model import Order, Scenario
 from tests.proxy import Proxy
 from tests.skipped_waits import skipped_waits
