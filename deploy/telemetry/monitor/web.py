@@ -156,7 +156,7 @@ async def _listen(socket: WebSocket, source: Steerable, tasks: asyncio.TaskGroup
 async def _operate(socket: WebSocket, source: Steerable, operation: Operation) -> None:
     try:
         async with asyncio.timeout(_ANSWER):
-            outcome = await asyncio.wrap_future(source.operate(operation))
+            outcome = await asyncio.shield(asyncio.wrap_future(source.operate(operation)))
     except TimeoutError:
         outcome = Outcome(False, text=_SILENCE)
     asked = {action: getattr(operation, action) for action in operation.asked}

@@ -6,7 +6,6 @@ import time
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
-from typing import Any
 
 import pytest
 from rich.console import Console
@@ -113,15 +112,11 @@ def test_the_terminal_shows_the_same_rows_and_ends_with_the_run() -> None:
     player.close()
     frame = player.snapshot()
     frame["robots"][0].update(alarm=True, status="fenced")
-    text = rendered(frame)
-    assert "✕ fenced" in text
-    assert "smallest clearance 10.00 mm" in text
-
-
-def rendered(frame: dict[str, Any]) -> str:
     console = Console(record=True, width=120, file=io.StringIO())
     console.print(terminal.table(frame))
-    return console.export_text()
+    text = console.export_text()
+    assert "✕ fenced" in text
+    assert "smallest clearance 10.00 mm" in text
 
 
 # -- from outside, over zenoh

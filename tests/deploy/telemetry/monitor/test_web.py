@@ -71,12 +71,13 @@ def test_a_viewer_can_hold_the_run_and_let_it_go() -> None:
         assert news(viewer, "frame", lambda it: it["verdict"])["verdict"] == "arrived"
 
 
-def test_a_viewer_releases_only_the_stops_that_it_has_been_shown() -> None:
+def test_a_viewer_releases_only_the_stops_that_it_has_been_shown(monkeypatch: pytest.MonkeyPatch) -> None:
     fleet = LocalFleet(ring(), "r")
     watcher = watch_local(fleet.network, "r", speed=0.1)
     with running(fleet), served(watcher) as server, live(server) as viewer:
         news(viewer, "frame", lambda it: it["phase"] == "running")
-        for stops in (1, 2):
+        for stops, patience in ((1, 0.0), (2, PATIENCE)):
+            monkeypatch.setattr("deploy.telemetry.monitor.web._ANSWER", patience)  # the first answer is late
             viewer.send('{"halt": true}')
             news(viewer, "frame", lambda it, stops=stops: (it["phase"], it["stops"]) == ("halted", stops))
         for seen, accepted in ((1, False), (2, True)):
