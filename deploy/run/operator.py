@@ -59,8 +59,9 @@ class Operator:
         if operation is not None and operation.halt is False:
             operation = Operation(release=self._in_force())
         request = b"" if operation is None else msgspec.msgpack.encode(operation)
+        once = operation is not None and not operation.halt  # a stop may be obeyed twice
         try:
-            answers = self._bus.ask(world_key(self._run, "operation"), request, ANSWER, once=request != b"")
+            answers = self._bus.ask(world_key(self._run, "operation"), request, ANSWER, once=once)
         except BusError as error:
             late = f" (It may still obey: look at `disknav monitor {self._run}` first.)" if operation else ""
             raise BusError(f"no world of run {self._run!r} answers: {error}{late}") from error

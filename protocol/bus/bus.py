@@ -94,10 +94,8 @@ class Bus(Protocol):
         """Declare a liveliness token, which lasts until `close`, or the death of this process."""
 
     def ask(self, key: str, payload: bytes, timeout: float, *, once: bool = False) -> list[bytes]:
-        """Request, and wait for all replies; raises BusError after `timeout` s without one.
-
-        `once`: what may be an order is sent once, when the key is served; other requests are repeated.
-        """
+        """Request, and wait for all replies; raises BusError after `timeout` s without one. An order is sent
+        `once`, when the key is served; a question, or whatever may be obeyed twice, is repeated."""
 
     def post(self, key: str, payload: bytes) -> None:
         """Send a request without waiting: replies are events."""

@@ -33,8 +33,8 @@ from protocol.keys import Stream
 from protocol.process.signals import STOP, Stopped
 
 _ATTEMPT = 0.5  # s; a failed attempt reports its reason only at its end, so the first ones are short
-_SERVED = 0.5  # s to wait for news that a key is served, before what may be repeated is sent all the same
-_ASK_AGAIN = 0.02  # s between attempts while no process serves a key
+_NEWS = 0.5  # s to wait for news that a key is served, before what may be repeated is sent all the same
+_ASK_AGAIN = 0.02  # s between attempts
 _OTHERS = 0.5  # s to wait for further answers
 _TOKENS = 2.0  # s for routers to list their tokens
 _LONGEST: Final = 3600.0  # s, longest single wait for the queue
@@ -156,19 +156,24 @@ class ZenohBus:
 
     def ask(self, key: str, payload: bytes, timeout: float, *, once: bool = False) -> list[bytes]:
         deadline = time.monotonic() + timeout
-        with self._session.declare_querier(key) as declared:
-            querier: Any = declared  # zenoh's stub takes its status for a bool
-            _await(lambda: bool(querier.matching_status.matching), timeout if once else min(timeout, _SERVED))
         while (remaining := deadline - time.monotonic()) > 0.0:
-            if replies := self._replies(key, payload, remaining):
+            if not self._is_served(key, remaining if once else min(_NEWS, 0.5 * remaining)) and once:
+                break
+            if replies := self._replies(key, payload, max(0.0, deadline - time.monotonic())):
                 return replies
             if once:
                 raise BusError(f"no answer under {key}: the process that serves it has ended, or is too slow")
-            STOP.wait(min(_ASK_AGAIN, max(0.0, deadline - time.monotonic())))
+            STOP.wait(_ASK_AGAIN)
         raise BusError(
             f"no answer under {key} within {timeout:g} s; is the process that serves it running, "
             f"under the same run name and reachable from the same endpoint?"
         )
+
+    def _is_served(self, key: str, timeout: float) -> bool:
+        """Whether zenoh reports, within `timeout` s, that a process serves `key`."""
+        with self._session.declare_querier(key) as declared:
+            querier: Any = declared  # zenoh's stub takes its status for a bool
+            return _await(lambda: bool(querier.matching_status.matching), timeout)
 
     def _replies(self, key: str, payload: bytes, timeout: float) -> list[bytes]:
         """Those of all that serve `key`. A frozen process is not waited for once another has answered."""
@@ -251,7 +256,6 @@ class ZenohBus:
         self._queue.put(Foreign(str(sample.key_expr), sample.payload.to_bytes(), beside))
 
     def _on_reply(self, reply: zenoh.Reply) -> None:
-        _keep_thread_state()
         if reply.ok is not None:
             self._foreign(reply.ok)
 

@@ -27,7 +27,7 @@ from protocol.scenario.model import Operation, Scenario
 
 PERIOD = 0.05  # s between handling requests of viewers
 RETRY = 0.5  # s between queries for the scenario
-_ASK_TIMEOUT = 2.0
+_ANSWER = 2.0  # s for a world to answer
 _UNANSWERED = "no answer, but it may be obeyed: the world is gone, or this page lacks the operator's key"
 _NO_RUN = "the run has not started"
 
@@ -50,16 +50,13 @@ class Watcher(Source):
         self.follow: Callable[[FleetView, Message | None], None] = lambda *_: None
         self.finished = False
         self.rejected: Counter[str] = Counter()
-        self.deadline = time.monotonic()
+        self.deadline = self._ask_at = time.monotonic()
         self._bus, self._run = bus, run
         self._tokens: defaultdict[int | None, set[str]] = defaultdict(set)  # by robot; None for worlds
         self._wishes: SimpleQueue[Callable[[], None]] = SimpleQueue()
         self._there, self._known = False, False  # whether a world is present, its scenario known
-        self._ask_at = self.deadline
-        for stream in ("clock", "truth"):
-            bus.subscribe(world_key(run, stream))
-        for stream in ("health", "goalstatus"):
-            bus.subscribe(every_robot(run, stream))
+        bus.subscribe(world_key(run, "clock"), world_key(run, "truth"))
+        bus.subscribe(every_robot(run, "health"), every_robot(run, "goalstatus"))
         bus.watch(robot_tokens(run))
         bus.watch(world_tokens(run))
 
@@ -128,7 +125,7 @@ class Watcher(Source):
 
     def _learn(self) -> None:
         """Query the scenario; without an answer a later `wake` repeats it."""
-        reply = overview(self._bus, self._run, _ASK_TIMEOUT)
+        reply = overview(self._bus, self._run, _ANSWER)
         self._known = reply is not None
         if reply is not None:
             self.change(lambda view, _: view.begin(reply.scenario, reply.lockstep, reply.goals))
@@ -136,19 +133,17 @@ class Watcher(Source):
             self._ask_for(Steer())  # changes nothing; the answer has the settings in force
 
     def _meet(self) -> None:
-        reply = overview(self._bus, self._run, _ASK_TIMEOUT)
-        if reply is None:
-            self._known = False
-            return
-        self.change(lambda view, _: view.meet(reply.scenario, reply.goals))
+        reply = overview(self._bus, self._run, _ANSWER)
+        self._known = reply is not None
+        if reply is not None:
+            self.change(lambda view, _: view.meet(reply.scenario, reply.goals))
 
     def _request(self, operation: Operation) -> Outcome:
         """Outcome of an operation; a refusal if one of several worlds refuses."""
         try:
             key, request = world_key(self._run, "operation"), msgspec.msgpack.encode(operation)
-            replies = [
-                decode_reply(each, Reply) for each in self._bus.ask(key, request, _ASK_TIMEOUT, once=True)
-            ]
+            answers = self._bus.ask(key, request, _ANSWER, once=not operation.halt)
+            replies = [decode_reply(each, Reply) for each in answers]
         except (BusError, MessageError):
             return Outcome(False, text=_UNANSWERED)
         reply = min(replies, key=lambda each: each.accepted)
@@ -160,7 +155,7 @@ class Watcher(Source):
     def _ask_for(self, steer: Steer) -> None:
         try:
             key, request = world_key(self._run, "steering"), msgspec.msgpack.encode(steer)
-            steering = decode_reply(self._bus.ask(key, request, _ASK_TIMEOUT, once=True)[0], Steering)
+            steering = decode_reply(self._bus.ask(key, request, _ANSWER, once=steer != Steer())[0], Steering)
         except (BusError, MessageError):
             return  # the world is gone, or of another version: the controls stay as shown
         self.change(lambda view, _: setattr(view, "steering", steering))

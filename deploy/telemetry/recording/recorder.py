@@ -43,7 +43,6 @@ def awaited_scenario(bus: Bus, run: str, patience: float = PATIENCE) -> Scenario
         if time.monotonic() >= until:
             raise BusError(f"run {run!r}: no world has sent its scenario within {patience:g} s")
         STOP.wait(_ASK_AGAIN)
-        STOP.check()
     return reply.scenario
 
 

@@ -29,10 +29,7 @@ class Listener:
 
 
 def everything(bus: LocalBus) -> list[Event]:
-    events = []
-    while (event := bus.receive(0.0)) is not None:
-        events.append(event)
-    return events
+    return list(iter(lambda: bus.receive(0.0), None))
 
 
 def test_subscribers_hear_in_order_and_none_hears_itself() -> None:
@@ -44,10 +41,7 @@ def test_subscribers_hear_in_order_and_none_hears_itself() -> None:
     publish = one.publisher(STATE, "disknav/r/robot/1/state")
     publish(b"a")
     publish(b"b")
-    assert everything(two) == [
-        Sample("disknav/r/robot/1/state", b"a"),
-        Sample("disknav/r/robot/1/state", b"b"),
-    ]
+    assert everything(two) == [Sample("disknav/r/robot/1/state", payload) for payload in (b"a", b"b")]
     assert everything(one) == everything(three) == []
 
 
@@ -58,10 +52,7 @@ def test_presence_comes_with_history_and_goes_with_close() -> None:
     two.watch("disknav/r/robot/*/alive")
     one.close()
     one.close()
-    assert everything(two) == [
-        Presence("disknav/r/robot/1/alive", True),
-        Presence("disknav/r/robot/1/alive", False),
-    ]
+    assert everything(two) == [Presence("disknav/r/robot/1/alive", alive) for alive in (True, False)]
 
 
 def test_requests_are_answered_by_the_node_that_serves() -> None:

@@ -195,8 +195,10 @@ class Answers:
     def __init__(self, *rounds: tuple[Reply, ...]) -> None:
         self.rounds = list(rounds)
         self.events: list[Sample] = []
+        self.asked: list[tuple[bytes, bool]] = []
 
-    def ask(self, key: str, payload: bytes, timeout: float, **_: object) -> list[bytes]:
+    def ask(self, key: str, payload: bytes, timeout: float, *, once: bool) -> list[bytes]:
+        self.asked.append((payload, once))
         replies = self.rounds.pop(0) if len(self.rounds) > 1 else self.rounds[0]
         if not replies:
             raise BusError("no answer")
@@ -217,6 +219,7 @@ def test_a_stop_is_repeated_until_all_of_all_worlds_stand() -> None:
     told = Operator(bus, "r", said.append).stop(60.0)  # type: ignore[arg-type]
     assert told == stands
     assert len(bus.rounds) == 1
+    assert not any(once for _, once in bus.asked)
     assert said == ["2 worlds of run 'r' answer: end all but one"]
     bus = Answers((Reply(True, tick=4, halted=True, moving=(3, 7)), moving))
     told = Operator(bus, "r", print).stop(0.0)  # type: ignore[arg-type]
@@ -224,15 +227,12 @@ def test_a_stop_is_repeated_until_all_of_all_worlds_stand() -> None:
 
 
 def test_a_release_lifts_no_stop_that_may_have_come_after_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[bytes] = []
-
     class Late(Answers):
         delay = 2.5
 
-        def ask(self, key: str, payload: bytes, timeout: float, **_: object) -> list[bytes]:
-            asked.append(payload)
+        def ask(self, key: str, payload: bytes, timeout: float, *, once: bool) -> list[bytes]:
             clock.now += self.delay
-            return super().ask(key, payload, timeout)
+            return super().ask(key, payload, timeout, once=once)
 
     clock = SimpleNamespace(now=0.0, monotonic=lambda: clock.now)
     monkeypatch.setattr("deploy.run.operator.time", clock)
@@ -242,7 +242,8 @@ def test_a_release_lifts_no_stop_that_may_have_come_after_it(monkeypatch: pytest
         operator.operate(Operation(halt=False))
     bus.delay = 0.5
     operator.operate(Operation(halt=False))
-    assert [payload and decode_operation(payload) for payload in asked] == [b"", b"", Operation(release=2)]
+    asked = [(payload and decode_operation(payload), once) for payload, once in bus.asked]
+    assert asked == [(b"", False), (b"", False), (Operation(release=2), True)]
 
 
 def test_what_became_of_an_order_is_asked_while_its_world_may_be_restarted() -> None:
