@@ -139,8 +139,18 @@ class Robot:
                 proposals, answers = self._filter.lines.entries(self._desired)
         desired = _within(self._desired[0]), _within(self._desired[1])
         claim = None if self._mover is None else self._mover.claim
-        sizes = bound or 0, gamma, slice_norm  # an integer takes one byte of nine
-        return State(*self._life, position, *sizes, desired, self.epoch, proposals, answers, claim)
+        return State(
+            *self._life,
+            position=position,
+            bound=bound or 0,  # an integer takes one byte of nine
+            gamma=gamma,
+            slice=slice_norm,
+            desired=desired,
+            epoch=self.epoch,
+            proposals=proposals,
+            answers=answers,
+            claim=claim,
+        )
 
     @property
     def _life(self) -> tuple[int, int, int]:
@@ -173,15 +183,24 @@ class Robot:
         if position is not None and not (self._halted or self.stopped):
             self._desired = self._wish(position)
             velocity = filter_.velocity(self._desired, self._estimate)
-        lines, report = filter_.lines, self._report() if self._reports else None
-        versions, obeyed = (self.epoch, self._peers.version), (lines.version, lines.region)
-        found, norm = lines.firsts(), self._summed_up()
-        return Command(*self._life, velocity, *versions, (), report, *obeyed, found, handles, norm)
+        lines = filter_.lines
+        return Command(
+            *self._life,
+            velocity=velocity,
+            epoch=self.epoch,
+            roster=self._peers.version,
+            report=self._report() if self._reports else None,
+            version=lines.version,
+            region=lines.region,
+            firsts=lines.firsts(),
+            handles=handles,
+            slice=self._summed_up(),
+        )
 
     def complaint(self) -> Command:
         """A Command without a velocity; it lists the robots with missing States."""
         lacking = tuple(self.hearing.missing[:NAMED])
-        return Command(*self._life, STILL, self.epoch, self._peers.version, lacking)
+        return Command(*self._life, STILL, epoch=self.epoch, roster=self._peers.version, awaits=lacking)
 
     def _wish(self, position: Vector) -> Vector:
         """The velocity that the law desires; of a carrier with a waypoint, straight to that."""

@@ -29,7 +29,11 @@ if TYPE_CHECKING:
     from disknav.scenarios import build as build
     from disknav.scenarios import library as library
     from disknav.scenarios import load as load
+    from protocol.errors import BusError as BusError
+    from protocol.errors import CertificateError as CertificateError
     from protocol.errors import DisknavError as DisknavError
+    from protocol.errors import LawError as LawError
+    from protocol.errors import ProcessError as ProcessError
     from protocol.errors import ScenarioError as ScenarioError
     from protocol.errors import UsageError as UsageError
     from protocol.scenario.model import Scenario as Scenario
@@ -42,7 +46,15 @@ _MODULES = {
     "disknav.orders": ("FleetOrders", "Orders", "operate"),
     "disknav.running": ("Run", "Simulation", "run"),
     "disknav.scenarios": ("build", "library", "load"),
-    "protocol.errors": ("DisknavError", "ScenarioError", "UsageError"),
+    "protocol.errors": (
+        "BusError",
+        "CertificateError",
+        "DisknavError",
+        "LawError",
+        "ProcessError",
+        "ScenarioError",
+        "UsageError",
+    ),
     "protocol.scenario.model": ("Scenario",),
 }
 _FROM = {name: module for module, names in _MODULES.items() for name in names}

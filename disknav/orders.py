@@ -12,7 +12,7 @@ from typing import Any, SupportsFloat
 
 from deploy.run.operator import Operator, operating
 from disknav.scenarios import written
-from protocol.errors import MessageError, UsageError
+from protocol.errors import KeyGrammarError, MessageError, UsageError
 from protocol.geometry import Shape
 from protocol.messages import GoalStatus, Vector
 from protocol.operations import read_operation
@@ -76,10 +76,12 @@ class Orders:
         filter may reduce it.
 
         Raises:
-            UsageError: `robot` is no integer, or `velocity` is not two finite numbers.
-            KeyGrammarError: `robot` is not a valid id.
+            UsageError: `robot` is no valid id, or `velocity` is not two finite numbers.
         """
-        self._operator.wish(_whole(robot), finite(velocity))
+        try:
+            self._operator.wish(_whole(robot), finite(velocity))
+        except KeyGrammarError as error:
+            raise UsageError(str(error)) from None
 
     def status(self, robot: int) -> GoalStatus | None:
         """State of a robot's order: `status`, `goal` (m), and the number of points `ahead`.

@@ -84,7 +84,7 @@ class JoinError(DisknavError):
 
     Args:
         text: the reason.
-        robot: id of the refused process, 0 if the caller knows it.
+        robot: id of the refused process, 0 if not stated.
     """
 
     def __init__(self, text: str, robot: int = 0) -> None:

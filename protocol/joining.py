@@ -68,7 +68,7 @@ class Wait(msgspec.Struct, frozen=True, tag="wait", tag_field="reply"):
 
 
 class Finished(msgspec.Struct, frozen=True, tag="finished", tag_field="reply"):
-    """There is no further run: the process may end. `verdict` is that of the last one."""
+    """The run is over, with this `verdict`: the process may end."""
 
     verdict: str
 

@@ -16,7 +16,7 @@ Grammar::
     topic   = ROS domain and topic of the base's velocities, with "%" for "/"
 
 Tokens and drivers are liveliness tokens. `join`, `scenario`, `steering` and `operation` are queryables; all
-other streams are published. A router's access rules follow from this page (`deploy.security.roster`).
+other streams are published. A router's access rules are derived from this module (`deploy.security.roster`).
 """
 
 from __future__ import annotations
@@ -48,8 +48,8 @@ class Stream(NamedTuple):
     Attributes:
         reliable: a publisher waits for room rather than drop (congestion control BLOCK); the others are for
             monitors, and a slow monitor loses samples instead of blocking the fleet.
-        heard_by: processes that may subscribe besides monitors, which receive everything; the publisher of a
-            sign of life receives it, too, since the probe beside it has no other certificate.
+        heard_by: processes that may subscribe besides monitors, which receive everything; a robot receives
+            its own health, too, and the world its clock: a probe on its host uses the same certificate.
     """
 
     name: str
@@ -173,7 +173,7 @@ def driver_token(topic: str, session: str) -> str:
 
 
 def is_driver(key: str) -> bool:
-    """Whether a key is such a token."""
+    """Whether a key is the token of a driver."""
     return key.startswith("disknav-base/")
 
 

@@ -202,8 +202,8 @@ class Sense(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
     position: Vector | None  # m, as measured; None when the measurement is missing
     stamp: Count  # tick at which `position` was true, not later than the one that begins
-    bound: Size  # m, the truth of then is at most this far from `position`
-    displacement: Vector  # m, odometry: really executed during the previous tick, immediate
+    bound: Size  # m, the true position at `stamp` is at most this far from `position`
+    displacement: Vector  # m, odometry: motion during the previous tick, reported without delay
     displacement_bound: Size = 0.0  # m, what was executed is at most this far from `displacement`
     motion: BaseMotion | None = None  # motion of the base; None if it stands at the beginning of every tick
 
@@ -262,7 +262,7 @@ class Handling(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
     part: Id  # its number
     radius: Size  # m, of the disk around the own centre that is kept clear from now on
-    place: Vector | None = None  # m, where to put it down; nil: take it up
+    place: Vector | None = None  # m, where to put it down; None: take it up
 
 
 class Command(Message, frozen=True, array_like=True, gc=False):
@@ -307,7 +307,7 @@ class Clock(Message, frozen=True, array_like=True, gc=False):
     newcomers: tuple[Id, ...] = ()  # added robots with a disk, whose processes have not joined
     parts: tuple[PartPlace, ...] = ()  # places of the scenario's parts
     passed_over: tuple[tuple[Count, Id], ...] = ()  # tick and robot of each fault without a disk so far
-    stops: Count = 0  # number of emergency stops so far, which a release names
+    stops: Count = 0  # number of requests for an emergency stop so far, which a release names
 
 
 class Summary(Message, frozen=True, array_like=True, gc=False):
@@ -351,7 +351,7 @@ Errand = Literal["under way", "arrived", "cancelled", "given up"]
 
 
 class GoalStatus(Message, frozen=True, array_like=True, gc=False):
-    """World about one robot's goal: whenever an order is accepted, a point reached, or an end made of it."""
+    """World about one robot's goal: whenever an order is accepted, a point reached, or the order ends."""
 
     robot: Id  # the robot of this goal
     tick: Count  # tick of this change
@@ -364,7 +364,7 @@ class GoalStatus(Message, frozen=True, array_like=True, gc=False):
 class Wish(Message, frozen=True, array_like=True, gc=False):
     """A planner, a person or a policy to one robot whose law is "external": how it is to move."""
 
-    robot: Id  # that is to move
+    robot: Id  # the robot to move
     velocity: Vector  # m/s; limited to the speed limit
 
 

@@ -2,7 +2,8 @@
 
 A request under `world/operation` has the form of an entry of a scenario's `[[orders]]`:
 
-    {"goal": {"robot": 3, "points": [[x, y], ...]}}   go to these points, one after another; none cancels.
+    {"goal": {"robot": 3, "points": [[x, y], ...]}}   go to these points, one after another; an empty
+                                                      list cancels the order.
                                                       Besides: `queue`, `patrol`, `within` (s)
     {"add": {"id": 7, "radius": r, "start": [x, y], "goal": [x, y]}}
                                                       a disk appears once every robot keeps clear of its
@@ -13,13 +14,14 @@ A request under `world/operation` has the form of an entry of a scenario's `[[or
     {"take": 2}                                       the obstacle has been removed
     {"halt": true}                                    emergency stop: all robots brake in the present tick,
                                                       external bases in the next, and stand
-    {"release": 3}                                    they are released, if there have been three stops: none
-                                                      that followed is lifted, as `"halt": false` would
+    {"release": 3}                                    the robots may move again, unless another stop has been
+                                                      requested since the third
 
 An empty request returns the state alone. The reply has `accepted`, `number` of the goal or obstacle, `text`
-(the reason of a refusal, or a warning), and the state: the present `tick`, `halted`, the number of `stops` so
-far, `moving` (robots that still move after a stop), `roster`, `obstacles` that are present or announced, and
-`goals` of all robots, as in a `GoalStatus`. A stop has succeeded once `halted` is true and `moving` is empty.
+(the reason of a refusal, or a warning), and the state: the present `tick`, `halted`, the number of requested
+`stops` so far, `moving` (robots that still move after a stop), `roster`, `obstacles` that are present or
+announced, and `goals` of all robots, as in a `GoalStatus`. A stop has succeeded once `halted` is true and
+`moving` is empty.
 
 A request under `world/steering` changes the pace of a lock-step run: `{"pause": true}` pauses the clock,
 `{"pause": false}` resumes it, `{"step": n}` pauses it after n more ticks, `{"speed": x}` limits simulated
@@ -66,9 +68,9 @@ class Reply(Outcome, frozen=True, kw_only=True):
     """The outcome of an operation, and the state of the run after it.
 
     Attributes:
-        tick: the present one; of a stop, the first in which it is in force.
+        tick: the present one.
         halted: whether all robots must stand.
-        stops: number of emergency stops so far, which `release` names.
+        stops: number of requests for an emergency stop so far, which `release` names.
         moving: robots that do not stand yet; empty unless `halted`.
         obstacles: all that are present or announced.
         goals: of all robots, by increasing id.
@@ -126,8 +128,8 @@ def read_operation(document: Any) -> Operation:
     """An operation from plain maps, arrays and values; raises MessageError with all its errors."""
     operation = _read(document, Operation)
     if len(operation.asked) != 1:
-        how = f"not {' and '.join(operation.asked)}" if operation.asked else "and asks for none"
-        raise MessageError("shape", f"operation: must ask for one of {', '.join(ACTIONS)}, {how}")
+        how = f", not {' and '.join(operation.asked)}" if operation.asked else ""
+        raise MessageError("shape", f"operation: name exactly one of {', '.join(ACTIONS)}{how}")
     return operation
 
 

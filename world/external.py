@@ -174,7 +174,7 @@ class Reported:
 
     parts = 1
     slips = True
-    fixed = "external robots neither come nor go: stop the run, and begin another"
+    fixed = "external robots cannot be added or removed during a run: start another run"
 
     def __init__(self, scenario: Scenario, past: PastDisks) -> None:
         self.ids = scenario.ids

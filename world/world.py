@@ -40,7 +40,7 @@ class WorldCore:
         simulation: positions of the disks and measurements of robots; of an external fleet, its reports.
         referee: record of the run, and its verdict.
         stopped: whether an emergency stop is in force.
-        stops: number of emergency stops so far.
+        stops: number of requests for an emergency stop so far.
         contested: whether there is another coordinator of this run.
     """
 
@@ -71,20 +71,20 @@ class WorldCore:
     @property
     def past(self) -> Past:
         return Past(
-            self.tick,
-            self.lives.founded,
-            self.stopped,
-            self.stops,
-            self._scheduled,
-            self.lives.past,
-            self.missions.past,
-            self.missions.numbered,
-            self.membership.fleet,
-            self.schedule.past,
-            self.exchange.missed,
-            self.exchange.refused,
-            self.simulation.past,
-            self.referee.past,
+            tick=self.tick,
+            founded=self.lives.founded,
+            stopped=self.stopped,
+            stops=self.stops,
+            scheduled=self._scheduled,
+            lives=self.lives.past,
+            missions=self.missions.past,
+            numbered=self.missions.numbered,
+            fleet=self.membership.fleet,
+            orders=self.schedule.past,
+            missed=self.exchange.missed,
+            refused=self.exchange.refused,
+            disks=self.simulation.past,
+            referee=self.referee.past,
         )
 
     @property

@@ -303,7 +303,7 @@ class Senses:
             return
         if now - self._odometer.timely > SILENCE:
             silent = now - self._odometer.arrived > SILENCE
-            late = "odometry comes later than it did, by more than `base.age` allows"
+            late = "odometry has become later, by more than `base.age` allows"
             self.doubt(f"no odometry for {SILENCE:g} s" if silent else late)
             return
         self._take_poses(newest)

@@ -114,4 +114,4 @@ class AttachedBase:
         is_news = _NUMBERS.sub("", trouble) != _NUMBERS.sub("", self.trouble)
         self.trouble = trouble
         if is_news:
-            self._say(f"{trouble}; stands" if trouble else "its base and its localisation are sound")
+            self._say(f"{trouble}; stands" if trouble else "base and localisation work again")

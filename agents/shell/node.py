@@ -215,13 +215,13 @@ class RobotNode:
         except MessageError as error:
             self._reject(key, error)
             return
-        self._received += 1
         core = self.core
         if core is None or self._ended:
             return
         if heard is None:
             self._on_message(core, message)
         else:
+            self._received += 1
             core.hearing.on_state(heard)
             self._command_if_complete(core)
 
@@ -244,21 +244,24 @@ class RobotNode:
         """Receive any message other than the State of a known peer."""
         if isinstance(message, Tick | SummaryPlaces) and message.epoch != core.epoch:
             self._rejected["epoch"] += 1
-        elif isinstance(message, Tick):
+            return
+        if isinstance(message, State) and not core.scenario.hears_near:
+            self._rejected["identity"] += 1  # of no active robot
+            return
+        self._received += 1
+        if isinstance(message, Tick):
             self._on_tick(core, message)
         elif isinstance(message, SummaryPlaces):
             core.hearing.on_summary(message)
             self._command_if_complete(core)
         elif isinstance(message, Wish):
             core.tell(message.velocity)
-        elif isinstance(message, State) and not core.scenario.hears_near:
-            self._rejected["identity"] += 1  # of no active robot
 
     def _reject(self, key: str, error: MessageError) -> None:
         """Count a message that is dropped, and report the first for each reason."""
         self._rejected[error.reason] += 1
         if self._rejected[error.reason] == 1 and error.reason != "epoch":  # an earlier world's, no fault
-            self._say(f"drops a message, {f'{key}: {error}'[:SHOWN]!r}")
+            self._say(f"dropped a message, {f'{key}: {error}'[:SHOWN]!r}")
 
     # -- ticks
 

@@ -40,7 +40,7 @@ class WorldSession:
         epoch: of the coordinator that admitted this process last, 0 for none.
         away: s after which the world may still return, as it announced; 0 if it never does.
         heard: when the last message of the world arrived, s, monotonic.
-        back: whether it, or another one, has come back, so that this life may have ended meanwhile.
+        back: whether a world has come back, so that this life may have ended meanwhile.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class WorldSession:
             self._probed = time.monotonic() - PATIENCE + _TIMEOUT  # it, or the reply, may be lost
             if time.monotonic() <= self.heard + self._bearable:
                 return None  # not yet present, briefly disconnected, or the reply was lost
-            text = f"run {self._run!r}: no world answers ({error}); is it running, under this name?"
+            text = f"run {self._run!r}: no world answers: {error}"
             raise BusError(text) from error
         if isinstance(reply, joining.OtherRun):
             if self._strange < self.heard:
@@ -156,7 +156,7 @@ class WorldSession:
         """
         if now > self._gone + _NEWS and not self._told_gone:
             self._told_gone = True
-            self._say(f"the world of run {self._run!r} is gone; stands still")
+            self._say(f"the world of run {self._run!r} is gone; the robot stands still")
         if now > self._gone + self._bearable:
             raise BusError(f"run {self._run!r}: the world has been gone for {self._bearable:g} s; gives up")
         is_due = now > max(self.heard, self._probed) + PATIENCE

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import msgspec
 import typer
+from typer.core import TyperCommand
 
 from deploy.cli import options
 from deploy.output import EXIT_OTHERWISE, check_json, is_standard_output, write_json
@@ -22,12 +23,24 @@ if TYPE_CHECKING:
     from deploy.run.operator import Operator
 
 app = typer.Typer(name="fleet", help="Give orders to a running fleet.", no_args_is_help=True)
-_POINTS = {"ignore_unknown_options": True}  # -0.1 is no option
 _PATIENCE = 1e6  # s to wait for an order to end
 _STANDING = 10.0  # s to wait for all robots to stand
 
 
-@app.command(context_settings=_POINTS)
+class _NumbersCommand(TyperCommand):
+    """Takes negative numbers as arguments, not as options."""
+
+    ignore_unknown_options = True
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        known = {"--", *(name for each in self.get_params(ctx) for name in each.opts)}
+        for word in args:
+            if word.startswith("--") and word.partition("=")[0] not in known:
+                ctx.fail(f"No such option: {word}")
+        return super().parse_args(ctx, args)
+
+
+@app.command(cls=_NumbersCommand)
 def goal(
     run: options.Run,
     robot: Annotated[int, typer.Argument(help="Id of the robot.")],
@@ -52,8 +65,8 @@ def goal(
 
     Example: disknav fleet goal yard 3 0.1 -0.05 0.1 0.15 --queue --wait
 
-    Exit status: 0 accepted (with --wait: arrived), 1 refused, cancelled or given up, 2 invalid, 3 no answer,
-    no such robot, another order followed, or the run ended.
+    Exit status: 0 accepted (with --wait: arrived), 1 refused, cancelled or given up, 2 invalid, 3 no answer;
+    with --wait also: the robot is gone, another order followed, or the run ended.
     """
     check_json(json_file)
     if not points:
@@ -82,7 +95,7 @@ def goal(
         raise typer.Exit(EXIT_OTHERWISE)
 
 
-@app.command(context_settings=_POINTS)
+@app.command(cls=_NumbersCommand)
 def add(
     run: options.Run,
     robot: Annotated[int, typer.Argument(help="Unused id for the new robot.")],
@@ -111,7 +124,7 @@ def add(
     with _operating(run, router, secure) as operator:
         _done(operator, operation)
         status = operator.appeared(robot, within)
-    state = "is live" if status == "live" else "is in place, and waits for its process"
+    state = "is live" if status == "live" else "has appeared; its process has not joined yet"
     print(f"run {run}: robot {robot} {state}")
 
 
@@ -131,10 +144,10 @@ def remove(
     operation = _operation({"remove": robot})
     with _operating(run, router, secure) as operator:
         _done(operator, operation)
-    print(f"run {run}: robot {robot} leaves with the open tick")
+    print(f"run {run}: robot {robot} leaves at the end of this tick")
 
 
-@app.command(context_settings=_POINTS)
+@app.command(cls=_NumbersCommand)
 def place(
     run: options.Run,
     points: Annotated[
@@ -223,7 +236,7 @@ def stop(run: options.Run, router: options.Router = None, secure: options.Secure
         names = ", ".join(map(str, told.moving)) or "unknown"
         print(f"run {run}: asked to stop, but these robots do not stand after {_STANDING:g} s: {names}")
         raise typer.Exit(EXIT_OTHERWISE)
-    print(f"run {run}: all robots stand from tick {told.tick} on")
+    print(f"run {run}: all robots stand")
 
 
 @app.command()

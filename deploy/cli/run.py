@@ -69,7 +69,7 @@ def run(
     secure: options.Secure = None,
     open_to_all: Annotated[
         bool,
-        typer.Option("--open", help="Allow --hosts without --secure; --listen needs no consent."),
+        typer.Option("--open", help="Allow --hosts without --secure; --listen works without it."),
     ] = False,
     restart: Annotated[
         str | None,
@@ -96,7 +96,16 @@ def run(
     from deploy.telemetry.recording.writer import rotation
 
     clock: Mode = mode or ("realtime" if keep else "lockstep")
-    _check_options({**locals(), "mode": clock})
+    if record is None:
+        options.refuse({"--rotate": rotate}, "nothing is recorded: add --record")
+    if clock == "realtime":
+        options.refuse({"--speed": speed}, "real time has one speed: use --mode lockstep")
+    if hosts is None:
+        options.refuse({"--open": open_to_all}, "it allows --hosts without --secure")
+    if transport != "routed":
+        options.refuse({"--keep": keep}, "orders need a router: leave out --transport")
+    if keep:
+        options.refuse({"--plot": plot}, "add --record, then use disknav recording plot")
     loaded = load(scenario, [*(setting or []), *(["time.endless=true"] if keep else [])], seed)
     if loaded.has_topics:
         options.refuse_bases(secure)
@@ -105,18 +114,18 @@ def run(
     if keep and router is None and listen is None and hosts is None:
         listen = str(membership.default_router)
     how = RunOptions(
-        transport,
-        clock,
-        None if router is None else membership.endpoint(router),
-        asked or (checked_run(loaded.name) if keep else fresh_run_name()),
-        secure,
-        None if hosts is None else read_hosts(hosts, loaded),
-        open_to_all,
-        speed if speed is not None else 1.0 if (web or keep) and clock == "lockstep" else 0.0,
-        restarts(restart or (_KEPT if keep else "never")),
-        log,
-        rotation(rotate or []),
-        None if listen is None else membership.endpoint(listen),
+        transport=transport,
+        mode=clock,
+        router=None if router is None else membership.endpoint(router),
+        run=asked or (checked_run(loaded.name) if keep else fresh_run_name()),
+        secure=secure,
+        hosts=None if hosts is None else read_hosts(hosts, loaded),
+        open=open_to_all,
+        speed=speed if speed is not None else 1.0 if (web or keep) and clock == "lockstep" else 0.0,
+        restarts=restarts(restart or (_KEPT if keep else "never")),
+        log=log,
+        rotation=rotation(rotate or []),
+        listen=None if listen is None else membership.endpoint(listen),
     )
     begin(LAUNCHER, how.run, log)
     silent = quiet or is_standard_output(json_file)
@@ -129,19 +138,6 @@ def run(
     if not silent:
         _print_files(result, plot, json_file)
     raise typer.Exit(kept_status(result) if keep else exit_status(result))
-
-
-def _check_options(given: Mapping[str, Any]) -> None:
-    if given["record"] is None:
-        options.refuse({"--rotate": given["rotate"]}, "nothing is recorded: add --record")
-    if given["mode"] == "realtime":
-        options.refuse({"--speed": given["speed"]}, "real time has one speed: use --mode lockstep")
-    if given["hosts"] is None:
-        options.refuse({"--open": given["open_to_all"]}, "it allows --hosts without --secure")
-    if given["transport"] != "routed":
-        options.refuse({"--keep": given["keep"]}, "orders need a router: leave out --transport")
-    if given["keep"]:
-        options.refuse({"--plot": given["plot"]}, "add --record, then use disknav recording plot")
 
 
 def _print_files(result: Mapping[str, Any], plot: Path | None, json_file: Path | None) -> None:

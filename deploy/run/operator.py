@@ -63,7 +63,7 @@ class Operator:
         try:
             answers = self._bus.ask(world_key(self._run, "operation"), request, ANSWER, once=once)
         except BusError as error:
-            late = f" (It may still obey: look at `disknav monitor {self._run}` first.)" if operation else ""
+            late = f" (It may still take effect: see `disknav monitor {self._run}`.)" if operation else ""
             raise BusError(f"no world of run {self._run!r} answers: {error}{late}") from error
         self._heard = time.monotonic()
         if len(answers) > 1 and not self._warned:

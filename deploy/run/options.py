@@ -53,10 +53,10 @@ class RunOptions:
     def __post_init__(self) -> None:
         if self.secure is not None and self.transport != "routed":
             raise UsageError(
-                f"--secure needs --transport routed: no router enforces rules in {self.transport}"
+                f"--secure needs --transport routed: no router enforces rules in transport {self.transport}"
             )
         if self.router is not None and self.transport != "routed":
-            raise UsageError(f"--router needs --transport routed: there is none in {self.transport}")
+            raise UsageError(f"--router needs --transport routed: transport {self.transport} has no router")
         if self.rotation != ONE_FILE and self.transport == "local":
             raise UsageError("--rotate needs a recorder process: leave out --transport local")
         if self.restarts and self.transport == "local":

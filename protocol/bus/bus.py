@@ -66,7 +66,7 @@ class Bus(Protocol):
 
     @property
     def identity(self) -> str:
-        """Unique name of this connection, as one chunk of a key."""
+        """Unique name of this connection, usable as one chunk of a key."""
 
     def foreign(self, key: str, attach: Callable[[], bytes] | None = None) -> Publish:
         """The same for a key outside this fleet, with attachments made by `attach`; a payload that cannot be

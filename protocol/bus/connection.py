@@ -89,7 +89,7 @@ def _is_address(text: str) -> bool:
 
 
 AUTHORITY = "ca.pem"
-MAX_MESSAGE = 8 * 1024 * 1024  # bytes; nothing this protocol sends is half as large
+MAX_MESSAGE = 8 * 1024 * 1024  # bytes; the largest payload that `protocol.keys` accepts
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,7 +31,7 @@ def explained(connection: Connection, error: str) -> BusError:
     error = _PLACE.sub("", error)
     listen, connect = ", ".join(connection.listen), ", ".join(connection.connect)
     if "in use" in error:
-        return EndpointTakenError(f"cannot listen on {listen}: another process does already ({error})")
+        return EndpointTakenError(f"cannot listen on {listen}: another process listens there ({error})")
     if (certificates := _certificates(connection)) is not None:
         return CertificateError(certificates)
     if not connection.connect or "listener" in error:
@@ -40,7 +40,7 @@ def explained(connection: Connection, error: str) -> BusError:
         )
     return BusError(
         f"no process reachable at {connect} within {connection.timeout:g} s: is the router running there "
-        f"(`disknav node router`), is the endpoint right, does a firewall stand between? ({error})"
+        f"(`disknav node router`), is the endpoint right, is a firewall in the way? ({error})"
     )
 
 

@@ -19,11 +19,6 @@ from functools import partial
 from queue import Empty, SimpleQueue
 from typing import Any, Final
 
-# zenoh reads this once, at the first `open` of a process: four threads instead of seven are faster.
-os.environ.setdefault(
-    "ZENOH_RUNTIME", "(rx:(worker_threads:1),acc:(handover:net),app:(handover:net),tx:(handover:net))"
-)
-
 import zenoh
 
 from protocol.bus.bus import Event, Foreign, Presence, Publish, Query, Sample
@@ -39,6 +34,8 @@ _OTHERS = 0.5  # s to wait for further answers
 _TOKENS = 2.0  # s for routers to list their tokens
 _LONGEST: Final = 3600.0  # s, longest single wait for the queue
 _LINKING = 5.0  # s that a peer waits for its links before it announces itself
+# Read by zenoh once, at the first session of a process: four threads instead of seven are faster.
+_RUNTIME = "(rx:(worker_threads:1),acc:(handover:net),app:(handover:net),tx:(handover:net))"
 # With one receiving thread, a router may stop relaying for ever after the loss of a link to another.
 _LINKED = "(rx:(worker_threads:4))"
 _ROUTER_LOG = "error,zenoh_link_tls=warn"  # unless RUST_LOG says otherwise: refused certificates are reported
@@ -78,6 +75,7 @@ class ZenohBus:
             zenoh.init_log_from_env_or(_ROUTER_LOG)
             if connection.connect or not all(each.is_loopback for each in connection.listen):
                 os.environ["ZENOH_RUNTIME"] = _LINKED  # other hosts do not reach the loopback
+        os.environ.setdefault("ZENOH_RUNTIME", _RUNTIME)
         self._session = _open(connection)
         STOP.call(self._wake)
         self._capacity = capacity

@@ -77,7 +77,7 @@ def _ids(scenario: Scenario) -> Iterator[Finding]:
     first: dict[int, int] = {}
     for index, spec in enumerate(scenario.robots):
         if spec.id and first.setdefault(spec.id, index) != index:
-            yield ("robots", index, "id"), f"{spec.id} is the id of robots[{first[spec.id]}] already"
+            yield ("robots", index, "id"), f"robots[{first[spec.id]}] already has the id {spec.id}"
 
 
 def _times(scenario: Scenario) -> Iterator[Finding]:
@@ -224,7 +224,7 @@ def _bases(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
             continue
         body = _body(scenario, sound, steps, spec)
         if external and body is not None and body.kind == "point":
-            text = 'an external base cannot stop at once: say which body it is, such as "turtlebot3-burger"'
+            text = 'an external base cannot stop at once: set `body`, for example to "turtlebot3-burger"'
             yield (*steps, "body"), text
         if spec.id and sound("base") and sound(*steps, "base"):
             yield from _shared(steps, (base or Base()).of(spec.id), topics, keys)

@@ -61,7 +61,7 @@ def apply_settings(document: Document, settings: Iterable[str]) -> Document:
         except _RefusedError as error:
             problems.append(Problem(path.strip(), str(error)))
     if problems:
-        raise ScenarioError("--set", problems)
+        raise ScenarioError("settings (--set)", problems)
     return changed
 
 

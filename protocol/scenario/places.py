@@ -18,6 +18,7 @@ from protocol.scenario.model import CELLS, MOST_CELLS, Obstacle, Point, Scenario
 from protocol.scenario.tables import Finding, Steps
 
 _NAMED = 3  # listed overlaps of one disk
+_ROUNDING: Final = 1e-9  # m; a smaller overlap is called a touch
 _Named = tuple[str, Shape]  # its name in messages
 
 
@@ -80,7 +81,8 @@ def fits(room: Shape | None, radius: float, steps: Steps, **points: Point) -> It
 def inside(room: Shape, point: Point, radius: float, steps: Steps) -> Iterator[Finding]:
     """Whether a disk is inside the workspace at a point."""
     if all(map(isfinite, point)) and (beyond := room.distance(*point) + radius) >= 0.0:
-        yield steps, f"reaches {beyond:.3g} m out of the workspace" if beyond else "touches the boundary"
+        reaches = f"reaches {beyond:.3g} m out of the workspace"
+        yield steps, reaches if beyond > _ROUNDING else "touches the boundary"
 
 
 def obstacle(
@@ -144,7 +146,10 @@ def _overlaps(shape: Shape, others: Iterable[_Named], steps: Steps) -> Iterator[
         if abs(around.x - (near := other.around).x) <= around.radius + near.radius
         and (depth := -distance(other, shape)) >= 0.0
     ]
-    texts = [f"overlaps {name} by {by:.3g} m" if by else f"touches {name}" for name, by in depths[:_NAMED]]
+    texts = [
+        f"overlaps {name} by {depth:.3g} m" if depth > _ROUNDING else f"touches {name}"
+        for name, depth in depths[:_NAMED]
+    ]
     if texts:
         more = f" and {len(depths) - _NAMED} more" if len(depths) > _NAMED else ""
         yield steps, ", ".join(texts) + more

@@ -58,7 +58,7 @@ def test_an_operation_reads_the_same_from_every_form(asked: dict[str, Any], oper
 @pytest.mark.parametrize(
     ("payload", "words"),
     [
-        (b"{}", "asks for none"),
+        (b"{}", "name exactly one of"),
         (b'{"take": 1, "remove": 2}', "not remove and take"),
         (b'{"tak": 99}', "did you mean `take`"),
         (b'{"take": 0}', "must be at least 1"),

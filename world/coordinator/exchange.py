@@ -259,7 +259,7 @@ def blamed(
     silent = {robot: "hangs: it does not answer" for robot in sorted(waiting) if not lacking.get(robot)}
     lack = Counter(peer for robot in waiting for peer in set(lacking.get(robot, ())) if peer in heard_by)
     unheard = {
-        robot: f"sends no State that its peers take: {count} of {heard_by[robot] - 1} lack it"
+        robot: f"sends no State that its peers accept: {count} of {heard_by[robot] - 1} lack it"
         for robot, count in sorted(lack.items())
         if 2 * count > heard_by[robot] - 1
     }

@@ -107,9 +107,9 @@ class Membership:
         if (status := self._lives.roster.status(robot)) not in ("", "gone"):
             return f"robot {robot} is {status}: use another id, or remove it first"
         if len(self.scenario.robots) + len(self.fleet.announced) >= _MOST:
-            return f"robot {robot}: at most {_MOST} robots are there at a time"
+            return f"robot {robot}: a run can have at most {_MOST} robots at a time"
         if not status and len(self._lives.roster.members) >= _MOST_IDS:
-            return f"robot {robot}: {_MOST_IDS} ids were in this run already; use one that has left"
+            return f"robot {robot}: this run has used {_MOST_IDS} ids; use that of a robot that has left"
         obstacles, standing = self._lives.obstacles.standing, self._lives.roster.standing
         at_start = obstruction(self.scenario, robot, spec.radius, spec.start, standing, obstacles)
         return at_start or obstruction(self.scenario, robot, spec.radius, spec.goal, (), obstacles)

@@ -86,10 +86,10 @@ class Missions:
             known = ", ".join(map(str, self._missions))
             return f"no robot {robot} in scenario {self._scenario.name!r}; there are {known}"
         if (order.queue or order.patrol or order.within is not None) and not order.points:
-            return "without points an order cancels; leave out queue, patrol and within"
+            return "an order without points cancels: leave out queue, patrol and within"
         ahead = len(self._missions[robot].points) if order.queue else 0
         if ahead + len(order.points) > MOST_POINTS:
-            return f"a robot has at most {MOST_POINTS} points ahead; {ahead} are there already"
+            return f"a robot can have at most {MOST_POINTS} points; {ahead} are pending"
         others = [each for each in standing if each.robot != robot]
         radius = self._scenario.spec(robot).radius
         reasons = (obstruction(self._scenario, robot, radius, at, others, obstacles) for at in order.points)

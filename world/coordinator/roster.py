@@ -71,9 +71,9 @@ class Surroundings:
         shape = order.shape
         came = self._there(self._listed)
         if len(came) >= MOST:
-            return f"at most {MOST} obstacles that came while the run went on are there at a time"
+            return f"at most {MOST} added obstacles can be present at a time"
         if sum(len(each.points) for each in came) + len(order.points or ()) > MOST_CORNERS:
-            return f"obstacles that came while the run went on have at most {MOST_CORNERS} corners together"
+            return f"added obstacles can have at most {MOST_CORNERS} corners together"
         if self._room.distance(shape.around.x, shape.around.y) >= shape.around.radius:
             return "the obstacle lies outside of the workspace"
         for robot, position in zip(scenario.ids, positions, strict=True):

@@ -44,7 +44,7 @@ class Physics:
     """Implements `world.plants.plant.Plant`. Odometry is that of the wheels' encoders; headings are true."""
 
     slips = True
-    fixed = "robots in MuJoCo are built once and for all: stop the run, and begin another"
+    fixed = "robots in MuJoCo cannot be added or removed during a run: start another run"
 
     def __init__(self, scenario: Scenario) -> None:
         self._engine: Any = mujoco

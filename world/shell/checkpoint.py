@@ -124,7 +124,7 @@ class Checkpoint:
         try:
             self._file = FileIO(os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW), "r+")
         except FileNotFoundError:
-            _refuse(path, "is not there: where the run was is not known, so it cannot go on")
+            _refuse(path, "does not exist, so the run cannot be continued")
         except OSError as error:
             _refuse(path, f"cannot be kept: {error.strerror}")
         try:

@@ -220,7 +220,7 @@ class WorldNode:
         """Count what is dropped, and report the first for each reason."""
         self._run.rejected[reason] += 1
         if self._run.rejected[reason] == 1:
-            self._say(f"tick {self._run.world.tick}: drops a message, {text[:SHOWN]!r}")
+            self._say(f"tick {self._run.world.tick}: dropped a message, {text[:SHOWN]!r}")
 
     def _answer(self, asked: Address, payload: bytes) -> joining.Reply:
         if asked.stream == "scenario":

@@ -63,25 +63,24 @@ class JudgedRun:
     def clock(self) -> Clock:
         """The present Clock."""
         world, totals = self.world, self.world.referee.record.totals
-        seconds = world.tick * self.scenario.time.step
         return Clock(
-            world.tick,
-            seconds,
-            world.exchange.active,
-            world.lives.roster.standing,
-            world.verdict,
-            totals.clearance,
-            totals.truth.phi,
-            world.referee.reason,
-            world.lives.founded,
-            world.halted,
-            world.exchange.missed,
-            dict(self.rejected),
-            world.lives.obstacles.changes,
-            world.lives.newcomers,
-            world.parts.places,
-            world.lives.passed_over,
-            world.stops,
+            tick=world.tick,
+            time=world.tick * self.scenario.time.step,
+            active=world.exchange.active,
+            standing=world.lives.roster.standing,
+            verdict=world.verdict,
+            clearance=totals.clearance,
+            phi=totals.truth.phi,
+            reason=world.referee.reason,
+            founded=world.lives.founded,
+            halted=world.halted,
+            missed=world.exchange.missed,
+            rejected=dict(self.rejected),
+            obstacles=world.lives.obstacles.changes,
+            newcomers=world.lives.newcomers,
+            parts=world.parts.places,
+            passed_over=world.lives.passed_over,
+            stops=world.stops,
         )
 
     def is_marked(self) -> bool:

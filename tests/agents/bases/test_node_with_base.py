@@ -99,7 +99,7 @@ def test_robots_join_once_they_know_where_they_are_and_drive(caplog):
     for robot in (1, 2):
         assert stage.said(robot) == [
             "waits for odometry and a pose; stands",
-            "its base and its localisation are sound",
+            "base and localisation work again",
         ]
     reported = stage.world.simulation.places
     for robot, place in reported.items():
@@ -152,7 +152,7 @@ def test_a_robot_that_does_not_stand_at_its_start_keeps_the_run_from_beginning(c
     assert stage.world.tick == 0
     stage.floor.wheels[2].x -= 0.5  # it is carried there: odometry does not see that, poses do
     stage.play(lambda: stage.world.tick > 2)
-    assert stage.said(2)[-1] == "its base and its localisation are sound"
+    assert stage.said(2)[-1] == "base and localisation work again"
 
 
 def test_a_base_for_a_robot_that_is_simulated_is_refused():

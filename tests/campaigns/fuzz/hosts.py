@@ -26,7 +26,7 @@ _NEWS = [
 ]
 _LINE = {
     "run": "yard", "host": "", "role": "robot", "robot": 3, "time": "2026-01-02T03:04:05.678Z",
-    "level": "warning", "text": "the world is gone; stands still",
+    "level": "warning", "text": "the world is gone; the robot stands still",
 }  # fmt: skip
 _ROSTER = encoded(KeyRoster("yard", (1, 2, 3), homes={"base": Home(("10.0.0.1",), (1, 2))}, world="base"))
 

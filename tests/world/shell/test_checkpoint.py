@@ -154,7 +154,7 @@ def test_a_checkpoint_of_something_else_is_refused_by_name(written: Path) -> Non
     with pytest.raises(CheckpointError, match="of another version of disknav, or none"):
         opened(written)
     written.unlink()
-    with pytest.raises(CheckpointError, match="is not there"):
+    with pytest.raises(CheckpointError, match="does not exist"):
         opened(written)
 
 

@@ -268,7 +268,7 @@ def test_what_became_of_an_order_is_asked_while_its_world_may_be_restarted() -> 
     away._heard = -1e9
     with pytest.raises(BusError, match="obstacle 1 was accepted, but has not appeared: no world of run 'r'"):
         away.stands(1, 1e6)
-    with pytest.raises(BusError, match="may still obey: look at `disknav monitor r`"):
+    with pytest.raises(BusError, match="may still take effect: see `disknav monitor r`"):
         away.operate(Operation(halt=True))
 
 
