@@ -22,7 +22,7 @@ from agents.lines.safe_velocity import Limits, nearest, safe_velocity, wedge
 from protocol.bodies.kinematics import Kinematics, Motion
 from protocol.bodies.sweep import Sweep, Tolerance, sweep
 from protocol.line import HalfPlane
-from protocol.messages import BaseMotion, Vector
+from protocol.messages import STILL, BaseMotion, Vector
 from protocol.scenario.model import Scenario
 
 _TRIES: Final = 6  # programs that are solved in a tick
@@ -30,8 +30,6 @@ _SHARES: Final = (0.5, 0.2, 0.05)  # of the way from the present velocity to the
 _STEEPEST: Final = 0.99  # share that the program takes an error for at most; the sweep is tested as it is
 _FACING: Final = 16  # parts of half a circle, in which directions to leave an edge are tried
 _LEAST: Final = 1e-9  # m, by which a limit is lowered at least
-
-STILL: Vector = (0.0, 0.0)  # to a base: brake
 
 
 def body_of(scenario: Scenario, robot: int) -> BodyModel:

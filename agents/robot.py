@@ -21,6 +21,7 @@ from protocol.crowd import period
 from protocol.kernel.records import NO
 from protocol.messages import (
     LARGEST,
+    STILL,
     Answer,
     Command,
     Handling,
@@ -37,7 +38,6 @@ from protocol.messages import (
 from protocol.scenario.body import span_of
 from protocol.scenario.model import Scenario
 
-STILL: Vector = (0.0, 0.0)
 NAMED: Final = 100  # most robots in a complaint: the size of a Command is limited
 
 

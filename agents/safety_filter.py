@@ -15,10 +15,9 @@ from agents.lines.boundary import Boundary, RoundBoundary, boundary_of
 from agents.lines.own_set import Polygon
 from agents.lines.safe_velocity import Limits
 from agents.lines.separating_lines import SeparatingLines
-from protocol.messages import Vector
+from protocol.messages import STILL, Vector
 from protocol.scenario.model import Scenario
 
-STILL: Vector = (0.0, 0.0)
 CORNERS: Final = 4  # most cuts of the own set by workspace and region in a tick
 
 

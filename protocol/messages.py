@@ -31,6 +31,7 @@ Size = Annotated[float, Meta(ge=0, le=LARGEST)]
 Square = Annotated[float, Meta(ge=0, le=LARGEST**2)]
 Cosine = Annotated[float, Meta(ge=-UNIT, le=UNIT)]
 Vector = tuple[Real, Real]
+STILL: Final[Vector] = (0.0, 0.0)  # m/s
 Heard = Annotated[tuple[Id, Count], Meta(extra={"names": ("peer", "tick")})]
 Line = Annotated[tuple[Id, Cosine, Cosine, Real], Meta(extra={"names": ("peer", "nx", "ny", "limit")})]
 

@@ -6,12 +6,11 @@ import math
 from collections.abc import Mapping, Set
 
 from protocol.errors import UsageError
-from protocol.messages import Command, Report, Sense, Vector
+from protocol.messages import STILL, Command, Report, Sense, Vector
 from protocol.scenario.model import RobotSpec, Scenario
 from protocol.scenario.places import SHARE, room_at_start
 from world.plants.plant import PastDisks
 
-STILL: Vector = (0.0, 0.0)
 # Ticks that may take no time: the one at whose end a message is received, and one by which the clock of
 # real time catches up with one that was late.
 _HURRIED = 2

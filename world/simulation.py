@@ -10,10 +10,9 @@ from types import MappingProxyType
 
 from protocol.bodies.kinematics import turned
 from protocol.draws import Purpose, Uniforms
-from protocol.messages import BaseMotion, Command, Sense, Vector
+from protocol.messages import STILL, BaseMotion, Command, Sense, Vector
 from protocol.scenario.body import span_of
 from protocol.scenario.model import Scenario
-from world.plants.integrator import STANDING
 from world.plants.plant import BaseReport, PastDisks, plant_of, truncated_normal
 
 
@@ -200,7 +199,7 @@ class SimulatedFleet:
 
     def brake(self, tick: int) -> None:
         """Advance a tick in which every base is ordered to stand."""
-        self.plant.move(dict.fromkeys(self.plant.ids, STANDING), tick)
+        self.plant.move(dict.fromkeys(self.plant.ids, STILL), tick)
 
     def resting(self) -> dict[int, Vector]:
         """Positions of robots that stand until they receive another command, m, by robot id."""

@@ -21,11 +21,10 @@ from itertools import groupby
 from typing import Final
 
 from protocol.bodies.kinematics import Arc, Kinematics, Motion
-from protocol.messages import BaseMotion, Vector
+from protocol.messages import STILL, BaseMotion, Vector
 from protocol.scenario.body import DECISION, Base, Body
 
 OFTEN: Final = 3.0  # least number of velocities within the base's own timeout
-_STILL: Vector = (0.0, 0.0)
 
 
 class Lease:
@@ -72,7 +71,7 @@ class Drive:
     """
 
     def __init__(self, body: Body, base: Base, period: float) -> None:
-        self.told: Vector = _STILL
+        self.told: Vector = STILL
         self._base, self._kinematics = base, Kinematics(body, period)
         self._grace = period + base.patience
         self._part = period / self._kinematics.steps
@@ -80,14 +79,14 @@ class Drive:
         self._rest = self._late.alone + self._late.window + body.speed / body.acceleration
         self._plan: deque[tuple[float, Vector]] = deque()  # velocities of the tick by when they are due
         self._brakes = -math.inf  # s, when the next step of braking is due
-        self._past: deque[tuple[float, Vector]] = deque([(-math.inf, _STILL)])
+        self._past: deque[tuple[float, Vector]] = deque([(-math.inf, STILL)])
         self._published = -math.inf  # s
         self._unknown = -math.inf  # s, end of unknown motion
 
     @property
     def due(self) -> float:
         """Time of the next publication, s; infinite while the base is to stand."""
-        if self.told == _STILL:
+        if self.told == STILL:
             return self._plan[0][0] if self._plan else math.inf
         return min(self._end, self._published + self._base.timeout / OFTEN)
 
@@ -97,7 +96,7 @@ class Drive:
         before, self._published = self.told, now
         while self._plan and self._plan[0][0] <= now:
             _, self.told = self._plan.popleft()
-        while self.told != _STILL and self._brakes <= now:
+        while self.told != STILL and self._brakes <= now:
             braked = self._kinematics.coasted(Motion(0.0, *self.told), self._part)
             self.told, self._brakes = (braked.ahead, braked.aside), self._brakes + self._part
         if self.told != before:
@@ -118,8 +117,8 @@ class Drive:
         while len(self._past) > 1 and self._past[1][0] <= now - self._late.window:
             self._past.popleft()
         before = tuple(each for each, _ in groupby(velocity for _, velocity in self._past))
-        if before == (_STILL,):
-            return BaseMotion(_STILL, heading, _STILL)
+        if before == (STILL,):
+            return BaseMotion(STILL, heading, STILL)
         hold = self._late.alone + max(0.0, self._brakes - now)
         motion = Motion(heading, *self.told, hold)
         return BaseMotion(motion.velocity, heading, self._kinematics.stop(motion), before)
@@ -147,7 +146,7 @@ class Drive:
         """
         if now < self._unknown:
             return
-        if velocity == _STILL or until <= now:
+        if velocity == STILL or until <= now:
             self._brake(now if self._end > now + self._part else self._end)  # no sooner if it brakes
             return
         motion = Motion(heading, *self.told)
@@ -173,6 +172,6 @@ class Drive:
         if now <= self.due + 0.5 * self._base.latency:
             return
         self._plan.clear()
-        if self.told != _STILL:
-            self.told, self._unknown = _STILL, self._published + self._rest
-            self._past.append((now, _STILL))
+        if self.told != STILL:
+            self.told, self._unknown = STILL, self._published + self._rest
+            self._past.append((now, STILL))

@@ -12,11 +12,9 @@ from agents.bases.ros_messages import StampedVelocity, Velocity, decode, header_
 from agents.bases.senses import Senses
 from protocol.bodies.kinematics import turned
 from protocol.errors import MessageError
-from protocol.messages import LARGEST, Command, Sense, Tick, Vector
+from protocol.messages import LARGEST, STILL, Command, Sense, Tick, Vector
 from protocol.scenario.body import DECISION, Base
 from protocol.scenario.model import Scenario
-
-_STILL: Vector = (0.0, 0.0)
 
 
 class Ros2Base:
@@ -94,7 +92,7 @@ class Ros2Base:
         if command.may_move:  # otherwise the coordinator may declare its robot static at once
             self._lease.sent(command.tick, now)
         late = self.senses.is_late(now) or now - self._begun > DECISION
-        velocity = _STILL if self._blind or late else command.velocity
+        velocity = STILL if self._blind or late else command.velocity
         self._drive.command(velocity, self._heading, now, self._lease.until)
         return self._advance(now)
 
@@ -106,13 +104,13 @@ class Ros2Base:
 
     def stand(self, now: float) -> bytes:
         """Brake, outside of a tick; returns the payload to publish at once."""
-        self._drive.command(_STILL, self._heading, now, now)
+        self._drive.command(STILL, self._heading, now, now)
         return self._advance(now)
 
     def wake(self, now: float) -> bytes:
         """The payload to publish by now."""
         self.senses.look(now)
-        if not self.senses.sound and self._drive.told != _STILL and not self._blind:
+        if not self.senses.sound and self._drive.told != STILL and not self._blind:
             self._blind = True
             return self.stand(now)
         return self._advance(now)

@@ -286,7 +286,7 @@ class ForkServer:
             self._tell(ProcessReport(life, text))
 
     def _collect(self) -> None:
-        unit = 2**20 if sys.platform == "darwin" else 2**10  # ru_maxrss: bytes on macOS, KiB on Linux
+        unit = 1 if sys.platform == "darwin" else 2**10  # bytes, of ru_maxrss
         while self._lives:
             pid, status, usage = os.wait4(-1, os.WNOHANG)
             if pid == 0:
@@ -295,7 +295,7 @@ class ForkServer:
             cpu = usage.ru_utime + usage.ru_stime
             life = self._lives.pop(pid)
             self._relay_last(life)
-            self._tell(Exited(life, code, cpu, usage.ru_maxrss / unit))
+            self._tell(Exited(life, code, cpu, usage.ru_maxrss * unit / 1e6))
 
     def _relay_last(self, life: int) -> None:
         for descriptor, (owner, pipe) in list(self._reports.items()):

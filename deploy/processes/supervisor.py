@@ -113,7 +113,7 @@ class ProcessLife:
             try:
                 now = psutil.Process(self.pid)
                 times = now.cpu_times()
-                cpu, rss = cpu + times.user + times.system, max(rss, now.memory_info().rss / 2**20)
+                cpu, rss = cpu + times.user + times.system, max(rss, now.memory_info().rss / 1e6)
             except psutil.Error:  # it has ended since the last poll
                 pass
         return Usage(self.process.name, self.pid, self.exit_code, self.restarts, cpu, rss)

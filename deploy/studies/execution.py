@@ -68,7 +68,7 @@ def _in_process(build: Build, seed: int) -> Result:
         report = LocalFleet(build(seed)).execute()
     except Exception:  # noqa: BLE001  a failed run must not end the study
         return {"seed": seed, "verdict": FAILED, "reason": traceback.format_exc(limit=-3)}
-    memory = psutil.Process().memory_info().rss / 2**20
+    memory = psutil.Process().memory_info().rss / 1e6
     whole = {"name": "local", "cpu_s": time.thread_time() - began, "max_rss_mb": memory}
     return complete(report, RunOptions("local"), [whole])
 

@@ -10,12 +10,10 @@ from collections.abc import Mapping
 from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, steps_of
 from protocol.bodies.sweep import Tolerance
 from protocol.draws import Purpose, Uniforms
-from protocol.messages import Vector
+from protocol.messages import STILL, Vector
 from protocol.scenario.body import PRESETS
 from protocol.scenario.model import RobotSpec, Scenario
 from world.plants.plant import BaseReport, UnitDisk, truncated_normal
-
-STANDING: Vector = (0.0, 0.0)
 
 
 def limited(velocity: Vector, speed: float) -> Vector:
@@ -28,7 +26,7 @@ def limited(velocity: Vector, speed: float) -> Vector:
     if length <= speed:
         return velocity
     if not math.isfinite(length):
-        return STANDING
+        return STILL
     scale = speed / length
     while math.hypot(x * scale, y * scale) > speed:  # rounding, by a last place or two
         scale = math.nextafter(scale, 0.0)
@@ -55,7 +53,7 @@ class SimulatedPoint:
         about |executed - v| <= bound |v|, because v itself is within the limit and a projection
         onto a convex set brings no two points further apart.
         """
-        x, y = limited(velocity or STANDING, self._speed)
+        x, y = limited(velocity or STILL, self._speed)
         if self._noise > 0.0 and (x != 0.0 or y != 0.0):
             radial, angular = self._draws.at(tick)
             wx, wy = truncated_normal(radial, angular, self._noise, self._bound)
@@ -77,7 +75,7 @@ class SimulatedBase:
     ) -> None:
         self.motion, self._gone = motion, 0.0  # m, in the last tick
         self._kinematics, self._tolerance, self._errors = kinematics, tolerance, errors
-        self._error = self._off = STANDING  # vector of the unit disk, and the resulting error, m
+        self._error = self._off = STILL  # vector of the unit disk, and the resulting error, m
         self._way = self._slip = 0.0  # m, since the last command
 
     @property
@@ -107,11 +105,11 @@ class SimulatedBase:
 
     def _arcs(self, velocity: Vector | None, tick: int) -> list[Arc]:
         kinematics, motion = self._kinematics, self.motion
-        if velocity is None or velocity == STANDING:
+        if velocity is None or velocity == STILL:
             arcs, self.motion = kinematics.unled(motion, ordered=velocity is not None)
             return arcs
         to = kinematics.limited(motion, velocity)
-        self._error, self._off = self._errors.at(tick), STANDING
+        self._error, self._off = self._errors.at(tick), STILL
         self._way, self._slip = 0.0, self._tolerance.slip(motion, to)
         self.motion = kinematics.driven(motion, *to)
         arcs = kinematics.drive(motion, *to)
@@ -173,7 +171,7 @@ class Integrator:
         each = zip(self.positions, self.displacements, self.lengths, strict=True)
         known = dict(zip(self.ids, each, strict=True))
         self.ids = scenario.ids
-        kept = [known.get(robot, (scenario.spec(robot).start, STANDING, 0.0)) for robot in self.ids]
+        kept = [known.get(robot, (scenario.spec(robot).start, STILL, 0.0)) for robot in self.ids]
         self.positions = [position for position, _, _ in kept]
         self.displacements = [displacement for _, displacement, _ in kept]
         self.lengths = [length for _, _, length in kept]

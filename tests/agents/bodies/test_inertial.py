@@ -10,9 +10,9 @@ from agents.lines.safe_velocity import Limits
 from protocol.bodies.kinematics import Kinematics, Motion
 from protocol.bodies.sweep import Sweep, Tolerance
 from protocol.line import HalfPlane
-from protocol.messages import BaseMotion
+from protocol.messages import STILL, BaseMotion
 from protocol.scenario.body import PRESETS, Body
-from world.plants.integrator import STANDING, SimulatedBase
+from world.plants.integrator import SimulatedBase
 
 PERIOD, SPEED = 0.05, 0.1
 WHEELED = [name for name in PRESETS if name != "point"]
@@ -20,7 +20,7 @@ FACING = [0.3 * n for n in range(21)]
 ROOM = RoundBoundary(10.0)
 
 
-EXACT = SimpleNamespace(at=lambda _: STANDING)  # errors of a base that has none
+EXACT = SimpleNamespace(at=lambda _: STILL)  # errors of a base that has none
 
 
 class Track:

@@ -13,11 +13,11 @@ from typing import NamedTuple
 
 from protocol.bodies.kinematics import Kinematics, turned
 from protocol.bodies.sweep import Tolerance
-from protocol.messages import Vector
+from protocol.messages import STILL, Vector
 from protocol.scenario.body import PRESETS, Body
 from protocol.scenario.model import RobotSpec, Scenario, Time, Workspace
 from protocol.scenario.model import World as WorldTable
-from world.plants.integrator import STANDING, SimulatedBase
+from world.plants.integrator import SimulatedBase
 from world.plants.mujoco import Physics
 
 ROBOTS = 9
@@ -33,7 +33,7 @@ class Lacking(NamedTuple):
     drift: float
 
 
-_EXACT = SimpleNamespace(at=lambda _: STANDING)  # errors of a base whose way is the nominal one
+_EXACT = SimpleNamespace(at=lambda _: STILL)  # errors of a base whose way is the nominal one
 
 
 class _Way:
@@ -89,7 +89,7 @@ class _Driver:
         self._kinematics, self._tolerance = Kinematics(body, period), Tolerance(body)
         self._rng, self._most = rng, 1.2 * self._kinematics.top_speed
         self._often = min(0.9, 1.5 * period + 0.1)  # how often it is told something else
-        self._kind, self._wants = "there", STANDING
+        self._kind, self._wants = "there", STILL
         self._ways: list[_Way] = []
 
     def command(self, velocity: Vector, heading: float) -> Vector | None:
@@ -102,7 +102,7 @@ class _Driver:
         if luck < 0.08:
             return None
         if luck < 0.12:
-            return STANDING
+            return STILL
         if self._kind == "spin":
             return turned(0.0, rng.choice((1.0, 1.0, 1.0, -1.0)) * self._most, heading)
         if self._kind == "straight":
@@ -112,9 +112,9 @@ class _Driver:
     def begin(self, plant: Physics, index: int, command: Vector | None) -> None:
         """A tick begins, and with it another nominal way."""
         said, kinematics = plant.report(index), self._kinematics
-        motion = kinematics.motion(said.velocity, said.heading, said.stop or STANDING)
+        motion = kinematics.motion(said.velocity, said.heading, said.stop or STILL)
         to = (motion.ahead, motion.aside)
-        if command is not None and command != STANDING:
+        if command is not None and command != STILL:
             self._ways.clear()
             to = kinematics.limited(motion, command)
         elif motion.stands:
