@@ -100,11 +100,10 @@ def application(source: Steerable, hosts: list[str], token: str) -> Starlette:
         await _tell(socket, "welcome", may_steer=may_steer)
         try:
             async with asyncio.TaskGroup() as tasks:
-                sending = tasks.create_task(_send(socket, stream))
+                tasks.create_task(_send(socket, stream))
                 await _listen(socket, source, tasks, may_steer=may_steer)
-                sending.cancel()
         except* WebSocketDisconnect:
-            pass
+            pass  # no task waits for an answer that nobody reads
 
     return Starlette(
         routes=[
@@ -135,7 +134,7 @@ async def _send(socket: WebSocket, stream: FrameStream) -> None:
 
 
 async def _listen(socket: WebSocket, source: Steerable, tasks: asyncio.TaskGroup, *, may_steer: bool) -> None:
-    """Forward a viewer's valid requests with the token, and refuse others, until it leaves."""
+    """Forward a viewer's valid requests with the token, and refuse others; raises WebSocketDisconnect."""
     while True:
         await asyncio.sleep(0)  # lets other tasks run: buffered messages are read without a pause
         try:
@@ -147,8 +146,6 @@ async def _listen(socket: WebSocket, source: Steerable, tasks: asyncio.TaskGroup
                 source.steer(read_steer(asked["steer"]))
             else:
                 tasks.create_task(_operate(socket, source, read_operation(asked)))
-        except WebSocketDisconnect:
-            return
         except (*DAMAGED, MessageError, KeyError) as error:
             await _tell(socket, "refused", text=str(error))
 

@@ -15,8 +15,7 @@ class Listener:
 
     def __init__(self) -> None:
         self.events: list[Event] = []
-        self.deadline = float("inf")
-        self.finished = False
+        self.deadline, self.finished = float("inf"), False
 
     def handle(self, event: Event) -> None:
         if isinstance(event, Query):

@@ -186,12 +186,10 @@ def test_an_unanswered_request_ends_in_time(connect: Connect, served: bool) -> N
     assert time.monotonic() - begin < 8.0  # zenoh by itself would wait for 10 s
 
 
-@pytest.mark.parametrize("timeout", [0.0, 0.05])
-def test_receiving_is_bounded(connect: Connect, timeout: float) -> None:
-    bus = connect()
-    begin = time.monotonic()
-    assert bus.receive(timeout) is None
-    assert timeout <= time.monotonic() - begin < PATIENCE
+def test_receiving_is_bounded(connect: Connect) -> None:
+    bus, begin = connect(), time.monotonic()
+    assert bus.receive(0.0) is bus.receive(0.05) is None
+    assert 0.05 <= time.monotonic() - begin < PATIENCE
 
 
 def test_a_flood_is_shed_and_counted(connect: Connect) -> None:

@@ -86,6 +86,15 @@ def test_a_viewer_releases_only_the_stops_that_it_has_been_shown(monkeypatch: py
         news(viewer, "frame", lambda it: it["phase"] == "running")
 
 
+def test_a_viewer_that_leaves_waits_for_no_answer(capfd: pytest.CaptureFixture[str]) -> None:
+    watcher = watch_local(LocalNetwork(), "r")
+    watcher._known = True  # nothing drives it
+    with served(watcher) as server, live(server) as viewer:
+        viewer.send('{"halt": true}')
+        until(lambda: not watcher._wishes.empty())
+    assert capfd.readouterr().err == ""
+
+
 def asleep(server: Server) -> socket.socket:
     """A viewer that asks and does not read, until the server can send it no more, and reads no more."""
     viewer = socket.socket()
