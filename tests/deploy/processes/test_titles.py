@@ -1,22 +1,33 @@
-"""Titles and short names tell the processes of a fleet apart."""
+"""Titles and short names tell the processes of a fleet apart; robots that wait for each other stay on a core
+each, and under chrt all processes but the recorder have its priority."""
 
+import os
+import subprocess
 import sys
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import psutil
 import pytest
 
 from deploy.library.load import load
-from deploy.run.fleet import Fleet
-from deploy.run.options import RunOptions, fresh_run_name
-from protocol.messages import Clock
+from deploy.processes.spawn import core_of
+from deploy.run.options import fresh_run_name
+from protocol.scenario.file import write_toml
+from tests.until import until
 
-pytestmark = [
-    pytest.mark.process,
-    pytest.mark.timeout(90),
-    pytest.mark.skipif(sys.platform != "linux", reason="reads /proc"),
-]
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system places and orders all")
+
+CHRT = ("chrt", "--rr", "1")
+
+
+class Seen(NamedTuple):
+    """A process: its short name, as `top` shows it, and the policies of its threads."""
+
+    short: str
+    policies: set[int]
 
 
 def title(pid: int) -> str:
@@ -24,32 +35,50 @@ def title(pid: int) -> str:
     return Path(f"/proc/{pid}/cmdline").read_bytes().rstrip(b"\0").replace(b"\0", b" ").decode()
 
 
-def short(pid: int) -> str:
-    """The short name, as `top` shows it."""
-    return Path(f"/proc/{pid}/comm").read_text().removesuffix("\n")
+def children(launcher: int) -> dict[str, Seen]:
+    """All processes of a fleet that are there now, by title."""
+    found = {}
+    for each in psutil.Process(launcher).children(recursive=True):
+        with suppress(psutil.Error, OSError):
+            folder = Path(f"/proc/{each.pid}")
+            tasks = [int(task.name) for task in (folder / "task").iterdir()]
+            short = (folder / "comm").read_text().removesuffix("\n")
+            found[title(each.pid)] = Seen(short, set(map(os.sched_getscheduler, tasks)))
+    return found
 
 
-def test_a_fleet_is_told_apart(tmp_path: Path) -> None:
-    run = fresh_run_name()
-    pair = load("swap-2", ["control.speed=0.01", "time.limit=60"])
+def test_robots_are_dealt_out_among_the_cores_there_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {5, 2})
+    assert [core_of(turn, 5) for turn in range(5)] == [2, 5, 2, 5, 2]
+
+
+@pytest.mark.process
+@pytest.mark.timeout(90)
+@pytest.mark.parametrize("chrt", [(), CHRT], ids=["", "chrt"])
+def test_a_fleet_is_told_apart_and_has_the_priority_that_it_was_given(
+    chrt: tuple[str, ...], tmp_path: Path
+) -> None:
+    if chrt and subprocess.run([*chrt, "true"], check=False).returncode != 0:
+        pytest.skip("no process may have real-time priority here")
+    run, pair = fresh_run_name(), load("swap-2", ["control.speed=0.01", "time.limit=60"])
     scenario = replace(pair, robots=(pair.robots[0], replace(pair.robots[1], id=12)))
-    seen: dict[str, int] = {}
-    titles: set[str] = set()
+    (tmp_path / "pair.toml").write_text(write_toml(scenario))
+    how = ["run", "pair.toml", "--run", run, "--mode", "realtime", "--quiet", "--record", "run.mcap"]
+    names = ["fork server", "router", "recorder", "world", "robot 1", "robot 12"]
+    titles = {name: f"disknav {name} (run {run})" for name in names}
+    policies = {each: {os.SCHED_RR if chrt else os.SCHED_OTHER} for each in titles.values()}
+    policies[titles["recorder"]] = {os.SCHED_OTHER}
+    found: dict[str, Seen] = {}
 
-    def look(clock: Clock) -> None:
-        if clock.tick < 2 or seen:
-            return
-        seen.update(fleet.supervisor.pids())
-        assert {name: title(pid) for name, pid in seen.items()} == {
-            name: f"disknav {name.replace('-', ' ')} (run {run})" for name in seen
-        }
-        assert short(seen["robot-1"]) == f"robot 1 {run}"[:15]
-        assert short(seen["robot-12"]) == f"robot 12 {run}"[:15]
-        server = psutil.Process(seen["world"]).parent()
-        titles.update(title(each.pid) for each in [server, *server.children(recursive=True)])
+    def settled() -> bool:
+        found.clear()
+        found.update(children(launcher.pid))
+        return {each: seen.policies for each, seen in found.items()} == policies
 
-    options = RunOptions(mode="realtime", run=run)
-    with Fleet(scenario, options, watch=look, record=tmp_path / "run.mcap") as fleet:
-        fleet.execute(enough=lambda: bool(seen))
-    names = ["fork server", "router", "recorder", "world", *(f"robot {n}" for n in scenario.ids)]
-    assert titles == {f"disknav {name} (run {run})" for name in names}
+    with subprocess.Popen([*chrt, sys.executable, "-m", "disknav", *how], cwd=tmp_path) as launcher:
+        try:
+            until(settled)
+        finally:
+            launcher.terminate()
+    assert found[titles["robot 1"]].short == f"robot 1 {run}"[:15]
+    assert found[titles["robot 12"]].short == f"robot 12 {run}"[:15]
