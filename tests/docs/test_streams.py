@@ -14,9 +14,8 @@ import pytest
 from docs.reference.streams import PAGE, page
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
-from protocol.codec import encode
-from protocol.keys import ROBOT_STREAMS, STREAMS, robot_key, world_key
-from tests.protocol.sample_messages import ONE
+from protocol.keys import STREAMS
+from tests.campaigns.fuzz.messages import traffic
 
 
 def test_page_is_current():
@@ -29,28 +28,21 @@ def test_a_stock_subscriber_reads_every_stream(tmp_path: Path, endpoint: str):
     code = re.search(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
     program = tmp_path / "subscriber.py"
     program.write_text(code[1])
+    payloads = dict(samples[-1] for samples in traffic().values())
     publisher = ZenohBus(Connection(connect=(endpoint,)))
-    reader = subprocess.Popen([sys.executable, program, endpoint, "page"], stdout=subprocess.PIPE, text=True)
+    reader = subprocess.Popen([sys.executable, program, endpoint, "local"], stdout=subprocess.PIPE, text=True)
     try:
-        heard = _converse(publisher, reader)
+        heard = _converse(publisher, reader, payloads)
     finally:
         reader.kill()
         reader.wait()
         reader.stdout.close()
         publisher.close()
-    assert heard == {key: msgpack.unpackb(payload) for key, payload in _payloads().items()}
+    assert heard == {key: msgpack.unpackb(payload) for key, payload in payloads.items()}
 
 
-def _payloads() -> dict[str, bytes]:
-    return {
-        robot_key("page", 1, name) if name in ROBOT_STREAMS else world_key("page", name): encode(message)
-        for name, message in ONE.items()
-    }
-
-
-def _converse(bus: ZenohBus, reader: subprocess.Popen) -> dict[str, list]:
+def _converse(bus: ZenohBus, reader: subprocess.Popen, payloads: dict[str, bytes]) -> dict[str, list]:
     """Publish until the reader has printed something of every key."""
-    payloads = _payloads()
     publishers = {key: bus.publisher(STREAMS[key.rpartition("/")[2]], key) for key in payloads}
     heard: dict[str, list] = {}
     deadline = time.monotonic() + 60.0

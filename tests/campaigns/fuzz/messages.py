@@ -25,7 +25,7 @@ from protocol.bus.local import LocalNetwork
 from protocol.codec import REASONS, decode, encode
 from protocol.errors import KeyGrammarError, MessageError
 from protocol.keys import ROBOT_STREAMS, STREAMS, WORLD_STREAMS, everything, robot_key
-from protocol.messages import State
+from protocol.messages import GoalStatus, State, Wish
 from protocol.operations import Steer, decode_steer
 from protocol.scenario.model import Scenario
 from protocol.scenario.network import Network
@@ -34,7 +34,6 @@ from tests.campaigns.fuzz.mutation import Target, damaged_message, damaged_text
 from tests.campaigns.scenarios.draw import drawn
 from tests.deploy.telemetry.monitor.watched import watch_local
 from tests.listening import overhear
-from tests.protocol.sample_messages import ONE
 from world.shell.node import WorldNode
 
 EPOCH = 7  # of all coordinators, so that what one run says counts in another
@@ -60,8 +59,11 @@ def traffic() -> dict[str, list[tuple[str, bytes]]]:
             fleet = LocalFleet(scenario, speed=0.0)
         overhear(fleet.network, hear, everything(fleet.run))
         fleet.execute()
-    for unsaid in ("goalstatus", "wish"):
-        heard[unsaid].append((robot_key(fleet.run, 1, unsaid), encode(ONE[unsaid])))
+    for unsaid, message in (
+        ("goalstatus", GoalStatus(1, 3, 2, "under way", (0.5, 0.2), 4)),
+        ("wish", Wish(1, (0.1, 0.2))),
+    ):
+        heard[unsaid].append((robot_key(fleet.run, 1, unsaid), encode(message)))
     assert heard.keys() == STREAMS.keys()
     return {name: sorted(all_)[:: max(1, len(all_) // _KEPT)] for name, all_ in sorted(heard.items())}
 
