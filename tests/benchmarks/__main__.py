@@ -4,12 +4,18 @@ python -m tests.benchmarks --robots 6 16 --seconds 2
 """
 
 import argparse
+from collections import defaultdict
+from functools import cache
+from statistics import mean
 
+from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
+from protocol.keys import everything, parse
 from protocol.scenario.network import Network
+from tests.benchmarks import bare
+from tests.benchmarks.bare import Payloads, Rate
 from tests.benchmarks.crowds import Measured, measure, restless
-from tests.benchmarks.transport import bare
-from tests.benchmarks.transport.bare import Rate
+from tests.listening import overhear
 
 ROBOTS = (6, 16, 32, 64)
 _HEAD = (
@@ -37,7 +43,18 @@ def _measured(robots: int, seconds: float) -> dict[str, Measured | Rate]:
         "fleet, no filter": restless(robots, safety="none"),
     }
     measured = {name: measure(scenario, RunOptions(), seconds) for name, scenario in fleets.items()}
-    return {"bare zenoh": bare.rate(robots, seconds), **measured}
+    return {"bare zenoh": bare.rate(robots, payloads(robots), seconds), **measured}
+
+
+@cache
+def payloads(robots: int) -> Payloads:
+    """As many bytes as the messages of the fleet that is measured have on average, in its first seconds."""
+    fleet, sizes = LocalFleet(restless(robots, seconds=5.0)), defaultdict[str, list[int]](list)
+    overhear(
+        fleet.network, lambda key, said: sizes[parse(key).stream].append(len(said)), everything(fleet.run)
+    )
+    fleet.execute()
+    return Payloads(*(name[0].encode().ljust(round(mean(sizes[name])), b"\0") for name in Payloads._fields))
 
 
 def table(robots: int, results: dict[str, Measured | Rate]) -> str:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from random import Random
-from typing import Any
+from typing import Any, AnyStr
 
 import msgspec
 
@@ -29,7 +29,7 @@ class Target:
     share: int
 
 
-_BYTES = bytes.fromhex("00 01 7f 80 90 9f a0 c0 c1 c6 ca cb cf d9 dc dd df ff")
+_BYTES = tuple(map(bytes.fromhex, "00 01 7f 80 90 9f a0 c0 c1 c6 ca cb cf d9 dc dd df ff".split()))  # noqa: SIM905
 _CHANGES = (1, 1, 1, 2, 4)
 _CHARACTERS = "\0\t\n\r \"'#*$/.,:;=[]{}\\-_+0159eEaZzéß∞\u202e\ufeff\ud800😀"
 _WORDS = """nan -inf true 1e999 0x_1 1979-05-27 [[]] ''' robots state/2 state/2 **""".split()  # noqa: SIM905
@@ -49,45 +49,32 @@ WRITTEN: tuple[Any, ...] = (
 
 def damaged_bytes(valid: bytes, other: bytes, rng: Random) -> bytes:
     """`valid` with a few changes; `other` is spliced in at times."""
-    data = bytearray(valid)
-    for _ in range(rng.choice(_CHANGES)):
-        place, stop = sorted((rng.randint(0, len(data)), rng.randint(0, len(data))))
-        match rng.randrange(7):
-            case 0 if data:
-                data[place % len(data)] ^= 1 << rng.randrange(8)
-            case 1 if data:
-                data[place % len(data)] = rng.choice(_BYTES)
-            case 2:
-                data[place:place] = rng.randbytes(rng.randint(1, 8))
-            case 3:
-                del data[place:stop]
-            case 4:
-                data[place:place] = data[place:stop]
-            case 5:
-                data[place:stop] = other[place:stop]
-            case _:
-                del data[place:]
-    return bytes(data)
+    return _damaged(
+        valid, other, rng, lambda: rng.choice((rng.choice(_BYTES), rng.randbytes(rng.randint(1, 8))))
+    )
 
 
 def damaged_text(valid: str, other: str, rng: Random) -> str:
-    text = valid
+    return _damaged(valid, other, rng, lambda: rng.choice((*_CHARACTERS, *_WORDS)))
+
+
+def _damaged(valid: AnyStr, other: AnyStr, rng: Random, piece: Callable[[], AnyStr]) -> AnyStr:
     for _ in range(rng.choice(_CHANGES)):
-        place, stop = sorted((rng.randint(0, len(text)), rng.randint(0, len(text))))
+        place, stop = sorted((rng.randint(0, len(valid)), rng.randint(0, len(valid))))
         match rng.randrange(6):
             case 0:
-                text = text[:place] + rng.choice(_CHARACTERS) + text[place + 1 :]
+                valid = valid[:place] + piece() + valid[place + 1 :]
             case 1:
-                text = text[:place] + rng.choice(_CHARACTERS) * rng.randint(1, 3) + text[place:]
+                valid = valid[:place] + piece() * rng.randint(1, 3) + valid[place:]
             case 2:
-                text = text[:place] + rng.choice(_WORDS) + text[min(stop, place + 6) :]
+                valid = valid[:place] + valid[stop if rng.randrange(2) else place + 1 :]
             case 3:
-                text = text[:place] + text[min(stop, place + 40) :]
+                valid = valid[:stop] + valid[place:stop] + valid[stop:]
             case 4:
-                text = text[:stop] + text[place:stop] + text[stop:]
+                valid = valid[:place] + other[place:stop] + valid[stop:]
             case _:
-                text = text[:place] + other[place:stop] + text[stop:]
-    return text
+                valid = valid[:place]
+    return valid
 
 
 def damaged_tree(valid: Any, rng: Random, junk: tuple[Any, ...] = JUNK) -> Any:

@@ -1,30 +1,15 @@
 """The in-process bus keeps the promises of the interface: no echo, presence, requests, order."""
 
+from types import SimpleNamespace
+
 import pytest
 
-from protocol.bus.bus import Event, Presence, Query, Sample
+from protocol.bus.bus import Event, Presence, Sample
 from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.errors import BusError
 from protocol.keys import STREAMS
 
 STATE = STREAMS["state"]
-
-
-class Listener:
-    """A node that keeps what it hears, and answers requests."""
-
-    def __init__(self) -> None:
-        self.events: list[Event] = []
-        self.deadline, self.finished = float("inf"), False
-
-    def handle(self, event: Event) -> None:
-        if isinstance(event, Query):
-            event.reply(b"re:" + event.payload)
-        else:
-            self.events.append(event)
-
-    def wake(self, now: float) -> None:
-        raise AssertionError("nothing was due")
 
 
 def everything(bus: LocalBus) -> list[Event]:
@@ -58,7 +43,7 @@ def test_requests_are_answered_by_the_node_that_serves() -> None:
     network = LocalNetwork()
     one, two = network.connect(), network.connect()
     one.serve("disknav/r/world/scenario")
-    one.node = Listener()
+    one.node = SimpleNamespace(handle=lambda query: query.reply(b"re:" + query.payload))
     assert two.ask("disknav/r/world/scenario", b"x", 1.0) == [b"re:x"]
     with pytest.raises(BusError, match="no answer under"):
         two.ask("disknav/r/world/control", b"", 1.0)

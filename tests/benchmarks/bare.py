@@ -25,7 +25,7 @@ _MODULES = (
     "zenoh",
     "protocol.bus.zenoh",
     "deploy.processes.router",
-    "tests.benchmarks.transport.bare",
+    "tests.benchmarks.bare",
 )
 
 
@@ -47,11 +47,9 @@ class Rate(NamedTuple):
     cpu_ms: float
 
 
-def rate(robots: int, seconds: float = 3.0) -> Rate:
+def rate(robots: int, say: Payloads, seconds: float = 3.0) -> Rate:
     """Lock-step ticks of `robots` processes through a router, on raw zenoh."""
-    from tests.benchmarks.transport.payloads import payloads  # here, so that the processes do without a fleet
-
-    module, say = "tests.benchmarks.transport.bare", payloads(robots)
+    module = "tests.benchmarks.bare"
     with Supervisor(Spawner(_MODULES)) as supervisor:
         supervisor.start([router(Connection("router"))])
         endpoint = supervisor.report("router", 10.0)
