@@ -1,21 +1,16 @@
-"""Joining: idempotent for each process, one process for each robot, and no wait for dead processes."""
+"""Joining: idempotent for each process, one process for each robot, and no wait for dead processes. Leaving:
+robots that owe a report, those to be notified, and for how long. There is no bus, and time is injected."""
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocol.joining import (
-    Admission,
-    Finished,
-    Join,
-    Refusal,
-    Reply,
-    Wait,
-)
+from protocol.joining import Admission, Finished, Join, Refusal, Reply, Wait
 from protocol.messages import Health
 from tests.world.driving import Stopwatch, two
 from world.coordinator.records import Life, Status
 from world.shell.admission import RESERVATION, Admissions
-from world.shell.run import JudgedRun
+from world.shell.pacing import Pacing
+from world.shell.run import SHUTDOWN, JudgedRun, Phase, Shutdown
 
 
 class Desk:
@@ -171,3 +166,89 @@ def test_no_two_processes_live_and_no_life_twice(events: list[tuple[str, str]]) 
             desk.clock.now += RESERVATION
         newest = desk.run.world.lives.incarnations[1]
         assert sum(life == newest for life in lives.values()) <= 1
+
+
+# -- leaving
+
+
+class Ending(Desk):
+    """A run of two robots that are there."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.shutdown = Shutdown(self.run, self.admissions, Pacing(True, 0.0, self.clock))
+        self.run.began = 0.0
+        for robot in (1, 2):
+            self.admissions.enlist(Join(robot, f"session {robot}"))
+            self.admissions.arrive(robot, f"session {robot}")
+
+    def report(self, robot: int, published: int | None = None) -> Reply | None:
+        """A process asks to join, with a report of so many messages or without one."""
+        health = None if published is None else Health(robot, 1, 5, 0.0, published, 0, {}, (), ())
+        join = Join(robot, f"session {robot}", health)
+        self.shutdown.take_report(join)
+        return self.shutdown.reply(join)
+
+    def told(self) -> set[int]:
+        measurements = self.shutdown.final_ticks()
+        assert all(measurement.over for measurement in measurements.values())
+        return set(measurements)
+
+
+def test_a_turn_that_runs_is_not_wound_up() -> None:
+    end = Ending()
+    end.clock.now = 2.0 * SHUTDOWN
+    assert end.report(1, published=3) is None
+    assert end.admissions.slots[1].health is None  # of a life that ended during the run
+    assert not end.shutdown.is_reported()
+    assert not end.shutdown.is_over()
+
+
+def test_all_report_then_all_are_notified() -> None:
+    end = Ending()
+    end.run.world.finish("aborted", "for a test")
+    end.shutdown.begin()
+    assert end.run.phase is Phase.SHUTDOWN
+    assert end.told() == {1, 2}
+    assert isinstance(end.report(1, published=3), Wait)
+    assert isinstance(end.report(1), Wait)  # asks again, and what it said stays
+    assert end.told() == {2}
+    assert not end.shutdown.is_reported()
+    end.report(2, published=4)
+    assert end.shutdown.is_reported()
+    end.clock.now = 1.5
+    report = end.shutdown.report(10)
+    assert report["messages"]["published"] == 17
+    assert report["wall_time"] == 0.0  # up to the verdict
+    end.shutdown.close()
+    assert not end.shutdown.is_reported()
+    assert end.told() == {1, 2}
+    assert end.report(1) == Finished("aborted")
+    assert end.told() == {2}
+    assert not end.shutdown.is_over()
+    assert end.report(2) == Finished("aborted")
+    assert end.shutdown.is_over()
+
+
+def test_no_process_waits_for_one_that_has_gone() -> None:
+    end = Ending()
+    end.shutdown.begin()
+    end.report(1, published=3)
+    end.admissions.leave(2)
+    assert end.shutdown.is_reported()
+    end.shutdown.close()
+    end.report(1)
+    assert end.shutdown.is_over()
+
+
+def test_each_wait_is_bounded() -> None:
+    end = Ending()
+    end.shutdown.begin()
+    end.clock.now = SHUTDOWN
+    assert not end.shutdown.is_reported()
+    end.clock.now = 1.01 * SHUTDOWN
+    assert end.shutdown.is_reported()
+    end.shutdown.close()
+    assert not end.shutdown.is_over()
+    end.clock.now = 2.02 * SHUTDOWN
+    assert end.shutdown.is_over()
