@@ -16,10 +16,6 @@ import zenoh
 
 import disknav
 from deploy.run.options import fresh_run_name
-from protocol.codec import decode, encode
-from protocol.errors import MessageError
-from protocol.keys import robot_key
-from protocol.messages import Wish
 from protocol.scenario.file import write_toml
 from tests.deploy.processes.ports import free_ports
 
@@ -45,11 +41,6 @@ def test_a_wish_moves_its_robot_and_counts_for_its_lifetime() -> None:
     moved = simulation.positions - before
     assert moved[2] == pytest.approx((0.0, -0.08 * 0.05 * 6), abs=0.08 * 0.05 + 1e-9)
     assert np.abs(moved[[0, 1, 3]]).max() == 0.0
-
-
-def test_a_wish_that_is_not_finite_is_refused_by_the_robot() -> None:
-    with pytest.raises(MessageError):
-        decode(robot_key("w", 3, "wish"), encode(Wish(3, (math.nan, 0.0))))
 
 
 @pytest.mark.process
