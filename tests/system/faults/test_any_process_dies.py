@@ -146,7 +146,7 @@ def test_no_world_begins_without_its_checkpoint(
 
     report, _ = run(QUICK, RunOptions(restarts=1000, speed=1.0), act)
     assert report["verdict"] == "aborted"
-    assert f"the checkpoint {checkpoints[0]} is not there" in capfd.readouterr().err
+    assert f"the checkpoint {checkpoints[0]} does not exist" in capfd.readouterr().err
 
 
 def test_a_world_under_another_launcher(tmp_path: Path) -> None:
