@@ -39,6 +39,8 @@ ALIKE = {  # by loops: of each element something else
     *["bound.place", "bound.static", "self.bound[listed.number]", "self.held", "self._geometry.note(disk)"],
 }
 OWN = r"self\.(\w+|begin\(listed\.first\)|_geometry\.note\(disk\))"  # what is done by whatever is made
+OF_EACH = r"self\._geometry\.(clear\(other\.held, region\)|apart\(other\.held, disk\.held\)"
+OF_EACH += r"|keeps\(covered, bound\)|note\(disk\))"  # what is asked by loops: there may be no element
 OF_PAIR = r"(pair|living|static)\..+"  # what `_end` and `_begin` read, ask and store for a loop
 
 KINDS = {
@@ -71,7 +73,7 @@ ELEMENTS += r"|name, place in places\.items\(\)|name in self\._geometry\.around\
 ELEMENTS += r"|listed in told\.bindings|bound in self\.bound\.values\(\)"
 ELEMENTS += r"|(each|(_|number), line) in self\.(open|regions)"
 GROWS = r"(found|listed)\.(append|extend)\(.+\)"  # a list of the method's own
-CHANGES = rf"{GROWS}|self\.(open|regions)\.(append|extend)\(.+\)"
+CHANGES = rf"{GROWS}|require\(.+\)|self\.(open|regions)\.(append|extend)\(.+\)"
 CHANGES += r"|self\.pairs\[(one|other)\.name\]\.pop\((one|other)\.name, None\)"
 
 TEXT = '("""|\'|")((?!\\1)(?s:.))*\\1'
@@ -183,7 +185,7 @@ class Kernel:
             if isinstance(each, ast.AnnAssign):
                 each.annotation = ast.Constant(None)  # nothing else looks at it
         for arg in args.args[1:]:
-            kind, text = NUMBERS.get(arg.arg, ""), said_of(arg)
+            kind, text = NUMBERS.get(arg.arg, ""), ast.unparse(arg).partition(": ")[2]
             is_record = re.fullmatch(r"End|[A-Z]\w+\[.*\]", text) or arg.arg == "held"
             kinds = {"int": kind not in ("", "bool"), "bool": kind in ("", "bool")}
             need(is_word(arg.arg) and kinds.get(text, not kind or is_record), arg, "is of another kind")
@@ -248,8 +250,8 @@ class Kernel:
                 return noun(target) == "version" and said(value, "1")
             case ast.Assign() | ast.AnnAssign():
                 return all(self._gets(*each) for each in assigned(node))
-            case ast.Starred(value=value) | ast.Expr(value=value):
-                return isinstance(value, ast.ListComp | ast.Call | ast.Constant)
+            case ast.Starred(value=ast.ListComp()) | ast.Expr(value=ast.Call() | ast.Constant()):
+                return True
         return isinstance(node, ast.ListComp | ast.DictComp) and len(node.generators) == 1
 
     def _gets(self, target: ast.expr, value: ast.expr) -> bool:
@@ -265,9 +267,10 @@ class Kernel:
             return noun(node.args[0]) == "bool" and isinstance(node.args[-1], ast.Constant)
         called = [self.methods[each].args.args[1:] for each in self._called(node, owner)]
         kinds = [
-            (noun(each), {"int": NUMBERS.get(arg.arg, ""), "bool": "bool"}.get(said_of(arg), ""))
+            (noun(each), {"int": NUMBERS.get(arg.arg, ""), "bool": "bool"}.get(text, ""))
             for args in called
             for arg, each in zip(args, node.args, strict=False)
+            for text in [ast.unparse(arg).partition(": ")[2]]
         ]
         is_kept = bool(called) and all(goes(*each) for each in kinds)
         return is_kept or said(node, f"{CHANGES}|{ENTRIES}|{MANY}")
@@ -366,6 +369,9 @@ class Kernel:
             if isinstance(each, ast.Call):
                 called = [self.methods[name] for name in self._called(each, owner)]
                 need(not any(map(is_loop, chain(*map(ast.walk, called)))), each, "loops in a loop")
+                asked = each.args[0] if said(each.func, "require") else each
+                asks = asked is not each or any(self._asks(*name) for name in self._called(each, owner))
+                need(not asks or said(asked, OF_EACH), each, "asks what is of no element")
                 is_made = getattr(each.func, "attr", "get") in ("get", "append", "extend")
                 need(not changes or is_made or ast.unparse(each) in acts, each, "asks what may change")
         stored = [re.sub(r"\[.*|\.pop.*", "", each) for each in self._acts(owner, loop.body)]
@@ -376,8 +382,3 @@ class Kernel:
             if isinstance(each, ast.Attribute) and isinstance(each.ctx, ast.Load) and each.attr in words:
                 is_before = each in entered or (each not in inside and each.lineno <= loop.end_lineno)
                 need(is_before or ast.unparse(each.value) in names_in(loop.target), each, "may be of another")
-
-
-def said_of(arg: ast.arg) -> str:
-    """The type of an argument."""
-    return ast.unparse(arg.annotation or ast.Name(""))

@@ -148,8 +148,7 @@ def treated(made: Any, name: int, third: int) -> list[Any]:
     found: list[Any] = [pair is made.pairs[third].get(name), pair is None]
     for b, binding in bindings_of(made, name, third).items():
         mine, other = sorted((binding.low, binding.high), key=lambda end: bool(end.disk != name))
-        numbers = (binding.told, mine.dead, other.dead)
-        found += [b, *[str(number) for number in numbers]]
+        found += [b, *map(str, (binding.told, mine.dead, other.dead))]
     return found
 
 
@@ -203,13 +202,13 @@ def _has_its_first_line(binding: Any) -> Any:
 
 
 def own_claims(made: Any) -> dict[str, Any]:
-    """Each disk has its name, and what it holds and its bindings for itself."""
-    a, b = (made.disks[name] for name in NAMES)
-    alone = a.held is not b.held and len({id(pairs) for pairs in made.pairs.values()}) == len([*made.pairs])
+    """Each disk has its name, and what it holds, its bindings and their ends for itself."""
+    ends = [end for each in bindings_of(made).values() for end in (each.low, each.high)]
+    own = [*[made.disks[name].held for name in NAMES], *ends, *made.pairs.values()]
     named = [made.disks[name].name == name for name in NAMES]
     named += [[*made.pairs] == [*made.disks]]
     named += [name not in pairs and {*pairs} <= {*made.disks} for name, pairs in made.pairs.items()]
-    return {"each disk has its own": z3.And(alone, *named)}
+    return {"each disk has its own": z3.And(len({*map(id, own)}) == len(own), *named)}
 
 
 def _goes_along(b: str, binding: Any) -> dict[str, Any]:
@@ -262,12 +261,13 @@ def end_claims(bound: Any, after: dict[str, Any], b: str, x: str) -> dict[str, A
     known += [(k, line) for k, line in getattr(bound.lines, "open", ())]
     numbered = [z3.And(line == LINE_OF(number, k), obeys(after, b, x, k)) for k, line in known]
     is_known = z3.And(len(lines) == len(known), *numbered)
+    is_half = z3.And(len(lines) == 1, *[line == half for line in lines])
     return {
-        f"{b}.{x}: obeys no line yet": z3.Implies(state == ASKED, not lines),
-        f"{b}.{x}: obeys its lines": z3.Implies(state == LINES, z3.And(obeyed, is_known)),
-        f"{b}.{x}: obeys one half-plane": z3.Implies(
-            state == HALF, z3.And(len(lines) == 1, *[line == half for line in lines])
+        f"{b}.{x}: keeps what its state says": z3.And(
+            (state == ASKED) == (bound.lines is None), (state == HALF) == (bound.half is not None)
         ),
+        f"{b}.{x}: obeys its lines": z3.Implies(state == LINES, z3.And(obeyed, is_known)),
+        f"{b}.{x}: obeys one half-plane": z3.Implies(state == HALF, is_half),
     }
 
 

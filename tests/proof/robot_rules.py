@@ -188,14 +188,14 @@ def _heard_late(x: str) -> list[Any]:
     return [*over, z3.Implies(LIFE == TO, S[f"S.{x}.dead"] > AT)]
 
 
-def _listed(x: str) -> list[Any]:
+def _listed(x: str, place: Any) -> list[Any]:
     """The bindings in force with the life of X that is told, as a Tick lists them at this version."""
     y, listed = OTHER[x], []
     for b in ends_of(x, TO, taken=False):
         told = z3.And(S[f"{b}.told"] != 0, S[f"{b}.told"] <= AT)
         if z3.And(S[f"{b}.number"] <= AT, z3.Or(told, S[f"{b}.asked"] == CODE[x])):
             static = z3.And(S[f"{b}.{y}.dead"] != 0, S[f"{b}.{y}.dead"] <= AT)
-            each = SOURCE.records.Listed(S[f"{b}.number"], CODE[y], None, S[f"{y}.acked"], static)
+            each = SOURCE.records.Listed(S[f"{b}.number"], CODE[y], None, place, static)
             listed.append(with_optional(each, first=(_line(b, 0), told)))
     return listed
 
@@ -225,7 +225,8 @@ def _hear(x: str, late: str) -> Outcome:
     each = zip(_NUMBERS, [*THIRDS][::2], (z3.Const("listed line", LINE), None), strict=False)
     told = z3.Int("listed place"), z3.Bool("listed static")
     others = [SOURCE.records.Listed(*third, *told) for third in each]
-    listed = [others[0], *_listed(x), others[1]]
+    place = S[f"{OTHER[x]}.acked"] if z3.Bool("is unknown") else None  # told in one of two ways
+    listed = [others[0], *_listed(x, place), others[1]]
     frames = [Frame(bound, "place|static") for bound in made.bound.values()]
     frames.append(Frame(made, "version|offered_number|offered|bound"))
     made.hear(SOURCE.records.Told(TO, AT, NUMBER, NUMBER, Some(lambda: listed)))
@@ -248,7 +249,7 @@ def _hear(x: str, late: str) -> Outcome:
                 else:
                     after |= end_fields(b, x, bound)
                     claims |= end_claims(bound, after, b, x)
-                claims[f"{b}.{x}: its place"] = bound.place == S[f"{OTHER[x]}.acked"]
+                claims[f"{b}.{x}: its place"] = bound.place is place
                 claims[f"{b}.{x}: its ends"] = bound.peer == CODE[OTHER[x]] and bound.low == (x == "A")
     return outcome
 
@@ -263,9 +264,8 @@ def tells() -> Iterator[Case]:
 def _told_now(x: str) -> Outcome:
     geometry = Geometry()
     made = ledger_of(geometry)
-    told, listed = made.told(made.disks[CODE[x]]), _listed(x)
-    for each in listed:
-        each.place = each.place if S[f"{OTHER[x]}.still"] else None
+    told, place = made.told(made.disks[CODE[x]]), S[f"{OTHER[x]}.acked"]
+    listed = _listed(x, place if S[f"{OTHER[x]}.still"] else None)
     granted, pairs = S[f"{x}.granted"], made.pairs[CODE[x]]
     thirds = [each.peer for each in told.bindings if each.peer not in CODE.values()]
     outcome = outcome_of(made, geometry)

@@ -40,6 +40,7 @@ REFUSED = {  # words of the kernel, and what may not follow them
         "; disk.still = True", "; self.version += 1", "; moved = pair.static is None", "; self.rejoin(disk)",
         "; break",
     ],
+    'disk.held), "appear: apart from others, or tied")': ["; require(disk.still, 'appear: still')"],
     "\n        living, static = pair.living, pair.static": ["; disk.still = True", "; static = self.pairs"],
     "\n            bound = known.get(listed.number)": ["; known = self.bound", "; listed = bound"],
     "\n                found.extend(bound.obeyed)": ["; asked = found[0]", "; found = bound.obeyed"],
