@@ -14,7 +14,7 @@ from itertools import combinations
 from flint import arb
 
 from deploy.output import bar
-from deploy.theory.certify.certificate import Certificate, GoalSet
+from deploy.theory.certify.certificate import EMPTY, Certificate, GoalSet
 from deploy.theory.certify.conditions import ZERO, BoxConditions, Rows, middle, whole
 from deploy.theory.certify.descent import descends, newton
 from protocol.process.signals import Stopped
@@ -76,14 +76,6 @@ def replay(certificate: Certificate, minutes: float, quiet: bool = True) -> Repl
     return Replay(certificate.scenario, certificate.proven, proven, boxes, failed, interrupted)
 
 
-@dataclass(frozen=True)
-class _Pending:
-    """A box to check. stored: the branching has a node for it."""
-
-    rows: Rows
-    stored: bool
-
-
 class Walk:
     """One slab."""
 
@@ -99,32 +91,33 @@ class Walk:
 
     def run(self, rows: Rows) -> None:
         """Raises _StoppedError if a box is neither refuted nor shown to descend."""
-        stack = [_Pending(rows, stored=True)]
+        stack = [(rows, True)]
         while stack:
-            stack.extend(reversed(self._node(stack.pop())))
+            stack.extend(reversed(self._node(*stack.pop())))
         if self._at != len(self._nodes):
             raise _StoppedError("the branching has nodes after its last one: the certificate is damaged")
 
-    def _node(self, pending: _Pending) -> list[_Pending]:
-        """Halves of the box, or nothing if it is decided."""
+    def _node(self, rows: Rows, stored: bool) -> list[tuple[Rows, bool]]:
+        """Halves of a box, or nothing if it is decided; each, and the box, with whether the branching has a
+        node for it.
+        """
         self.boxes += 1
         if self.boxes % 100 == 0:
             self._look(self._at)
-        box = BoxConditions(self._goals, pending.rows)
-        advice = self._next() if pending.stored else None
+        box = BoxConditions(self._goals, rows)
+        advice = self._next() if stored else EMPTY
         if self.settled(box):
-            if advice is not None:
-                self._skip(advice)
+            self._skip(advice)
             return []
-        leaf = advice is None or advice >= self._leaf
-        self._further = 0 if pending.stored else self._further + 1
+        leaf = advice >= self._leaf
+        self._further = 0 if stored else self._further + 1
         if self._further > _FURTHER:
             raise _StoppedError("a box was not verified after many halvings")
-        row = self._widest(box) if leaf or advice is None else advice
+        row = self._widest(box) if leaf else advice
         cut = arb(middle(box.rows[row]))
         left, right = [[*each] for each in box.rows], [[*each] for each in box.rows]
         left[row][1] = right[row][0] = cut
-        return [_Pending(half, stored=not leaf) for half in (left, right)]
+        return [(half, not leaf) for half in (left, right)]
 
     def _next(self) -> int:
         if self._at >= len(self._nodes):
