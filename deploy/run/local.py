@@ -88,7 +88,7 @@ class LocalFleet:
         self._watch = watch
         self.report: dict[str, Any] = {}
         self.start_world()
-        self._writer = None if record is None else RecordingWriter(record)
+        self._writer = None if record is None else RecordingWriter(record, run, scenario)
         self._recorder = None if self._writer is None else self._hear(self._writer)
         self.robots: dict[int, LocalBus] = {}
         self._paused: dict[int, Node] = {}
@@ -217,7 +217,6 @@ class LocalFleet:
     def _hear(self, writer: RecordingWriter) -> Recorder:
         bus = self.network.connect()
         bus.subscribe(everything(self.run))
-        writer.begin(self.run, self._scenario)
         recorder = bus.node = Recorder(bus, self.run, writer)
         return recorder
 

@@ -47,12 +47,12 @@ def awaited_scenario(bus: Bus, run: str, patience: float = PATIENCE) -> Scenario
 
 
 class Recorder:
-    """Records one run, from now to its result; a node on any bus. It neither begins nor finishes the file.
+    """Records one run, from now to its result; a node on any bus. It does not finish the file.
 
     Args:
         bus: subscribed to all recorded streams, or with `take` to the result only.
         run: name of the run.
-        file: has begun.
+        file: to write to.
         take: returns keys and payloads that have arrived since its last call.
         away: time for a lost world to return, s; 0: the recording ends with it.
 
@@ -184,12 +184,11 @@ def main(
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
     bus = ZenohBus(connection)
     try:
-        file = RecordingWriter(next_free(path) if again else path, rotation, ready)
         take = bus.bursts(everything(checked_run(run)))  # one subscription keeps the order of arrival
         bus.subscribe(world_key(run, "result"))
         scenario = awaited_scenario(bus, run)
         bus.expect(_every_tick(run, scenario.ids))
-        file.begin(run, scenario)
+        file = RecordingWriter(next_free(path) if again else path, run, scenario, rotation, ready)
         recorder = Recorder(bus, run, file, take=take, away=away)
         follow(recorder, bus)
         recorder.wind_up(_RESULT)

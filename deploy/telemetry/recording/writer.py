@@ -18,7 +18,6 @@ from typing import Any, cast
 import msgspec
 from mcap.writer import Writer
 
-from deploy.output import check_target
 from deploy.telemetry.live import VIEWED, FleetView
 from deploy.telemetry.recording.form import schema, to_object
 from deploy.telemetry.scene import TOPICS, FleetScene, Picture
@@ -220,30 +219,32 @@ class RecordingFile:
 class RecordingWriter:
     """The recording of a run, in one or several files, each readable by itself.
 
-    No file is created before `begin`. If writing fails, as on a full disk, an error is logged and further
-    messages are dropped; the run continues.
+    If writing fails, as on a full disk, an error is logged and further messages are dropped; the run
+    continues.
 
     Args:
         path: the first file; the next are `run-2.mcap` and so on beside `run.mcap`.
+        run: name of the run.
+        scenario: of the run.
         rotation: when another file follows.
         ready: called with the name of each file, once it holds the scenario.
 
     Raises:
-        UsageError: (also `begin`) the first file cannot be created.
+        UsageError: the first file cannot be created.
     """
 
     def __init__(
-        self, path: Path, rotation: Rotation = ONE_FILE, ready: Callable[[str], None] = lambda _: None
+        self,
+        path: Path,
+        run: str,
+        scenario: Scenario,
+        rotation: Rotation = ONE_FILE,
+        ready: Callable[[str], None] = lambda _: None,
     ) -> None:
-        check_target(path, "record")
-        self.path = path
+        self.path, self._run, self._scenario = path, run, scenario
         self._rotation, self._ready = rotation, ready
         self._file: RecordingFile | None = None
-
-    def begin(self, run: str, scenario: Scenario) -> None:
-        """Create the first file."""
-        self._run, self._scenario = run, scenario
-        self._open(self.path)
+        self._open(path)
 
     def write(self, batch: Sequence[tuple[str, bytes]]) -> None:
         """Record payloads by key, at the simulated time of their ticks."""

@@ -25,8 +25,7 @@ from tests.deploy.telemetry.recording.recorded import FakeWorld, scenario
 
 def _recorder(bus: LocalBus, run: str, folder: Path) -> tuple[Recorder, RecordingWriter]:
     bus.subscribe(everything(run))
-    file = RecordingWriter(folder / f"{run}.mcap")
-    file.begin(run, scenario())
+    file = RecordingWriter(folder / f"{run}.mcap", run, scenario())
     recorder = bus.node = Recorder(bus, run, file)
     return recorder, file
 

@@ -59,7 +59,7 @@ def test_the_good_messages_of_a_batch_are_kept_in_order(tmp_path: Path) -> None:
 
 def test_a_file_that_cannot_be_created_is_refused_at_once(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"cannot record to .*x\.mcap"):
-        RecordingWriter(tmp_path / "no" / "x.mcap")
+        RecordingWriter(tmp_path / "no" / "x.mcap", "r", scenario())
     assert list(tmp_path.iterdir()) == []
 
 
@@ -85,8 +85,7 @@ def test_what_says_neither_size_nor_age(text: str) -> None:
 def test_a_recording_goes_on_in_another_file_and_is_read_as_one(tmp_path: Path) -> None:
     path, named = tmp_path / "r.mcap", list[str]()
     (tmp_path / "r-3.mcap").write_text("another program's")
-    file = RecordingWriter(path, Rotation(size=80_000), named.append)
-    file.begin("r", scenario())
+    file = RecordingWriter(path, "r", scenario(), Rotation(size=80_000), named.append)
     write(file, range(1, 201))
     file.finish('{"verdict": "arrived"}')
     assert named[:3] == [str(path), str(tmp_path / "r-2.mcap"), str(tmp_path / "r-4.mcap")]
@@ -115,10 +114,7 @@ def test_a_recording_goes_on_in_another_file_and_is_read_as_one(tmp_path: Path) 
 
 
 def test_one_that_is_old_enough_is_followed_by_another(tmp_path: Path) -> None:
-    file = RecordingWriter(tmp_path / "r.mcap", Rotation(age=1e-9))
-    file.flush()
-    assert list(tmp_path.iterdir()) == [], "no file is created before the run is known"
-    file.begin("r", scenario())
+    file = RecordingWriter(tmp_path / "r.mcap", "r", scenario(), Rotation(age=1e-9))
     write(file, range(1, 4))
     file.finish()
     assert sorted(each.name for each in tmp_path.iterdir()) == [
