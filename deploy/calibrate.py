@@ -9,8 +9,10 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from statistics import fmean
 from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from agents.bases import dialects as ros
 from agents.bases.dialects import Topic
@@ -29,6 +31,7 @@ from protocol.bus.bus import Bus, Event, Foreign
 from protocol.errors import BusError
 from protocol.scenario.body import Base
 
+Array = NDArray[np.float64]
 PAUSE: Final = 1.5  # s at rest between two motions, in which poses are compared
 EVERY: Final = 0.05  # s between two velocity commands
 SILENCE: Final = 3.0  # s without commands, in which the base has to stop by itself
@@ -178,15 +181,16 @@ def bounds(log: Log) -> MeasuredBounds:
     rests = [
         begin + move.duration for begin, move in log.moves if move.told and move.ahead == move.rate == 0.0
     ]  # their ends
-    places = [(_mean(log.odometry, rest), _mean(log.poses, rest)) for rest in rests]
-    noise = max(_farthest(log.poses, pose, rest) for (_, pose), rest in zip(places, rests, strict=True))
-    heading = max(_widest(log.poses, pose, rest) for (_, pose), rest in zip(places, rests, strict=True))
+    odometry, poses = np.array(log.odometry), np.array(log.poses)
+    scatter = [here - here.mean(axis=0) for here in (_standing(poses, rest) for rest in rests)]
+    noise = max(float(np.hypot(each[:, 0], each[:, 1]).max()) for each in scatter)
+    heading = max(float(np.abs(each[:, 2]).max()) for each in scatter)
     timeout, acceleration = _stop(log)
     return MeasuredBounds(
         noise,
         heading,
-        _slip(places),
-        _off(log),
+        _slip(*([_place(rows, rest) for rest in rests] for rows in (odometry, poses))),
+        _off(log, odometry),
         _lag(log),
         timeout,
         acceleration,
@@ -223,44 +227,29 @@ def _stated(value: float, rounded: Callable[[float], int] = math.ceil) -> str:
     return f"{rounded(value / unit - 1e-9) * unit:.6g}"
 
 
-def _within(rows: Sequence[Row], end: float) -> list[Row]:
-    """Rows of the second half of a rest, when the base stands."""
-    return [row for row in rows if end - 0.5 * PAUSE <= row.time <= end] or [
-        min(rows, key=lambda row: abs(row.time - end))
-    ]
+def _standing(rows: Array, end: float) -> Array:
+    """Positions and headings in the second half of a rest, when the base stands; else the nearest one."""
+    chosen = rows[(rows[:, 0] >= end - 0.5 * PAUSE) & (rows[:, 0] <= end), 1:4]
+    return chosen if len(chosen) else rows[[np.abs(rows[:, 0] - end).argmin()], 1:4]
 
 
-def _mean(rows: Sequence[Row], end: float) -> Row:
-    chosen = _within(rows, end)
-    return Row(end, *(fmean(getattr(row, name) for row in chosen) for name in ("x", "y", "yaw")))
+def _place(rows: Array, end: float) -> Array:
+    return np.asarray(_standing(rows, end)[:, :2].mean(axis=0))
 
 
-def _farthest(rows: Sequence[Row], mean: Row, end: float) -> float:
-    return max(math.hypot(row.x - mean.x, row.y - mean.y) for row in _within(rows, end))
-
-
-def _widest(rows: Sequence[Row], mean: Row, end: float) -> float:
-    return max(abs(row.yaw - mean.yaw) for row in _within(rows, end))
-
-
-def _slip(places: Sequence[tuple[Row, Row]]) -> float:
+def _slip(driven: Sequence[Array], really: Sequence[Array]) -> float:
     """Largest relative difference of a side's length between odometry and poses."""
-    worst = 0.0
-    for (one, before), (other, after) in pairwise(places):
-        way = math.hypot(other.x - one.x, other.y - one.y)
-        really = math.hypot(after.x - before.x, after.y - before.y)
-        if way > 0.05:
-            worst = max(worst, abs(really - way) / way)
-    return worst
+    ways, true = (np.linalg.norm(np.diff(places, axis=0), axis=1) for places in (driven, really))
+    sides = ways > 0.05
+    return float((np.abs(true - ways)[sides] / ways[sides]).max(initial=0.0))
 
 
-def _off(log: Log) -> float:
+def _off(log: Log, odometry: Array) -> float:
     """Largest relative difference of a side's length between odometry and command."""
     worst = 0.0
     for (begin, move), (end, _) in pairwise(log.moves):
         if move.told and move.ahead > 0.0 and log.moves[-1][0] != end:
-            before, after = _mean(log.odometry, begin), _mean(log.odometry, end + PAUSE)
-            way = math.hypot(after.x - before.x, after.y - before.y)
+            way = math.dist(_place(odometry, begin), _place(odometry, end + PAUSE))
             worst = max(worst, abs(way - move.ahead * (end - begin)) / way)
     return worst
 
