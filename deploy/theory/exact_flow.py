@@ -25,27 +25,19 @@ ATTEMPTS = 2000
 
 def random_configuration(draw: np.random.Generator, radii: Array, workspace: float) -> Array | None:
     """Random centres (p, 2) of disjoint disks, by dart throwing, largest first; None if none was found."""
-    order = np.argsort(-radii, kind="stable")
     for _ in range(ATTEMPTS):
-        placed = _throw(draw, radii[order], workspace)
-        if placed is not None:
-            out = np.empty_like(placed)
-            out[order] = placed
-            return out
+        placed = np.full((len(radii), 2), np.inf)  # until it is thrown, a disk is in nobody's way
+        for i in np.argsort(-radii, kind="stable"):
+            darts = draw.uniform(-workspace, workspace, (DARTS, 2))
+            inside = np.hypot(*darts.T) < workspace - radii[i]
+            gaps = np.linalg.norm(darts[:, None] - placed, axis=2) - radii[i] - radii
+            free = np.flatnonzero(inside & (gaps > 0.0).all(axis=1))
+            if not len(free):
+                break
+            placed[i] = darts[free[0]]
+        else:
+            return placed
     return None
-
-
-def _throw(draw: np.random.Generator, radii: Array, workspace: float) -> Array | None:
-    placed = np.empty((0, 2))
-    for i, radius in enumerate(radii):
-        darts = draw.uniform(-workspace, workspace, (DARTS, 2))
-        inside = np.hypot(*darts.T) < workspace - radius
-        gaps = np.linalg.norm(darts[:, None] - placed[None], axis=2) - radius - radii[:i]
-        free = np.flatnonzero(inside & (gaps > 0.0).all(axis=1))
-        if not len(free):
-            return None
-        placed = np.vstack([placed, darts[free[0]]])
-    return placed
 
 
 _LONGEST = 20_000  # steps of the solver
