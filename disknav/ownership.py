@@ -72,26 +72,19 @@ def _found(package: str) -> Path | None:
 
 def _overwritten(home: Path) -> Iterator[str]:
     """Packages whose `__init__.py` is not the one that was installed; a checkout has no record of them."""
-    recorded = _record(home)
-    for package in PACKAGES:
-        name = f"{package}/__init__.py"
-        if name in recorded and recorded[name] != _digest(home / name):
-            yield package
-
-
-def _record(home: Path) -> dict[str, str]:
-    """Digests of the files that the wheel has put into `home`, by path."""
     try:
         installed = distribution("disknav")
     except PackageNotFoundError:
-        return {}
+        return
     if Path(str(installed.locate_file(""))).resolve() != home:
-        return {}
-    rows = (line.rsplit(",", 2) for line in (installed.read_text("RECORD") or "").splitlines())
-    return {row[0]: row[1] for row in rows if len(row) == 3}
+        return
+    recorded = {str(file): file.hash for file in installed.files or ()}
+    for package in PACKAGES:
+        name = f"{package}/__init__.py"
+        if (known := recorded.get(name)) is not None and known.value != _digest(home / name):
+            yield package
 
 
 def _digest(path: Path) -> str:
     """As a wheel records it."""
-    digest = hashlib.sha256(path.read_bytes()).digest()
-    return "sha256=" + urlsafe_b64encode(digest).rstrip(b"=").decode()
+    return urlsafe_b64encode(hashlib.sha256(path.read_bytes()).digest()).rstrip(b"=").decode()
