@@ -98,18 +98,13 @@ def _assign(document: Document, steps: Steps, value: Any) -> None:
     steps = _indexed(document, steps)
     for n, step in enumerate(steps):
         gone += (step,)
-        absent = _absent(holder, step, gone)
-        if n == len(steps) - 1:
-            fresh = value
-        elif absent:
-            fresh = [] if isinstance(steps[n + 1], int) else {}
-        else:
-            holder = holder[step]
-            continue
-        if isinstance(holder, list) and absent:
-            holder.append(fresh)
-        else:
-            holder[step] = fresh
+        absent, last = _absent(holder, step, gone), n == len(steps) - 1
+        if last or absent:
+            fresh = value if last else [] if isinstance(steps[n + 1], int) else {}
+            if absent and isinstance(holder, list):
+                holder.append(fresh)
+            else:
+                holder[step] = fresh
         holder = holder[step]
 
 
