@@ -35,8 +35,7 @@ def check(
     Exit status: 0 valid (whatever the theory states), 2 invalid.
     """
     from deploy.library.load import load
-    from deploy.theory.check import CheckReport, report
-    from deploy.theory.check_text import render, scope
+    from deploy.theory.check import CheckReport, report, scope
     from deploy.theory.facts import plain
     from deploy.theory.surrounded import Surrounded, surrounded, theorem_for
 
@@ -49,8 +48,7 @@ def check(
     if not is_standard_output(json_file):
         from rich.console import Console
 
-        shown = render(found) if isinstance(found, CheckReport) else found.render()
-        Console().print(shown, *scope(valid), sep="\n", highlight=False)
+        Console().print(found.render(), *scope(valid), sep="\n", highlight=False)
 
 
 def _certificate(name: str, scenario: Scenario) -> Certified | None:

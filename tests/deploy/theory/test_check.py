@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from rich.console import Console
 
 from deploy.library.load import load, read
-from deploy.theory.check import CheckReport, mirrored_triples, report
-from deploy.theory.check_text import render, scope
+from deploy.theory.check import CheckReport, mirrored_triples, report, scope
 from deploy.theory.facts import plain
 from deploy.theory.function import FleetProblem
 from deploy.theory.surrounded import surrounded, theorem_for
@@ -23,7 +22,7 @@ from protocol.scenario.model import Control, RobotSpec, Scenario, Workspace
 def words(found: CheckReport) -> str:
     console = Console(width=200, no_color=True, force_terminal=False)
     with console.capture() as capture:
-        console.print(render(found))
+        console.print(found.render())
     return capture.get()
 
 
