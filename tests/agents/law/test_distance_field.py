@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from agents.law.distance_field import Clearances, FieldRoute
 from agents.law.obstacles import Attraction
 from agents.law.passages import gaps
-from deploy.theory.separation import separating
+from deploy.theory.surrounded import separating
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.messages import Vector
 

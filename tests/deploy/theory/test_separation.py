@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy import ndimage
 
 from agents.law.passages import gaps
-from deploy.theory.separation import separating
+from deploy.theory.surrounded import separating
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from tests.protocol.shapes import SIZE, shapes
 
