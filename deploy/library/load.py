@@ -234,7 +234,7 @@ def read(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Sc
     document = apply_settings(_document(name, seed), settings)
     if "map" not in document:
         return parse_document(document, name)
-    from deploy.maps.expand import blamed_on_map, expanded
+    from deploy.maps.scenario import blamed_on_map, expanded
 
     try:
         return parse_document(expanded(document, Path(name).parent, name), name)
