@@ -6,7 +6,7 @@ The same call continues below the slabs of an earlier one.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -48,15 +48,8 @@ def _steps() -> Iterator[float]:
         k *= _FINER
 
 
-def prove(
-    certificate: Certificate,
-    target: float | None,
-    tell: Callable[[Certificate], bool],
-) -> None:
-    """Extend a certificate down to `target`, or as far as possible.
-
-    Args:
-        tell: called with the certificate after each change; False stops.
+def prove(certificate: Certificate, target: float | None) -> Iterator[Certificate]:
+    """Extend a certificate down to `target`, or as far as possible; yields it after each change.
 
     Raises:
         UsageError: goals overlap, touch or are not inside the workspace; or `target` is not positive.
@@ -73,13 +66,11 @@ def prove(
         search, began = Search(scene, certificate.kappa(k)), time.process_time()
         while search.advance(_PORTION):
             certificate.trial = Trial(k, search.done, search.nodes)
-            if not tell(certificate):
-                return
+            yield certificate
         if search.stuck:
             return
         certificate.add(k, search.branching, time.process_time() - began)
-        if not tell(certificate):
-            return
+        yield certificate
 
 
 def certify(
@@ -98,14 +89,12 @@ def certify(
     until = time.monotonic() + 60.0 * minutes
     try:
         with bar("compiling", silent=quiet) as show, suppress(Stopped):
-
-            def tell(found: Certificate) -> bool:
+            for found in prove(certificate, target):
                 if found.trial is UNSET:
                     store(found, path)
                 show(1.0 if found.trial is UNSET else found.trial.done, _state(found))
-                return time.monotonic() < until
-
-            prove(certificate, target, tell)
+                if time.monotonic() >= until:
+                    break
     finally:
         store(certificate, path)
     return certificate

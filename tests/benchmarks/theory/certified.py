@@ -62,11 +62,9 @@ def _certified(problem: FleetProblem, boxes: int) -> Certificate:
     """As far down as so many boxes reach."""
     places = tuple((float(x), float(y)) for x, y in problem.goals)
     certificate = Certificate(goals=GoalSet(places, tuple(problem.radii.tolist()), problem.workspace))
-
-    def within(now: Certificate) -> bool:
-        return now.boxes + (now.trial.boxes if now.trial else 0) < boxes
-
-    prove(certificate, LOWEST, within)
+    for now in prove(certificate, LOWEST):
+        if now.boxes + (now.trial.boxes if now.trial else 0) >= boxes:
+            break
     return certificate
 
 
