@@ -7,7 +7,7 @@ stops too early for these bounds, the box is halved further.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -54,18 +54,15 @@ def replay(certificate: Certificate, minutes: float, quiet: bool = True) -> Repl
     before: arb = ZERO
 
     with bar("verifying", silent=quiet) as tell:
-
-        def look(nodes: int) -> None:
-            tell(min(1.0, (boxes + nodes) / total))
-            if time.monotonic() > until:
-                raise _StoppedError(f"time is up after {minutes:g} minutes")
-
         try:
             for slab in certificate.slabs:
                 kappa = 1 / arb(slab.k)
-                walk = Walk(certificate.goals, slab.nodes, look)
+                walk = Walk(certificate.goals, slab.nodes)
                 try:
-                    walk.run(whole(certificate.goals, (before.lower(), kappa.upper())))
+                    for nodes in walk.run(whole(certificate.goals, (before.lower(), kappa.upper()))):
+                        tell(min(1.0, (boxes + nodes) / total))
+                        if time.monotonic() > until:
+                            raise _StoppedError(f"time is up after {minutes:g} minutes")
                 finally:
                     boxes += walk.boxes
                 before, proven = kappa, slab.k
@@ -79,8 +76,8 @@ def replay(certificate: Certificate, minutes: float, quiet: bool = True) -> Repl
 class Walk:
     """One slab."""
 
-    def __init__(self, goals: GoalSet, branching: bytes, look: Callable[[int], None]) -> None:
-        self._goals, self._nodes, self._look = goals, branching, look
+    def __init__(self, goals: GoalSet, branching: bytes) -> None:
+        self._goals, self._nodes = goals, branching
         self._at = 0  # next stored node
         self._further = 0
         self.boxes = 0
@@ -89,11 +86,15 @@ class Walk:
         self._sets = [frozenset(set_) for size in range(1, p + 1) for set_ in combinations(range(p), size)]
         self._unit = goals.radii[0] + goals.radii[1] if p > 1 else goals.workspace - goals.radii[0]
 
-    def run(self, rows: Rows) -> None:
-        """Raises _StoppedError if a box is neither refuted nor shown to descend."""
+    def run(self, rows: Rows) -> Iterator[int]:
+        """Yields the number of stored nodes so far, now and then. Raises _StoppedError if a box is neither
+        refuted nor shown to descend.
+        """
         stack = [(rows, True)]
         while stack:
             stack.extend(reversed(self._node(*stack.pop())))
+            if self.boxes % 100 == 0:
+                yield self._at
         if self._at != len(self._nodes):
             raise _StoppedError("the branching has nodes after its last one: the certificate is damaged")
 
@@ -102,8 +103,6 @@ class Walk:
         node for it.
         """
         self.boxes += 1
-        if self.boxes % 100 == 0:
-            self._look(self._at)
         box = BoxConditions(self._goals, rows)
         advice = self._next() if stored else EMPTY
         if self.settled(box):

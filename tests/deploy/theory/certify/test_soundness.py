@@ -88,7 +88,7 @@ def test_the_verifier_keeps_known_critical_points_and_settles_no_minimum() -> No
     chosen = [each for seed in range(0, SETS, 8) for each in known(seed)[:3]]
     chosen += [blockade(2.2), *minima[:20]]
     for number, found in enumerate(chosen):
-        walk = Walk(goals_of(found), b"", lambda _: None)
+        walk = Walk(goals_of(found), b"")
         for box in boxes(found, 4, number):
             rows = [[arb(low), arb(high)] for low, high in box.tolist()]
             conditions = BoxConditions(goals_of(found), rows)
