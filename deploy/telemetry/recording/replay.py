@@ -15,9 +15,9 @@ from mcap.writer import Writer
 from numpy.typing import NDArray
 
 from deploy.output import writing
-from deploy.telemetry.drawing import WORLD, frame
 from deploy.telemetry.recording.reader import Recording
 from deploy.telemetry.recording.writer import LIBRARY
+from deploy.telemetry.scene import WORLD, frame
 from protocol.bus.bus import Bus, Publish, Sample
 from protocol.codec import encode
 from protocol.errors import RecordingError
