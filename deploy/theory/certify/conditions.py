@@ -251,29 +251,24 @@ class BoxConditions:
                     sub(mul(self.b(2 * i), self.b(2 * j + 1)), mul(self.b(2 * i + 1), self.b(2 * j))),
                 )
                 total = add(total, turn if sign > 0 else negative(turn))
-        rows = [2 * i + a for i in members for a in (0, 1)]
-        arms = [self.g[row + 1] if row % 2 == 0 else -self.g[row - 1] for row in rows]
-        terms = [mul(self.b(row), (arm, arm)) for row, arm in zip(rows, arms, strict=True)]
-        for row, arm, rest in zip(rows, arms, rests(terms), strict=True):
-            left = sub(total, rest)
-            if arm == 0:
-                if left[0] > 0 or left[1] < 0:
-                    return False
-            elif not narrow(self.rows[row], over(left, (arm, arm))):
-                return False
-        return True
+        arms = {2 * i: self.g[2 * i + 1] for i in members} | {2 * i + 1: -self.g[2 * i] for i in members}
+        return self._linear(arms, total)
 
     def upright(self) -> bool:
         """sum b . g >= 0; otherwise rotating the whole fleet descends."""
-        tops = [mul(self.b(row), (g, g))[1] for row, g in enumerate(self.g)]
-        others = rests([(top, top) for top in tops])
-        for row, g in enumerate(self.g):
-            rest = -others[row][1]
-            if g > 0 and not narrow(self.rows[row], (rest / g, INFINITE)):
+        return self._linear(dict(enumerate(self.g)), (ZERO, INFINITE))
+
+    def _linear(self, factors: dict[int, arb], value: Ends) -> bool:
+        """Narrow b by the sum of some rows, each times its factor, which is in `value`."""
+        terms = [mul(self.b(row), (factor, factor)) for row, factor in factors.items()]
+        for (row, factor), rest in zip(factors.items(), rests(terms), strict=True):
+            left = sub(value, rest)
+            if factor == 0:
+                if left[0] > 0 or left[1] < 0:
+                    return False
+            elif not narrow(self.rows[row], over(left, (factor, factor))):
                 return False
-            if g < 0 and not narrow(self.rows[row], (-INFINITE, rest / g)):
-                return False
-        return not _sum([(top, top) for top in tops])[1] < 0
+        return True
 
     def stiffness(self, q: int) -> arb:
         """Upper bound of lambda_q / beta_q; infinite if contact is possible."""
