@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -35,24 +35,16 @@ def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[str]:
     """
     from deploy.telemetry.monitor.web import Server
 
-    source = _watch(fleet, options)
-    server = Server(source)
-    print(f"live page: {server.link}", file=sys.stderr, flush=True)
-    try:
+    with ExitStack() as stack:
+        if isinstance(fleet, Fleet):
+            bus = ZenohBus(fleet.topology.connection(KeyRing(options.secure).viewer))
+            source: Watcher = stack.enter_context(closing(Attachment(bus, options.run)))
+        else:
+            here = fleet.network.connect()
+            source = here.node = Watcher(here, options.run)
+        server = stack.enter_context(closing(Server(source)))
+        print(f"live page: {server.link}", file=sys.stderr, flush=True)
         yield server.link
-    finally:
-        server.close()
-        if isinstance(source, Attachment):
-            source.close()
-
-
-def _watch(fleet: Fleet | LocalFleet, options: RunOptions) -> Watcher:
-    if isinstance(fleet, Fleet):
-        viewer = KeyRing(options.secure).viewer
-        return Attachment(ZenohBus(fleet.topology.connection(viewer)), options.run)
-    bus = fleet.network.connect()
-    watcher = bus.node = Watcher(bus, options.run)
-    return watcher
 
 
 def execute(

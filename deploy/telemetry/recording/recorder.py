@@ -9,6 +9,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import closing
 from math import inf
 from pathlib import Path
 
@@ -182,8 +183,7 @@ def main(
     os.nice(max(0, _NICENESS - os.nice(0)))
     if sys.platform == "linux":  # never with the fleet's real-time priority
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-    bus = ZenohBus(connection)
-    try:
+    with closing(ZenohBus(connection)) as bus:
         take = bus.bursts(everything(checked_run(run)))  # one subscription keeps the order of arrival
         bus.subscribe(world_key(run, "result"))
         scenario = awaited_scenario(bus, run)
@@ -192,8 +192,6 @@ def main(
         recorder = Recorder(bus, run, file, take=take, away=away)
         follow(recorder, bus)
         recorder.wind_up(_RESULT)
-    finally:
-        bus.close()
     STOP.wait()  # the result is complete once all other processes have ended
     file.finish(result.read_text(encoding="utf-8") if result.exists() else recorder.result)
     return 0
