@@ -7,13 +7,12 @@ standard error. It ends, with all its processes, with the connection, or after a
 from __future__ import annotations
 
 import os
-import shutil
 import sys
-import tempfile
 from collections.abc import Sequence
 from functools import partial
 from multiprocessing.connection import Connection as Channel
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from deploy.processes.fork_server import ForkServer
@@ -32,15 +31,12 @@ def main(modules: Sequence[str] = MODULES, patience: float = _PATIENCE, run: str
     nothing = os.open(os.devnull, os.O_RDONLY)
     os.dup2(nothing, 0)
     os.dup2(2, 1)  # keeps printed text out of the news
-    folder = Path(tempfile.mkdtemp(prefix="disknav-"))  # mode 0700
-    try:
+    with TemporaryDirectory(prefix="disknav-", ignore_cleanup_errors=True) as folder:  # mode 0700
         os.write(news.fileno(), f"{GREETING} {code_digest(SOFTWARE)} {folder}\n".encode())
         begin_log = partial(log.begin, run=run, wired=True)
-        store = partial(_store, folder)
+        store = partial(_store, Path(folder))
         server = ForkServer(requests, news, modules, run, begin_log=begin_log, store=store, patience=patience)
         server.serve()
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
     return 0
 
 
