@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 from deploy.output import check_target, writing
-from deploy.telemetry.recording.reader import Recording, read
+from deploy.telemetry.recording.reader import Progress, Recording, read
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 
@@ -35,7 +34,7 @@ def check(target: Path) -> None:
 def draw(
     recording: Recording | Path,
     target: Path,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = lambda _: None,
     width: int | None = None,
     seconds: float | None = None,
 ) -> None:

@@ -28,7 +28,7 @@ from deploy.telemetry.plot.workspace import (
     draw_workspace,
     frame,
 )
-from deploy.telemetry.recording.reader import Recording
+from deploy.telemetry.recording.reader import Progress, Recording
 from deploy.telemetry.recording.replay import Participant, participants
 from protocol.errors import UsageError
 from protocol.messages import State, Tick
@@ -171,7 +171,6 @@ def _title(recording: Recording) -> str:
     return f"{recording.scenario.name}: {verdict} after {seconds:.1f} s"
 
 
-Progress = Callable[[float], None]
 _RATE = 12  # frames per second
 _PAUSE = 12  # copies of the last frame
 _INCHES = (4.4, 4.6)
@@ -184,7 +183,7 @@ _QUALITY = 50  # of a .webp: clean outlines, half the size of the default 80
 def animate(
     recording: Recording,
     target: Path,
-    progress: Progress | None = None,
+    progress: Progress,
     width: int | None = None,
     seconds: float | None = None,
 ) -> None:
@@ -200,8 +199,7 @@ def animate(
         for index, step in enumerate(steps):
             film.show(step)
             writer.grab_frame()
-            if progress is not None:
-                progress(index / len(steps))
+            progress(index / len(steps))
 
 
 def _writer(target: Path) -> AbstractMovieWriter:

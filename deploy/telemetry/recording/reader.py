@@ -41,6 +41,7 @@ _DAMAGE = (
     McapError, ValueError, RuntimeError, OverflowError, struct.error, zstandard.ZstdError, MemoryError,
 )  # fmt: skip
 _NEVER = 1 << 64
+Progress = Callable[[float], None]  # receives the share that is done, 0 to 1
 
 
 class Recorded(NamedTuple):
@@ -79,7 +80,7 @@ class _RecordedFile:
                 return
             self.cut = False
 
-    def messages(self, progress: Callable[[float], None]) -> Iterator[Recorded]:
+    def messages(self, progress: Progress) -> Iterator[Recorded]:
         """Messages by log time, of equal times as written.
 
         A message is held back until no later chunk can have an earlier one.
@@ -167,7 +168,7 @@ class Contents:
         """Whether a file has no proper end, is damaged as far as read, or the next file is missing."""
         return not self._complete or any(file.cut for file in self._files)
 
-    def messages(self, progress: Callable[[float], None] = lambda _: None) -> Iterator[Recorded]:
+    def messages(self, progress: Progress = lambda _: None) -> Iterator[Recorded]:
         """Messages of the run, by log time within each file."""
         for done, file in enumerate(self._files):
 
@@ -178,7 +179,6 @@ class Contents:
 
 
 _M = TypeVar("_M", bound=Message)
-Progress = Callable[[float], None]
 
 
 class Entry(NamedTuple):

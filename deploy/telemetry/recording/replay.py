@@ -6,7 +6,7 @@ import json
 import math
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence, Set
+from collections.abc import Iterator, Sequence, Set
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,7 +15,7 @@ from mcap.writer import Writer
 from numpy.typing import NDArray
 
 from deploy.output import writing
-from deploy.telemetry.recording.reader import Recording
+from deploy.telemetry.recording.reader import Progress, Recording
 from deploy.telemetry.recording.writer import LIBRARY
 from deploy.telemetry.scene import WORLD, frame
 from protocol.bus.bus import Bus, Publish, Sample
@@ -215,7 +215,7 @@ def publish(
     run: str | None = None,
     *,
     speed: float = 1.0,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = lambda _: None,
 ) -> None:
     """Publish a recording on a bus, `speed` simulated seconds per second (0: as fast as possible)."""
     publishers: dict[str, Publish] = {}
@@ -229,8 +229,7 @@ def publish(
             STOP.wait(max(0.0, began + now / speed - time.monotonic()))
         STOP.check()
         publishers[key](payload)
-        if progress is not None:
-            progress(min(1.0, now / duration) if duration > 0.0 else 1.0)
+        progress(min(1.0, now / duration) if duration > 0.0 else 1.0)
 
 
 _TF = "tf2_msgs/msg/TFMessage"
