@@ -23,11 +23,7 @@ PORTS = range(DEFAULT_PORT, DEFAULT_PORT + 100)  # zenoh's default port and the 
 _HEAD = "// For zenohd 1.10 or newer: zenohd -c THIS_FILE. All other settings are zenoh's defaults.\n"
 
 
-def main(
-    connection: Connection,
-    links: float = 0.0,
-    ready: Callable[[str], None] | None = None,
-) -> int:
+def main(connection: Connection, links: float = 0.0, ready: Callable[[str], None] = lambda _: None) -> int:
     """Route until SIGTERM or SIGINT.
 
     Args:
@@ -48,8 +44,7 @@ def main(
             LOG.warning(f"no keys at {endpoint}: any process that reaches it can take part in the run")
         if links > 0.0:
             bus.await_routers(links)
-        if ready is not None:
-            ready(str(endpoint))
+        ready(str(endpoint))
         STOP.wait()
     return 0
 

@@ -13,7 +13,7 @@ from typing import Any
 from deploy.processes import table
 from deploy.processes.supervisor import Exit, Usage
 from deploy.run.assembly import Assembly, Topology, places
-from deploy.run.launcher import Launcher
+from deploy.run.launcher import Launcher, Watcher
 from deploy.run.options import RunOptions
 from deploy.run.result import INTERRUPTED, Report, read_report, unjudged
 from deploy.security.roster import MONITOR, WORLD, robot_role
@@ -28,7 +28,6 @@ from protocol.process.signals import STOP
 from protocol.scenario.model import Event as ProcessEvent
 from protocol.scenario.model import Scenario
 
-Watcher = Callable[[Clock], None]
 _LAST_WORDS = 5.0  # s for the report of an interrupted world
 _LEAVING = 2.0  # s for processes to end by themselves after the run
 _POLL = 0.02  # s
@@ -58,7 +57,7 @@ class Fleet:
         scenario: Scenario,
         options: RunOptions,
         *,
-        watch: Watcher | None = None,
+        watch: Watcher = lambda _: None,
         record: Path | None = None,
     ) -> None:
         self._scenario, self._options = scenario, options
@@ -175,8 +174,7 @@ class Fleet:
         self._clock = clock
         self.supervisor.up((WORLD, *map(robot_role, clock.active)))
         self._launcher.follow(clock)
-        if self._watch is not None:
-            self._watch(clock)
+        self._watch(clock)
 
     # -- RobotProcesses
 

@@ -9,6 +9,8 @@ from typing import Any, Protocol
 from protocol.messages import Clock
 from protocol.scenario.model import Event, ProcessFault, Scenario
 
+Watcher = Callable[[Clock], None]
+
 
 class RobotProcesses(Protocol):
     """The processes of robots, or their nodes in a local fleet."""

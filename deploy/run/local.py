@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from agents.shell.node import RobotNode
-from deploy.run.launcher import Launcher
+from deploy.run.launcher import Launcher, Watcher
 from deploy.run.result import INTERRUPTED
 from deploy.telemetry.recording.recorder import Recorder
 from deploy.telemetry.recording.writer import RecordingWriter
@@ -50,9 +50,6 @@ def seldom_collecting() -> Iterator[None]:
         gc.set_threshold(*before)
 
 
-Watcher = Callable[[Clock], None]
-
-
 class LocalFleet:
     """World and robots of a run in one thread, with the interface of `deploy.run.fleet.Fleet`.
 
@@ -76,7 +73,7 @@ class LocalFleet:
         *,
         lockstep: bool = True,
         speed: float = 0.0,
-        watch: Watcher | None = None,
+        watch: Watcher = lambda _: None,
         record: Path | None = None,
         network: LocalNetwork | None = None,
     ) -> None:
@@ -148,8 +145,7 @@ class LocalFleet:
             if isinstance(bus.node, RobotNode) and bus.node.verdict == "removed":
                 self.kill(robot)
                 self.launcher.removed(robot)
-        if self._watch is not None:
-            self._watch(clock)
+        self._watch(clock)
 
     def knows(self, robot: int) -> bool:
         return robot in self.robots
