@@ -54,7 +54,7 @@ if __name__ == "__main__":
     STOP.listen()
     endpoint, run_name, identity, waits, keys, alive, logs, base, topics = sys.argv[1:]
     set_process_title(f"robot {identity}", run_name)
-    log.begin(f"robot-{identity}", run_name, Path(logs) if logs else None)
+    log.begin(f"robot-{identity}", run_name, Path(logs) if logs else None, alone=True)
     proof = credentials(Path(keys), f"robot-{identity}") if keys else None
     router = Connection(connect=(Endpoint(endpoint),), timeout=float(waits), credentials=proof)
     sign = heartbeat(Path(alive) if alive else None)

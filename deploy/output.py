@@ -13,14 +13,16 @@ from tempfile import TemporaryFile, mkdtemp
 from typing import TYPE_CHECKING
 
 from protocol.errors import UsageError
-from protocol.process.signals import STOP
+from protocol.process.signals import STOP, Stopped
 
 if TYPE_CHECKING:
+    from rich.console import RenderableType
     from rich.table import Table
 
 # After a signal the exit status is 128 plus its number.
 EXIT_ARRIVED, EXIT_OTHERWISE, EXIT_INVALID, EXIT_FAULT = 0, 1, 2, 3
 _PATIENCE = 2.0  # s before the bar appears
+_WIDEST = 1000  # columns of a table
 
 
 def check_target(target: Path, what: str) -> None:
@@ -40,16 +42,18 @@ def check_target(target: Path, what: str) -> None:
 
 @contextmanager
 def writing(target: Path, what: str) -> Iterator[None]:
-    """Context in which `what` (a verb phrase) is written to `target`; a new file is removed after an error.
-    Raises UsageError if writing fails.
+    """Context in which `what` (a verb phrase) is written to `target`; a new file is removed after an error
+    or a signal. Raises UsageError if writing fails.
     """
     existed = target.exists()
     try:
         yield
-    except OSError as error:
+    except (OSError, Stopped) as error:
         if not existed:
             with suppress(OSError):
                 target.unlink(missing_ok=True)
+        if isinstance(error, Stopped):
+            raise
         raise UsageError(f"cannot {what} to {target}: {error.strerror or error}") from error
 
 
@@ -130,6 +134,17 @@ def bar(description: str, *, silent: bool = False) -> Iterator[Callable[..., Non
 def shown(value: object, form: str) -> str:
     """A value of a table, in this format; "-" for None."""
     return "-" if value is None else format(value, form)
+
+
+def print_whole(content: RenderableType) -> None:
+    """Print tables. A terminal that is too narrow for them wraps their lines, and cuts no number."""
+    from rich.console import Console
+    from rich.measure import Measurement
+
+    console = Console(soft_wrap=True)
+    natural = Measurement.get(console, console.options.update(max_width=_WIDEST), content).maximum
+    console.width = max(console.width, natural)
+    console.print(content)
 
 
 def grid(rows: Mapping[str, str]) -> Table:

@@ -131,7 +131,7 @@ class Simulation:
         return self._fleet.world.world.truth
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Run:
     """Result and trajectory of a run.
 
@@ -144,6 +144,9 @@ class Run:
     result: Mapping[str, Any]
     trajectory: Trajectory
     recording: Path | None = None
+
+    def __repr__(self) -> str:
+        return f"Run({self.scenario.name!r}, {self.verdict}, {self.result['ticks']} ticks)"
 
     @property
     def verdict(self) -> str:
@@ -198,4 +201,6 @@ def run(
         path = Path(folder) / "run.mcap" if record is None else Path(record)
         result = execute(scenario, options, record=path, quiet=not progress)
         trajectory = read(path).trajectory
-    return Run(scenario, result, trajectory, None if record is None else path)
+    if record is None:
+        return Run(scenario, {**result, "recordings": []}, trajectory)
+    return Run(scenario, result, trajectory, path)

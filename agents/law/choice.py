@@ -7,6 +7,7 @@ import importlib.util
 import math
 import re
 import sys
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
@@ -124,7 +125,9 @@ class GuardedLaw:
         except Exception as error:
             if not self._from_outside:
                 raise
-            self._law, self.failure = None, f"{self._name}: {what}: {error!r}"
+            where = traceback.extract_tb(error.__traceback__)[-1]
+            text = f"{what}: {error!r} in {where.filename}, line {where.lineno}"
+            self._law, self.failure = None, f"{self._name}: {text}"
 
 
 def _finite(size: float) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from inspect import getdoc
 from typing import Annotated, Any
 
 import typer
@@ -57,6 +58,11 @@ def _options(
     del version  # its callback has ended the command
 
 
+def _paragraphs(command: Callable[..., None] | None) -> str:
+    """The help of a command, with a line for each paragraph, which the terminal wraps."""
+    return "\n\n".join(" ".join(each.split()) for each in (getdoc(command) or "").split("\n\n"))
+
+
 GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
     "Run": (run, monitor, fleet.app, fleet.stop, recording.app),
     "Learn": (check, certify, study),
@@ -66,5 +72,7 @@ for _group, _commands in GROUPS.items():
     for _command in _commands:
         if isinstance(_command, typer.Typer):
             app.add_typer(_command, rich_help_panel=_group)
+            for _info in _command.registered_commands:
+                _info.help = _paragraphs(_info.callback)
         else:
-            app.command(rich_help_panel=_group)(_command)
+            app.command(rich_help_panel=_group, help=_paragraphs(_command))(_command)

@@ -328,6 +328,8 @@ def _print_goal(reply: Reply, status: GoalStatus | None) -> None:
 
 def _obstacle(numbers: list[float], radius: float | None) -> dict[str, Any]:
     points = _pairs(numbers)
+    if radius is None and len(points) == 1:
+        raise UsageError("one point is a disk: add --radius, or the other corners of a polygon")
     if radius is None:
         return {"points": points}
     if len(points) != 1:

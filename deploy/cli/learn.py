@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,7 +10,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from deploy.cli import options
-from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE, check_json, is_standard_output, write_json
+from deploy.output import (
+    EXIT_ARRIVED,
+    EXIT_OTHERWISE,
+    check_json,
+    check_target,
+    is_standard_output,
+    print_whole,
+    write_json,
+)
 from deploy.run.options import Transport
 from deploy.studies import StudyName
 
@@ -64,7 +71,6 @@ def _certificate(name: str, scenario: Scenario) -> Certified | None:
 
 
 _MINUTES = 10.0
-_PAPER = 160  # width of a table without a terminal
 
 
 def certify(
@@ -129,6 +135,7 @@ def certify(
     from deploy.theory.certify.prove import to_json
 
     path = out or path_for(scenario)
+    check_target(path, "write the certificate")
     found = perform(read_scenario, path, k, _MINUTES if minutes is None else minutes, quiet=silent)
     _say(f"{_found(found)}\n{path}", to_json(found, path, k), json_file, silent)
     raise typer.Exit(_status(found.proves(k)))
@@ -208,8 +215,6 @@ def study(
 
     Exit status: 0 done, 1 done, but with contacts that must not happen, 2 invalid, 3 fault, 130 interrupted.
     """
-    from rich.console import Console
-
     from deploy.software import provenance
     from deploy.studies.execution import RunLog, execute
     from deploy.studies.perform import built, status, table, usual_transport
@@ -234,5 +239,5 @@ def study(
     document = {"study": name, "rows": outcome.rows, "provenance": provenance(seed, bus, jobs) | told}
     write_json(document, json_file)
     if not silent:
-        Console(width=None if sys.stdout.isatty() else _PAPER).print(table(found, outcome.rows))
+        print_whole(table(found, outcome.rows))
     raise typer.Exit(status(found, outcome, file))

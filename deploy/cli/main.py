@@ -27,6 +27,7 @@ def _run() -> int:
         DisknavError,
         DocumentError,
         KeyGrammarError,
+        LawError,
         RunTakenError,
         StartError,
         UsageError,
@@ -34,7 +35,7 @@ def _run() -> int:
     from protocol.process.installation import explained, is_checkout
     from protocol.process.log import LAUNCHER, LOG, begin
 
-    invalid = DocumentError, UsageError, KeyGrammarError, CertificateError, RunTakenError
+    invalid = DocumentError, UsageError, KeyGrammarError, CertificateError, RunTakenError, LawError
     begin(LAUNCHER)
     if isinstance(sys.stdout, TextIOWrapper):  # escape characters that the terminal cannot show
         sys.stdout.reconfigure(errors="backslashreplace")

@@ -117,7 +117,7 @@ def world(
     connection = membership.client(WORLD, (router,), timeout=wait)
     run_name = membership.named_run(run)
     set_process_title("world", run_name)
-    begin("world", run_name, log)
+    begin("world", run_name, log, alone=True)
     if checkpoint is not None and not os.path.lexists(checkpoint):
         Checkpoint.create(checkpoint)
     verdicts: list[int] = []
@@ -175,7 +175,7 @@ def router(
         return
     run = membership.run(None) or ""
     set_process_title("router", run)
-    begin("router", run, log)
+    begin("router", run, log, alone=True)
     raise typer.Exit(main(connection, ready=_say))
 
 

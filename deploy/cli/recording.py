@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from deploy.cli import options
-from deploy.output import bar, check_json, grid, is_standard_output, write_json
+from deploy.output import bar, check_json, grid, is_standard_output, print_whole, write_json
 from protocol.errors import RecordingError
 from protocol.process.signals import STOP
 
@@ -30,14 +30,14 @@ def info(
 
     Example: disknav recording info figure-1.mcap
     """
-    from rich.console import Console, Group
+    from rich.console import Group
 
     check_json(json_file)
     found = _read(recording)
     summary = _summary(found)
     write_json({**summary, "streams": dict(found.counts), "result": found.result}, json_file)
     if not is_standard_output(json_file):
-        Console().print(Group(grid(summary), _streams(found)))
+        print_whole(Group(grid(summary), _streams(found)))
 
 
 @app.command()

@@ -100,7 +100,7 @@ def _asked_for(connection: Connection) -> ZenohBus:
         holders = "; ".join(filter(None, map(holder, connection.listen)))
         raise EndpointTakenError(
             f"cannot listen on {', '.join(connection.listen)}: taken{holders and f' by {holders}'}; "
-            f"use that router, name another endpoint, or name none to use a free port"
+            f"join it with --router, or give another endpoint with --listen"
         ) from error
 
 

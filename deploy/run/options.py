@@ -6,7 +6,7 @@ import os
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import Literal, get_args
 
 from deploy.processes.hosts.table import HostsTable, exposed
 from deploy.telemetry.recording.writer import ONE_FILE, Rotation
@@ -51,6 +51,9 @@ class RunOptions:
     listen: str | None = None  # endpoint of the started router; default a free port of this host
 
     def __post_init__(self) -> None:
+        for name, value, known in (("transport", self.transport, Transport), ("mode", self.mode, Mode)):
+            if value not in get_args(known):
+                raise UsageError(f"{name} {value!r}: give {', '.join(get_args(known))}")
         if self.secure is not None and self.transport != "routed":
             raise UsageError(
                 f"--secure needs --transport routed: no router enforces rules in transport {self.transport}"

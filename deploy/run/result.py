@@ -6,11 +6,11 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from rich.console import Console, Group, RenderableType
+from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from deploy.output import EXIT_ARRIVED, EXIT_FAULT, EXIT_OTHERWISE, grid, shown
+from deploy.output import EXIT_ARRIVED, EXIT_FAULT, EXIT_OTHERWISE, grid, print_whole, shown
 from deploy.processes.table import is_router
 from deploy.run.options import RunOptions
 from protocol.errors import MessageError
@@ -100,7 +100,7 @@ def kept_status(result: Mapping[str, Any]) -> int:
 
 
 def show(result: Mapping[str, Any]) -> None:
-    Console(soft_wrap=True).print(table(result))
+    print_whole(table(result))
 
 
 def table(result: Mapping[str, Any]) -> RenderableType:

@@ -85,10 +85,10 @@ class _File(WatchedFileHandler):
             print(f"{self.baseFilename}: {sys.exc_info()[1]}", file=sys.stderr, flush=True)
 
 
-def words(speaker: Speaker) -> logging.Handler:
-    """Writes warnings and errors to standard error, for people."""
+def words(speaker: Speaker, level: int = logging.WARNING) -> logging.Handler:
+    """Writes what has at least this level to standard error, for people."""
     handler = logging.StreamHandler()
-    handler.setLevel(logging.WARNING)
+    handler.setLevel(level)
     handler.setFormatter(_Words(speaker))
     return handler
 
@@ -108,7 +108,9 @@ def lines(speaker: Speaker, file: Path | None) -> logging.Handler:
     return handler
 
 
-def begin(name: str, run: str = "", folder: Path | None = None, *, wired: bool = False) -> None:
+def begin(
+    name: str, run: str = "", folder: Path | None = None, *, wired: bool = False, alone: bool = False
+) -> None:
     """Have `LOG` of this process log as `name`; a second call replaces the first.
 
     Args:
@@ -116,12 +118,14 @@ def begin(name: str, run: str = "", folder: Path | None = None, *, wired: bool =
         run: name of the run.
         folder: of its file, `robot-3.jsonl`; none by default.
         wired: whether a launcher on another host reads standard error.
+        alone: whether a user started it by itself, and reads there what it does, too.
 
     Raises UsageError if nothing can be written to `folder`.
     """
     role, _, number = name.partition("-")
     speaker = Speaker(run, "", role, int(number) if role == "robot" else None)
-    handlers = [lines(speaker, None) if wired else words(speaker)]
+    least = logging.INFO if alone else logging.WARNING
+    handlers = [lines(speaker, None) if wired else words(speaker, least)]
     if folder is not None:
         handlers.append(lines(speaker, folder / f"{name}.jsonl"))
     for old in LOG.handlers[:]:

@@ -84,6 +84,7 @@ class WorldNode:
         lockstep = lockstep and not scenario.is_external
         self._pacing = Pacing(lockstep, speed, clock)
         self._lockstep = lockstep
+        self._standing: set[int] = set()  # robots whose disks are obstacles, as reported
         self._checkpoint = checkpoint
         self._tell, self._note, self._say = tell, note, say
         waits = returning(gathering, restarts, lockstep=lockstep)
@@ -294,8 +295,17 @@ class WorldNode:
         if summary is not None and summary.tick == run.world.tick:
             self._publishers.summary(summary)
         self._publishers.ticks(ticks)  # first: the robots compute while this process judges
+        if not self._lockstep:
+            self._report_standing()
         self._inform(due=run.world.tick == 0 or run.is_marked() or not self._lockstep)
         return True
+
+    def _report_standing(self) -> None:
+        """Report the robots that have become obstacles."""
+        before, tick = self._standing, self.world.tick
+        self._standing = {each.robot for each in self.world.lives.roster.standing}
+        for robot in sorted(self._standing - before):
+            self._say(f"tick {tick}: robot {robot} takes no part; its disk is an obstacle")
 
     def _tell_again(self, ticks: Mapping[int, Tick]) -> None:
         """Repeat the Ticks and the summary, which may have been lost."""

@@ -28,7 +28,7 @@ def test_a_port_that_is_taken_is_one_line_that_says_what_to_do(taken: str) -> No
     status, (line,) = _served("--run", "start-taken", "--listen", taken)
     assert status == 3
     assert "taken by" in line
-    assert "name another endpoint" in line
+    assert "give another endpoint" in line
 
 
 def test_and_robots_that_cannot_start() -> None:
