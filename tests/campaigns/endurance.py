@@ -10,7 +10,7 @@ import os
 import signal
 import time
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from random import Random
 from statistics import linear_regression
@@ -82,7 +82,8 @@ def run(
         (bool(report["down"]), f"robots {report['down']} are down at the end"),
         *((True, f"{name}: {growth}") for (name, _), life in lives.items() if (growth := grown(life))),
     )
-    figures = {"ticks": report["ticks"], "kills": len(killed), "memory, MB": _total(lives.values())}
+    memory = sum(life[-1].memory for life in lives.values() if life)
+    figures = {"ticks": report["ticks"], "kills": len(killed), "memory, MB": memory}
     said = "killed" if kills else "undisturbed"
     return Outcome(said, next((text for fault, text in faults if fault), ""), figures=figures)
 
@@ -114,10 +115,6 @@ def _sampled(pid: int, now: float) -> list[Sample]:
         return [Sample(now, (memory.rss - memory.shared) / 2**20, process.num_fds(), process.num_threads())]
     except psutil.Error:
         return []
-
-
-def _total(lives: Iterable[Sequence[Sample]]) -> float:
-    return sum(life[-1].memory for life in lives if life)
 
 
 ENDURANCE = Campaign(run, 6, patience=2.0 * SECONDS, alone=True)

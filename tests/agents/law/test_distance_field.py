@@ -41,10 +41,6 @@ def followed(route: FieldRoute, start: Vector, goal: Vector) -> list[Vector]:
     return corners
 
 
-def length_of(corners: list[Vector]) -> float:
-    return sum(map(math.dist, corners[1:], corners))
-
-
 @pytest.mark.slow
 @given(st.integers(0, 2**32 - 1), st.sampled_from([ROOM, Disk(0.0, 0.0, 5.5)]))
 @settings(max_examples=20, deadline=None)
@@ -85,7 +81,8 @@ def test_the_path_around_a_disk_is_nearly_the_shortest(turn: float) -> None:
     route = FieldRoute(Clearances(ROOM, [Disk(0.0, 0.0, 1.0)], RADIUS), RADIUS)
     found = route.ahead(start, goal)
     assert found is not None
-    assert shortest < length_of(followed(route, start, goal)) < 1.05 * shortest
+    corners = followed(route, start, goal)
+    assert shortest < sum(map(math.dist, corners[1:], corners)) < 1.05 * shortest
     assert found[1] == pytest.approx(shortest, rel=0.08)
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from protocol.geometry import Disk
-from protocol.messages import Command, Handling, PartPlace, Vector
+from protocol.messages import Command, Handling, PartPlace
 from protocol.scenario.model import Operation, Part, Time, Workspace
 from tests.world.driving import joined, obeying, scenario
 from world.report import result_of
@@ -109,7 +109,7 @@ def test_a_robot_that_dies_stands_with_what_it_carries_until_another_takes_it(la
     found = world()
     tick(found, {1: TAKE})
     tick(found, {1: last}, kept=False)
-    _move(found, 2, (0.0, -0.095))
+    found.simulation.plant.positions[1] = (0.0, -0.095)  # of robot 2
     for _ in range(5):
         tick(found, {2: TAKE}, silent=(1,), kept=False)
     assert not found.lives.obstacles.appearing
@@ -135,8 +135,3 @@ def test_a_robot_that_leaves_with_this_tick_takes_nothing_up() -> None:
     found.close_tick()
     assert found.lives.roster.status(1) == "gone"
     assert where(found) == PartPlace(1, 1)
-
-
-def _move(found: WorldCore, robot: int, place: Vector) -> None:
-    plant = found.simulation.plant
-    plant.positions[plant.ids.index(robot)] = place

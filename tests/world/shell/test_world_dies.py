@@ -45,7 +45,7 @@ class Witness:
     """Hears what all worlds of a run say, and holds them to it."""
 
     def __init__(self, fleet: LocalFleet, scenario: Scenario) -> None:
-        self._scenario = scenario
+        self._longest = scenario.control.speed * scenario.time.step  # m, of a step
         self._places: dict[tuple[int, int], Vector] = {}
         self._grants: dict[tuple[int, int], tuple[int, Grants]] = {}
         ids = {*scenario.ids, *(spec.id for spec in scenario.newcomers)}
@@ -65,10 +65,6 @@ class Witness:
             assert epoch == message.epoch, "a life has one coordinator"
             assert grants.version >= before.version
             self._grants[life] = epoch, grants
-
-    @property
-    def _longest(self) -> float:
-        return self._scenario.control.speed * self._scenario.time.step
 
 
 def run(name: str, folder: Path, deaths: list[int], *, lockstep: bool = True) -> tuple[Doom, dict[str, Any]]:
