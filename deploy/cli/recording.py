@@ -205,7 +205,7 @@ def _show(recording: Recording, run: str | None, speed: float) -> None:
     from deploy.telemetry.monitor.web import Server
 
     heard = ((entry.time, entry.message) for entry in recording.entries)
-    player = Player(recording.scenario, run or recording.run, heard, speed=speed)
+    player = Player(recording.scenario, run or recording.run, heard, speed=speed, paused=True)
     with closing(player), closing(Server(player)) as server:
-        typer.echo(f"{server.link}  (Ctrl-C ends it)")
+        typer.echo(f"{server.link}  (Resume plays it; Ctrl-C ends it)")
         STOP.wait()

@@ -194,13 +194,20 @@ class Player(Source):
         run: its name.
         entries: simulated time (s, ascending) and message.
         speed: recorded seconds per second; 0: as fast as the machine allows.
+        paused: whether it begins once a viewer resumes it.
     """
 
     def __init__(
-        self, scenario: Scenario, run: str, entries: Iterable[tuple[float, Message]], *, speed: float = 1.0
+        self,
+        scenario: Scenario,
+        run: str,
+        entries: Iterable[tuple[float, Message]],
+        *,
+        speed: float = 1.0,
+        paused: bool = False,
     ) -> None:
         super().__init__(run)
-        self._steering = self._view.steering = Steering(speed=speed)
+        self._steering = self._view.steering = Steering(paused=paused, speed=speed)
         self._closed = False
         self.change(lambda view, _: view.begin(scenario, True))
         self._thread = threading.Thread(

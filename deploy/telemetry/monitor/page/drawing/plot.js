@@ -5,6 +5,7 @@ const LEFT = 40; // px, room for the figures of the vertical axis
 const BOTTOM = 20;
 const TOP = 8;
 const RIGHT = 8;
+const ROW = 14; // between two figures of the vertical axis
 
 export class Plot extends Painted {
   constructor(canvas, output, model, options) {
@@ -22,14 +23,15 @@ export class Plot extends Painted {
   }
 
   pointed(points) {
-    const time = ((this.at - LEFT) / (this.width - LEFT - RIGHT)) * this.span;
+    const time = this.begin + ((this.at - LEFT) / (this.width - LEFT - RIGHT)) * this.span;
     const off = (point) => Math.abs(point[0] - time);
     return points.reduce((best, point) => (off(point) < off(best) ? point : best));
   }
 
   draw() {
     const points = this.model.history.items;
-    this.span = this.timeSpan(points);
+    this.begin = Math.floor(points[0]?.[0] ?? 0); // of what this page has received
+    this.span = niceCeiling(Math.max((points.at(-1)?.[0] ?? 0) - this.begin, 2));
     this.range = this.valueRange(points);
     this.drawAxes();
     const looked = this.at !== null && points.length > 0;
@@ -38,11 +40,6 @@ export class Plot extends Painted {
     if (looked) this.drawCursor(point);
     this.say(point, looked);
     return false;
-  }
-
-  timeSpan(points) {
-    const end = points.at(-1)?.[0] ?? 0;
-    return niceCeiling(Math.max(end, 2));
   }
 
   valueRange(points) {
@@ -56,7 +53,7 @@ export class Plot extends Painted {
   }
 
   x(time) {
-    return LEFT + (time / this.span) * (this.width - LEFT - RIGHT);
+    return LEFT + ((time - this.begin) / this.span) * (this.width - LEFT - RIGHT);
   }
 
   y(value) {
@@ -72,15 +69,19 @@ export class Plot extends Painted {
     context.lineWidth = 1;
     context.textAlign = "right";
     context.textBaseline = "middle";
-    for (const value of [...new Set([low, 0, high / 2, high])]) {
+    const ruled = [];
+    for (const value of [0, low, high, high / 2]) {
       const y = Math.round(this.y(value)) + 0.5;
+      if (ruled.some((other) => Math.abs(other - y) < ROW)) continue;
+      ruled.push(y);
       this.rule(y, value);
       context.fillText(short(value), LEFT - 6, y);
     }
     context.textBaseline = "alphabetic";
     for (const [share, align] of [[0, "left"], [0.5, "center"], [1, "right"]]) {
       context.textAlign = align;
-      context.fillText(`${short(share * this.span)}${share === 1 ? " s" : ""}`, this.x(share * this.span), this.height - 4);
+      const time = this.begin + share * this.span;
+      context.fillText(`${short(time)}${share === 1 ? " s" : ""}`, this.x(time), this.height - 4);
     }
   }
 

@@ -26,7 +26,7 @@ export class Controls {
     for (const control of [this.pause, this.step, this.speed]) control.disabled = !open;
     this.paused = frame.steering.paused;
     this.pause.textContent = this.paused ? "Resume" : "Pause";
-    if (document.activeElement !== this.speed) this.showSpeed(frame.steering.speed);
+    if (document.activeElement !== this.speed) this.showSpeed(this.lockstep ? frame.steering.speed : 1);
   }
 
   showSpeed(speed) {
