@@ -59,6 +59,10 @@ class BusError(DisknavError):
     """The transport could not be opened, or a peer did not answer in time."""
 
 
+class UnservedError(BusError):
+    """No process serves the key of a request that is sent once, and was not sent."""
+
+
 class ListenError(BusError):
     """The process cannot listen on the given endpoint."""
 

@@ -43,7 +43,7 @@ class _NumbersCommand(TyperCommand):
 @app.command(cls=_NumbersCommand)
 def goal(
     run: options.Run,
-    robot: Annotated[int, typer.Argument(help="Id of the robot.")],
+    robot: Annotated[int, typer.Argument(metavar="ROBOT", help="Id of the robot.")],
     points: Annotated[
         list[float] | None,
         typer.Argument(
@@ -98,9 +98,9 @@ def goal(
 @app.command(cls=_NumbersCommand)
 def add(
     run: options.Run,
-    robot: Annotated[int, typer.Argument(help="Unused id for the new robot.")],
-    x: Annotated[float, typer.Argument(help="Position of its disk: x, m.")],
-    y: Annotated[float, typer.Argument(help="Position of its disk: y, m.")],
+    robot: Annotated[int, typer.Argument(metavar="ROBOT", help="Unused id for the new robot.")],
+    x: Annotated[float, typer.Argument(metavar="X", help="Position of its disk: x, m.")],
+    y: Annotated[float, typer.Argument(metavar="Y", help="Position of its disk: y, m.")],
     radius: Annotated[float, typer.Option(help="Radius of its disk, m.")],
     goal: Annotated[
         tuple[float, float] | None, typer.Option(help="Its goal, m; by default its position.")
@@ -131,7 +131,7 @@ def add(
 @app.command()
 def remove(
     run: options.Run,
-    robot: Annotated[int, typer.Argument(help="Id of the robot.")],
+    robot: Annotated[int, typer.Argument(metavar="ROBOT", help="Id of the robot.")],
     router: options.Router = None,
     secure: options.Secure = None,
 ) -> None:
@@ -183,7 +183,10 @@ def place(
 def take(
     run: options.Run,
     number: Annotated[
-        int, typer.Argument(help="Number of the obstacle; [b]disknav fleet things[/b] lists them.")
+        int,
+        typer.Argument(
+            metavar="NUMBER", help="Number of the obstacle; [b]disknav fleet things[/b] lists them."
+        ),
     ],
     router: options.Router = None,
     secure: options.Secure = None,
@@ -248,14 +251,18 @@ def release(run: options.Run, router: options.Router = None, secure: options.Sec
     Exit status: 0 released, 1 refused, 2 invalid, 3 no answer.
     """
     with _operating(run, router, secure) as operator:
-        told = _done(operator, Operation(halt=False))
-    print(f"run {run}: released from tick {told.tick} on")
+        told = operator.operate()
+        if told.halted:
+            told = _done(operator, Operation(halt=False))
+            print(f"run {run}: released from tick {told.tick} on")
+        else:
+            print(f"run {run}: no stop is in force")
 
 
 @app.command()
 def probe(
     run: options.Run,
-    role: Annotated[str, typer.Argument(help="world, or a robot such as robot-3.")],
+    role: Annotated[str, typer.Argument(metavar="ROLE", help="world, or a robot such as robot-3.")],
     within: Annotated[float, typer.Option(min=0.1, help="Seconds to listen.")] = 5.0,
     router: options.Router = None,
     secure: options.Secure = None,
@@ -320,7 +327,7 @@ def _print_goal(reply: Reply, status: GoalStatus | None) -> None:
         print(f"refused: {reply.text}")
         return
     if reply.text:
-        print(f"warning: {reply.text}")
+        print(f"warning: the goal {reply.text}")
     if status is not None:
         ahead = f", {status.ahead} more after it" if status.ahead else ""
         print(f"robot {status.robot}: {status.status}, {_point(status.goal)}{ahead}")

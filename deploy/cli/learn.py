@@ -171,7 +171,7 @@ def _verified(checked: Replay) -> str:
 
 
 def study(
-    name: Annotated[StudyName, typer.Argument(help="Name of the study.")],
+    name: Annotated[StudyName, typer.Argument(metavar="STUDY", help="Name of the study.")],
     runs: Annotated[
         int | None, typer.Option("--runs", min=1, help="Runs per cell; each study has its own default.")
     ] = None,

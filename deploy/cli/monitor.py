@@ -25,7 +25,9 @@ _NICENESS = 10  # a fleet on the same machine goes first
 
 
 def monitor(
-    run: Annotated[str | None, typer.Argument(help="Name of the run; optional with --secure.")] = None,
+    run: Annotated[
+        str | None, typer.Argument(metavar="RUN", help="Name of the run; optional with --secure.")
+    ] = None,
     router: Annotated[
         list[str] | None,
         typer.Option(

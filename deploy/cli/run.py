@@ -130,7 +130,9 @@ def run(
     begin(LAUNCHER, how.run, log)
     silent = quiet or is_standard_output(json_file)
     if keep and not silent:
-        typer.echo(f"run {how.run} at {how.router or how.listen or 'its hosts'}; Ctrl-C stops it", err=True)
+        typer.echo(
+            f"starting run {how.run} at {how.router or how.listen or 'its hosts'}; Ctrl-C stops it", err=True
+        )
     tell = (lambda _: None) if silent else show
     result = execute(
         loaded, how, record=record, plot=plot, web=web, json_file=json_file, quiet=silent, tell=tell

@@ -48,7 +48,7 @@ def show(
 
 @app.command()
 def new(
-    kind: Annotated[str, typer.Argument(help="random, swap, or any library name.")],
+    kind: Annotated[str, typer.Argument(metavar="KIND", help="random, swap, or any library name.")],
     seed: Annotated[int, typer.Option(min=0, help="Seed of all random values.")] = 0,
     out: Annotated[Path | None, options.out("Scenario file to write; standard output unless given.")] = None,
     robots: Annotated[int | None, options.robots(1)] = None,

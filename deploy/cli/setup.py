@@ -30,7 +30,7 @@ _MARKS = {"good": ("ok", "green"), "note": ("--", "yellow"), "bad": ("!!", "red"
 
 @app.command()
 def keys(
-    directory: Annotated[Path, typer.Argument(help="Directory to create.")],
+    directory: Annotated[Path, typer.Argument(metavar="DIR", help="Directory to create.")],
     scenario: Annotated[
         str,
         typer.Option(
@@ -110,7 +110,8 @@ def hosts(
 @app.command()
 def deploy(
     orchestrator: Annotated[
-        Literal["compose", "kubernetes", "systemd"], typer.Argument(help="Orchestrator.")
+        Literal["compose", "kubernetes", "systemd"],
+        typer.Argument(metavar="ORCHESTRATOR", help="Orchestrator."),
     ],
     scenario: options.Scenario,
     out: Annotated[Path, options.out("Folder to make.", metavar="FOLDER")],

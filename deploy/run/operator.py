@@ -17,7 +17,7 @@ from protocol.bus.bus import Bus, Publish, Sample
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode, encode
-from protocol.errors import BusError, MessageError, UsageError
+from protocol.errors import BusError, MessageError, UnservedError, UsageError
 from protocol.keys import STREAMS, checked_run, robot_key, world_key
 from protocol.messages import GoalStatus, Result, Vector, Wish
 from protocol.operations import Reply, decode_reply
@@ -63,7 +63,8 @@ class Operator:
         try:
             answers = self._bus.ask(world_key(self._run, "operation"), request, ANSWER, once=once)
         except BusError as error:
-            late = f" (It may still take effect: see `disknav monitor {self._run}`.)" if operation else ""
+            sent = operation is not None and not isinstance(error, UnservedError)
+            late = f" (It may still take effect: see `disknav monitor {self._run}`.)" if sent else ""
             raise BusError(f"no world of run {self._run!r} answers: {error}{late}") from error
         self._heard = time.monotonic()
         if len(answers) > 1 and not self._warned:

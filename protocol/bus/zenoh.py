@@ -23,7 +23,7 @@ import zenoh
 
 from protocol.bus.bus import Event, Foreign, Presence, Publish, Query, Sample
 from protocol.bus.connection import Connection, configuration
-from protocol.errors import BusError, CertificateError, ListenError
+from protocol.errors import BusError, CertificateError, ListenError, UnservedError
 from protocol.keys import Stream
 from protocol.process.signals import STOP, Stopped
 
@@ -162,7 +162,7 @@ class ZenohBus:
             if once:
                 raise BusError(f"no answer under {key}: the process that serves it has ended, or is too slow")
             STOP.wait(_ASK_AGAIN)
-        raise BusError(
+        raise (UnservedError if once else BusError)(
             f"no answer under {key} within {timeout:g} s; is the process that serves it running, "
             f"under the same run name and reachable from the same endpoint?"
         )
