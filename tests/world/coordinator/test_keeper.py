@@ -35,6 +35,9 @@ def news(keeper: Keeper, robot: int) -> Grants:
 
 
 def obey(keeper: Keeper, robot: int, told: Grants, *firsts: FirstLine) -> None:
+    """With a first line wherever one is asked for."""
+    asked = (each.number for each in told.bindings if each.first is None)
+    firsts += tuple(FirstLine(number, 1.0, 0.0, 0.0) for number in asked)
     said = Command(robot, 1, 0, (0.0, 0.0), version=told.version, region=told.number, firsts=firsts)
     assert not keeper.refuses(said)
     keeper.acknowledge(said)
@@ -75,7 +78,7 @@ def test_a_life_that_is_over_stands_for_the_others_until_the_next_has_a_line_wit
         told = news(keeper, robot)
         (asked,) = (each for each in told.bindings if each.first is None)
         assert (asked.peer, asked.static) == (2, False)
-        obey(keeper, robot, told, FirstLine(asked.number, 1.0, 0.0, 0.0))
+        obey(keeper, robot, told)
     keeper.advance({})
     told = news(keeper, 2)
     assert told.number > told.life
@@ -91,9 +94,7 @@ def test_a_disk_appears_once_every_life_keeps_clear_of_its_place() -> None:
     assert not keeper.appear(-2)
     for robot in (1, 2):
         assert not keeper.appear(-2)
-        told = news(keeper, robot)
-        (asked,) = (each for each in told.bindings if each.first is None)
-        obey(keeper, robot, told, FirstLine(asked.number, 1.0, 0.0, 0.0))
+        obey(keeper, robot, news(keeper, robot))
     assert keeper.appear(-2)
 
 
@@ -102,13 +103,9 @@ def test_a_disk_does_not_appear_where_one_stands() -> None:
     keeper.advance({})
     obey_all(keeper)
     keeper.announce(-2, Disk(0.1, 0.02, 0.01))  # on robot 2, which has no process
-    told = None
     for _ in range(3):
         assert not keeper.appear(-2)
-        told = keeper.news(1)
-        if told is not None:
-            asked = [each for each in told.bindings if each.first is None]
-            obey(keeper, 1, told, *(FirstLine(each.number, 1.0, 0.0, 0.0) for each in asked))
+        obey_all(keeper)
 
 
 def test_in_a_large_fleet_only_robots_whose_regions_meet_are_bound() -> None:
