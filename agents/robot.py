@@ -252,7 +252,7 @@ class Robot:
         told = before if own is None else own.radius
         part, radius = -mover.held, mover.radius
         has = radius <= told or (radius <= before and filter_.lines.part in (NO, part))
-        if not has and not filter_.reach(radius, part, self._estimate):
+        if not has and not filter_.enlarge(radius, part, self._estimate):
             radius = self._spec.radius
         radius = max(told, radius)
         if radius != filter_.radius:

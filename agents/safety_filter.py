@@ -88,7 +88,7 @@ class SafetyFilter:
         wish, half_planes = self.lines.make_room(desired), self.lines.half_planes()
         return self._body.velocity(wish, Limits(position, half_planes, self._boundaries, estimate.shape))
 
-    def reach(self, radius: float, part: int, estimate: Estimate) -> bool:
+    def enlarge(self, radius: float, part: int, estimate: Estimate) -> bool:
         """Be a larger disk from now on, of `radius`, m, if that satisfies all that is obeyed and is inside
         the workspace; whether it is. Of disk `part`, unless that is NO, only the present one keeps clear."""
         position = estimate.position
@@ -96,7 +96,7 @@ class SafetyFilter:
             return False
         swept = 0.0 if self._body.swept is None else self._body.reach
         inside = boundary_of(self._room, radius).contains(*position, estimate.bound + swept)
-        if not (inside and self.lines.reach(radius, part)):
+        if not (inside and self.lines.enlarge(radius, part)):
             return False
         self._resize(radius)
         return True

@@ -168,5 +168,5 @@ def operate(
         CertificateError: the certificates are missing or not accepted.
     """
     with operating(run, router, None if secure is None else Path(secure), within) as operator:
-        operator.reach(within)
+        operator.wait_for_begin(within)
         yield FleetOrders(operator)

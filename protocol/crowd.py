@@ -14,7 +14,7 @@ from protocol.scenario.model import Scenario
 
 PERIOD: Final = 0.5  # s of simulated time
 LEAD: Final = 2  # ticks
-_TURNS: Final = 2  # ticks over which summaries take effect: for all robots at once that would be a long tick
+_SPREAD: Final = 2  # ticks over which summaries take effect: for all robots at once that would be a long tick
 _AHEAD: Final = 8  # ticks of motion, besides PERIOD, for which the gap of two leaves room as they are bound
 _LEAST: Final = 6  # least ticks of motion in a region
 _BOUNDS: Final = 3.0  # error bounds in a region beyond that
@@ -25,9 +25,9 @@ def period(scenario: Scenario) -> int:
     return max(LEAD + 1, scenario.ticks(PERIOD))
 
 
-def turn(scenario: Scenario, robot: int) -> int:
+def stagger(scenario: Scenario, robot: int) -> int:
     """Ticks after LEAD in which a summary takes effect for this robot."""
-    return robot % min(_TURNS, period(scenario) - LEAD)
+    return robot % min(_SPREAD, period(scenario) - LEAD)
 
 
 def way(scenario: Scenario, ticks: int) -> float:

@@ -179,7 +179,7 @@ class SeparatingLines:
         """Radius of the disk that a peer constrains, m."""
         return self._small if peer == self.part else self._radius
 
-    def reach(self, radius: float, part: int) -> bool:
+    def enlarge(self, radius: float, part: int) -> bool:
         """Enlarge the own disk to `radius`, m, if that satisfies all constraints; returns whether it does.
 
         The disk `part`, which is taken up, constrains only the present size.

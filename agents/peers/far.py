@@ -11,7 +11,7 @@ from mypy_extensions import mypyc_attr
 from numpy.typing import NDArray
 
 from protocol.codec import decode, keeps_newest
-from protocol.crowd import LEAD, period, turn
+from protocol.crowd import LEAD, period, stagger
 from protocol.errors import MessageError
 from protocol.messages import LARGEST, Summary, Vector
 from protocol.scenario.model import Scenario
@@ -174,7 +174,7 @@ class Arrivals:
     """Summaries received by one robot; the tick alone decides when one takes effect."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
-        self._period, self._wait = period(scenario), LEAD + turn(scenario, robot)
+        self._period, self._wait = period(scenario), LEAD + stagger(scenario, robot)
         self._said = self._due = -1  # ticks of the newest summary, and of the one due
         self._arrived: dict[int, SummaryPlaces] = {}
         self._picture: FarPicture | None = None  # applied last

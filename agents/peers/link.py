@@ -65,7 +65,7 @@ class Radio:
                 return self.back(end)
         return tick
 
-    def turn(self, tick: int) -> float:
+    def slot(self, tick: int) -> float:
         """Order of transmission within a tick: a robot with a smaller number sends earlier."""
         return self._draws.at(tick)[1]
 
@@ -99,7 +99,7 @@ class StateLink:
         self._draws: dict[int, np.ndarray] = {}
         self._early: list[PeerState] = []  # of ticks that have not begun
         self._radios: dict[int, Radio] = {}  # by robot
-        self._turns: tuple[int, list[float]] = (-1, [])  # of the newest tick, sorted
+        self._slots: tuple[int, list[float]] = (-1, [])  # of the newest tick, sorted
         self._places: dict[int, Vector] = {}  # positions of this robot, m, by tick
         faults = scenario.link
         self._is_wireless = any(each is not None for each in (faults.capacity, faults.burst, faults.distance))
@@ -179,7 +179,7 @@ class StateLink:
             if draws[0] < beyond * faults.distance.loss:
                 return None
         if faults.capacity is not None:
-            wait = self._turn(state) / faults.capacity
+            wait = self._carried(state) / faults.capacity
             if wait > self._scenario.time.step:  # the sender's next State replaces it
                 return None
             late += wait
@@ -192,12 +192,12 @@ class StateLink:
                         return None
         return late
 
-    def _turn(self, state: PeerState) -> int:
+    def _carried(self, state: PeerState) -> int:
         """Number of States of its tick that the medium has carried with this one."""
-        if state.tick != self._turns[0]:
-            turns = sorted(self._radio(robot).turn(state.tick) for robot in self._scenario.ids)
-            self._turns = state.tick, turns
-        return 1 + bisect_left(self._turns[1], self._radio(state.robot).turn(state.tick))
+        if state.tick != self._slots[0]:
+            slots = sorted(self._radio(robot).slot(state.tick) for robot in self._scenario.ids)
+            self._slots = state.tick, slots
+        return 1 + bisect_left(self._slots[1], self._radio(state.robot).slot(state.tick))
 
     def _radio(self, robot: int) -> Radio:
         radio = self._radios.get(robot)

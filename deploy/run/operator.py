@@ -96,7 +96,7 @@ class Operator:
             self._wishes[robot] = self._bus.publisher(STREAMS["wish"], robot_key(self._run, robot, "wish"))
         self._wishes[robot](encode(Wish(robot, velocity)))
 
-    def reach(self, within: float) -> None:
+    def wait_for_begin(self, within: float) -> None:
         """Wait until the first tick of this run is over, at most `within` s; BusError without a world."""
         self._repeat(None, lambda reply: reply.tick > 0, within)
 

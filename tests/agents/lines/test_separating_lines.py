@@ -132,9 +132,9 @@ def test_a_follower_adopts_what_fits_once_and_says_so() -> None:
 def test_a_larger_disk_keeps_off_everything_but_the_part_that_it_takes_up() -> None:
     part = ListedBinding(6, -3, (0.0, 1.0, -0.042), ((0.0, -0.083),), 0.04, True)
     lines = robot(1, ListedBinding(5, 2, HALFWAY), part)
-    assert not lines.reach(0.06, -3)
-    assert not lines.reach(0.045, 0)
-    assert lines.reach(0.045, -3)
+    assert not lines.enlarge(0.06, -3)
+    assert not lines.enlarge(0.045, 0)
+    assert lines.enlarge(0.045, -3)
     limits = {peer: side.limit for peer, side in lines.crossed(0.0, 0.0, WIDE)}
     assert limits == {2: pytest.approx(0.005), -3: pytest.approx(0.003)}
     hear(lines, 10, ListedBinding(5, 2, HALFWAY))

@@ -146,12 +146,12 @@ MUTANTS = (
     without(
         "room-to-grow",
         "a robot takes itself for the larger disk only where that satisfies all that is obeyed",
-        Edit(_FILTER, "if not (inside and self.lines.reach(radius, part)):", "if not inside:"),
+        Edit(_FILTER, "if not (inside and self.lines.enlarge(radius, part)):", "if not inside:"),
     ),
     without(
         "inside-to-grow",
         "and is inside",
-        Edit(_FILTER, "if not (inside and self.lines.reach", "if not (self.lines.reach"),
+        Edit(_FILTER, "if not (inside and self.lines.enlarge", "if not (self.lines.enlarge"),
     ),
     without(
         "grown-before-asking",

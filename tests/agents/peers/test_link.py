@@ -44,10 +44,10 @@ def test_what_a_radio_does_does_not_depend_on_what_was_asked_before(seed: int, t
     one = Radio(scenario, 2)
     for tick in ticks:
         fresh = Radio(scenario, 2)
-        assert (one.is_bad(tick), one.back(tick), one.turn(tick)) == (
+        assert (one.is_bad(tick), one.back(tick), one.slot(tick)) == (
             fresh.is_bad(tick),
             fresh.back(tick),
-            fresh.turn(tick),
+            fresh.slot(tick),
         )
 
 

@@ -53,7 +53,7 @@ def test_keep_and_send(disknav: Forks, tmp_path: Path) -> None:
     with served(endpoint, tmp_path / "result.json") as fleet:
         until(lambda: reachable(endpoint), 30.0)
         with operating("yard", endpoint) as operator:
-            operator.reach(30.0)
+            operator.wait_for_begin(30.0)
             reply = operator.operate(sent(1, PLACE, (0.1, 0.1)))
             assert operator.outcome(1, reply.number, 60.0).status == "arrived"
             assert operator.operate(Operation(halt=True)).halted

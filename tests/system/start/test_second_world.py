@@ -38,7 +38,7 @@ def driving(supervisor: Supervisor, connection: Connection, run: str) -> Iterato
     """A fleet that goes round and round, and its operator."""
     supervisor.start(rows(connection, run))
     with operating(run, connection.connect[0]) as operator:
-        operator.reach(30.0)
+        operator.wait_for_begin(30.0)
         assert operator.operate(ASIDE).accepted
         yield operator
 
