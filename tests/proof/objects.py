@@ -254,7 +254,7 @@ def _open(b: str) -> list[Any]:
 def end_claims(bound: Any, after: dict[str, Any], b: str, x: str) -> dict[str, Any]:
     """An end obeys the lines that its state numbers, and no others."""
     number, state, half = S[f"{b}.number"], after[f"{b}.{x}.state"], after[f"{b}.{x}.half"]
-    lines = bound.obeyed
+    lines, kind = bound.obeyed, SOURCE.pair.Owner if x == "A" else SOURCE.pair.Follower
     any_line = LINE_OF(number, OBEYED[b])
     obeyed = z3.Implies(obeys(after, b, x, OBEYED[b]), z3.Or(False, *[line == any_line for line in lines]))
     known = [(after[f"{b}.{x}.held"], bound.lines.held)] if bound.lines is not None else []
@@ -264,7 +264,7 @@ def end_claims(bound: Any, after: dict[str, Any], b: str, x: str) -> dict[str, A
     is_half = z3.And(len(lines) == 1, *[line == half for line in lines])
     return {
         f"{b}.{x}: keeps what its state says": z3.And(
-            (state == ASKED) == (bound.lines is None), (state == HALF) == (bound.half is not None)
+            (state != ASKED) == isinstance(bound.lines, kind), (state == HALF) == (bound.half is not None)
         ),
         f"{b}.{x}: obeys its lines": z3.Implies(state == LINES, z3.And(obeyed, is_known)),
         f"{b}.{x}: obeys one half-plane": z3.Implies(state == HALF, is_half),
