@@ -141,15 +141,12 @@ _LARGEST = float(np.finfo(np.float64).max)
 
 
 class Scene(NamedTuple):
-    """A goal set. goals: (2p,) m; arms: (2p,) m, factors of b in sum b_i x g_i.
-
-    contact: (N, 2) m^2, enclosures of rho_q^2; first, second: (N,) robots.
+    """A goal set. goals: (2p,) m; contact: (N, 2) m^2, enclosures of rho_q^2; first, second: (N,) robots.
 
     Factors q are the p (p - 1) / 2 pairs, then the p walls, for which `second` is -1.
     """
 
     goals: NDArray[np.float64]
-    arms: NDArray[np.float64]
     contact: NDArray[np.float64]
     first: NDArray[np.int64]
     second: NDArray[np.int64]
@@ -183,9 +180,7 @@ def scene_of(problem: FleetProblem) -> Scene:
         else:
             distance = add((problem.workspace, problem.workspace), (-reach[0], -reach[1]))
         contact[q] = mul(distance, distance)
-    goals = np.ascontiguousarray(problem.goals, dtype=np.float64)
-    arms = np.stack([goals[:, 1], -goals[:, 0]], axis=1)
-    return Scene(goals.ravel(), arms.ravel(), contact, first, second)
+    return Scene(np.ascontiguousarray(problem.goals, dtype=np.float64).ravel(), contact, first, second)
 
 
 def derived(scene: Scene) -> Derived:

@@ -16,7 +16,6 @@ from __future__ import annotations
 import numpy as np
 
 from deploy.theory.certify.boxes import (
-    Array,
     Box,
     Derived,
     Interval,
@@ -105,11 +104,17 @@ def contract_distances(scene: Scene, box: Box, out: Derived) -> bool:
 
 
 @compiled
+def _inside(members: int, robot: int) -> int:
+    return 1 if (members >> robot) & 1 else 0
+
+
+@compiled
 def _sign(scene: Scene, members: int, q: int) -> int:
     """Sign of lambda_q d_q as a force on the set; 0 if it does not act, or acts inside."""
     i, j = scene.first[q], scene.second[q]
-    inside = (members >> i) & 1
-    return int(-inside if j < 0 else inside - ((members >> j) & 1))
+    if j < 0:
+        return -_inside(members, i)
+    return _inside(members, i) - _inside(members, j)
 
 
 @compiled
@@ -189,26 +194,27 @@ def contract_torque(scene: Scene, box: Box, members: int) -> bool:
             )
             turn = weigh(ends(box, n + q), cross)
             torque = add(torque, turn if sign > 0 else (-turn[1], -turn[0]))
-    return _linear(box, members, torque, scene.arms)
+    return _linear(scene, box, members, torque, True)
 
 
 @compiled
 def contract_rotation(scene: Scene, box: Box) -> bool:
     """v = J b, a rotation of the fleet: v^T H v / 2 = sum b_i . g_i, which is not negative at a minimum."""
-    return _linear(box, -1, (0.0, np.inf), scene.goals)
+    return _linear(scene, box, -1, (0.0, np.inf), False)
 
 
 @compiled
-def _linear(box: Box, members: int, value: Interval, factors: Array) -> bool:
-    """Contract b by the sum of its coordinates in the set, each times its factor, which is in `value`."""
-    for row in range(len(factors)):
+def _linear(scene: Scene, box: Box, members: int, value: Interval, cross: bool) -> bool:
+    """Contract b by the sum of b_i x g_i (`cross`) or b_i . g_i over the set, which is in `value`."""
+    n = len(scene.goals)
+    for row in range(n):
         if not (members >> (row // 2)) & 1:
             continue
         rest = value
-        for other in range(len(factors)):
+        for other in range(n):
             if other != row and (members >> (other // 2)) & 1:
-                rest = sub(rest, mul(ends(box, other), (factors[other], factors[other])))
-        factor = factors[row]
+                rest = sub(rest, _product(scene, box, other, cross))
+        factor = _factor(scene, row, cross)
         if factor == 0.0:
             if rest[0] > 0.0 or rest[1] < 0.0:
                 return False
@@ -216,6 +222,20 @@ def _linear(box: Box, members: int, value: Interval, factors: Array) -> bool:
         if not narrow(box, row, divide(rest, (factor, factor))):
             return False
     return True
+
+
+@compiled
+def _factor(scene: Scene, row: int, cross: bool) -> float:
+    """Factor of a coordinate of b in b x g = b_x g_y - b_y g_x, or in b . g."""
+    if cross:
+        return float(scene.goals[row + 1] if row % 2 == 0 else -scene.goals[row - 1])
+    return float(scene.goals[row])
+
+
+@compiled
+def _product(scene: Scene, box: Box, row: int, cross: bool) -> Interval:
+    factor = _factor(scene, row, cross)
+    return mul(ends(box, row), (factor, factor))
 
 
 @compiled

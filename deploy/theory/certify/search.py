@@ -56,7 +56,8 @@ def _point(x: float) -> Interval:
 
 @compiled
 def _accumulate(array: Array, row: int, value: Interval) -> None:
-    array[row] = add(ends(array, row), value)
+    total = add(ends(array, row), value)
+    array[row] = total
 
 
 @compiled
