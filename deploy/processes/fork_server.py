@@ -152,8 +152,7 @@ def main(channel: int, modules: Sequence[str], run: str = "", logs: str = "") ->
     `logs` is the folder of the processes' log files; empty for none.
     """
     both: Channel[Any, Any] = Channel(channel)
-    folder = Path(logs) if logs else None
-    begin_log = partial(log.begin, run=run, folder=folder)
+    begin_log = partial(log.begin, run=run, folder=Path(logs) if logs else None)
     ForkServer(both, both, modules, run, begin_log=begin_log).serve()
 
 

@@ -181,20 +181,19 @@ class Spawner:
     name = "this host"
 
     def __init__(self, modules: Sequence[str] = MODULES, run: str = "", logs: Path | None = None) -> None:
+        self._modules, self._run, self._logs = modules, run, "" if logs is None else str(logs)
         ours, theirs = socket.socketpair()
         with theirs:
-            self._server = self._serve(theirs, modules, run, logs)
+            self._server = self._serve(theirs)
         self._channel: Channel[Request, Any] = Channel(ours.detach())
         self._lives = count(1)
         self.gone = False  # the fork server has ended by itself
 
-    def _serve(
-        self, theirs: socket.socket, modules: Sequence[str], run: str, logs: Path | None
-    ) -> subprocess.Popen[bytes]:
+    def _serve(self, theirs: socket.socket) -> subprocess.Popen[bytes]:
         code = (
             f"import sys; sys.path[:] = {sys.path!r}; "
             "from deploy.processes.fork_server import main; "
-            f"main({theirs.fileno()}, {tuple(modules)!r}, {run!r}, {'' if logs is None else str(logs)!r})"
+            f"main({theirs.fileno()}, {tuple(self._modules)!r}, {self._run!r}, {self._logs!r})"
         )
         return subprocess.Popen(
             [sys.executable, "-c", code],

@@ -16,7 +16,7 @@ import struct
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from math import inf
 from pathlib import Path
 from typing import IO
@@ -194,16 +194,12 @@ class SshSpawner(Spawner):
     machine has no ssh; any method raises it once the host is lost.
     """
 
-    def __init__(
-        self,
-        host: Host,
-        run: str,
-        logs: Path | None = None,
-    ) -> None:
+    def __init__(self, host: Host, run: str, logs: Path | None = None) -> None:
         self.host, self.name = host, f"host {host.name}"
+        self._relay = Relay(host.name, run, logs)
         self.folder = ""  # for files on the host; known after `greet`
         self._beat = 0.0
-        super().__init__(run=run, logs=logs)
+        super().__init__(run=run)
         self._frames = FramedMessages(self._channel.fileno(), MAX_NEWS, _STALL)
         with socket.socket(fileno=os.dup(self._channel.fileno())) as ours:  # for both descriptors
             ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, struct.pack("ll", int(_STALL), 0))
@@ -255,12 +251,8 @@ class SshSpawner(Spawner):
         except BlockingIOError:
             raise ProcessError(f"{self.name} has accepted nothing for {_STALL:g} s") from None
 
-    def _serve(
-        self, theirs: socket.socket, modules: Sequence[str], run: str, logs: Path | None
-    ) -> subprocess.Popen[bytes]:
-        del modules  # the host knows them
-        self._relay = Relay(self.host.name, run, logs)
-        command = ssh_command(self.host, f"{self.host.command} node host --run={shlex.quote(run)}")
+    def _serve(self, theirs: socket.socket) -> subprocess.Popen[bytes]:
+        command = ssh_command(self.host, f"{self.host.command} node host --run={shlex.quote(self._run)}")
         end = theirs.fileno()
         try:
             ssh = subprocess.Popen(
