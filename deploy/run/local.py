@@ -82,11 +82,10 @@ class LocalFleet:
         # Reading a scenario of 1000 robots takes 2 ms and 0.5 MB: too much for each robot.
         self._read = lru_cache(maxsize=1)(decode_reply)
         self._scenario, self._lockstep, self._speed = scenario, lockstep, speed
-        self._watch = watch
+        self._watch, self._record = watch, record
         self.report: dict[str, Any] = {}
         self.start_world()
-        self._writer = None if record is None else RecordingWriter(record, run, scenario)
-        self._recorder = None if self._writer is None else self._hear(self._writer)
+        self._recorder = None if record is None else self._hear(record)
         self.robots: dict[int, LocalBus] = {}
         self._paused: dict[int, Node] = {}
         for robot in sorted(scenario.ids, key=self.turn):
@@ -191,29 +190,26 @@ class LocalFleet:
         return self
 
     def __exit__(self, *details: object) -> None:
-        self._finish(None)
+        if self._recorder is not None:
+            self._recorder.finish()
 
     def recordings(self) -> list[str]:
         """Files of the recording."""
-        return [] if self._writer is None else [str(self._writer.path)]
+        return [] if self._record is None else [str(self._record)]
 
     def record(self, result: Mapping[str, Any]) -> None:
         """Finish the recording, if there is one, with the complete result."""
-        self._finish(json.dumps(result))
-
-    def _finish(self, result: str | None) -> None:
-        writer, self._writer = self._writer, None
-        if writer is not None and self._recorder is not None:
-            writer.finish(result or self._recorder.result)
+        if self._recorder is not None:
+            self._recorder.finish(json.dumps(result))
 
     def processes(self) -> list[dict[str, Any]]:
         """No rows: a local fleet has no processes of its own."""
         return []
 
-    def _hear(self, writer: RecordingWriter) -> Recorder:
+    def _hear(self, record: Path) -> Recorder:
         bus = self.network.connect()
         bus.subscribe(everything(self.run))
-        recorder = bus.node = Recorder(bus, self.run, writer)
+        recorder = bus.node = Recorder(bus, self.run, RecordingWriter(record, self.run, self._scenario))
         return recorder
 
     def execute(self) -> dict[str, Any]:

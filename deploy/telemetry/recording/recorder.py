@@ -48,7 +48,7 @@ def awaited_scenario(bus: Bus, run: str, patience: float = PATIENCE) -> Scenario
 
 
 class Recorder:
-    """Records one run, from now to its result; a node on any bus. It does not finish the file.
+    """Records one run, from now to its result; a node on any bus.
 
     Args:
         bus: subscribed to all recorded streams, or with `take` to the result only.
@@ -110,6 +110,10 @@ class Recorder:
             self.finished, self.deadline = True, inf
             self._take_all()
             self._write(time.monotonic(), last=True)
+
+    def finish(self, result: str | None = None) -> None:
+        """Close the file with the complete result (JSON), or the published one."""
+        self._file.finish(result or self.result)
 
     def wind_up(self, patience: float) -> None:
         """Continue until the result arrives, at most `patience` s, after a signal."""
@@ -193,5 +197,5 @@ def main(
         follow(recorder, bus)
         recorder.wind_up(_RESULT)
     STOP.wait()  # the result is complete once all other processes have ended
-    file.finish(result.read_text(encoding="utf-8") if result.exists() else recorder.result)
+    recorder.finish(result.read_text(encoding="utf-8") if result.exists() else None)
     return 0

@@ -23,17 +23,16 @@ from protocol.messages import Clock, Command, Result
 from tests.deploy.telemetry.recording.recorded import FakeWorld, scenario
 
 
-def _recorder(bus: LocalBus, run: str, folder: Path) -> tuple[Recorder, RecordingWriter]:
+def _recorder(bus: LocalBus, run: str, folder: Path) -> Recorder:
     bus.subscribe(everything(run))
-    file = RecordingWriter(folder / f"{run}.mcap", run, scenario())
-    recorder = bus.node = Recorder(bus, run, file)
-    return recorder, file
+    recorder = bus.node = Recorder(bus, run, RecordingWriter(folder / f"{run}.mcap", run, scenario()))
+    return recorder
 
 
 def test_what_is_no_message_of_the_run_is_counted_not_recorded(tmp_path):
     network = LocalNetwork()
     world = FakeWorld(network.connect(), "fake")
-    recorder, file = _recorder(network.connect(), "fake", tmp_path)
+    recorder = _recorder(network.connect(), "fake", tmp_path)
     command = Command(1, 1, 0, (0.1, 0.2))
     good, foreign = robot_key("fake", 1, "command"), robot_key("fake", 5, "command")
     for key, payload in (
@@ -47,7 +46,7 @@ def test_what_is_no_message_of_the_run_is_counted_not_recorded(tmp_path):
         world.say(key, payload)
     world.say(world_key("fake", "result"), encode(Result('{"verdict": "arrived"}')))
     network.run(lambda: recorder.finished)
-    file.finish(recorder.result)
+    recorder.finish()
     found = read(tmp_path / "fake.mcap")
     assert [entry.message for entry in found.entries] == [command]
     assert found.result == {"verdict": "arrived"}
@@ -67,12 +66,12 @@ def test_the_end_of_the_world_ends_the_recording(tmp_path):
     bus = network.connect()
     world = FakeWorld(bus, "gone")
     listener = network.connect()
-    recorder, file = _recorder(listener, "gone", tmp_path)
+    recorder = _recorder(listener, "gone", tmp_path)
     recorder.handle(listener.receive(0.0))
     world.say(robot_key("gone", 1, "command"), encode(Command(1, 1, 0, (0.1, 0.2))))
     bus.close()
     network.run(lambda: recorder.finished)
-    file.finish()
+    recorder.finish()
     found = read(tmp_path / "gone.mcap")
     assert (found.counts.total(), found.result, found.cut) == (1, None, False)
 
