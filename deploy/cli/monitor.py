@@ -87,8 +87,11 @@ def monitor(
 
             print(f"{export(source, metrics)}  (Ctrl-C ends it)", flush=True)
         if web:
-            _serve(source, port)
-        elif metrics is not None or foxglove:
+            from deploy.telemetry.monitor.web import Server
+
+            server = stack.enter_context(closing(Server(source, port)))
+            print(f"{server.link}  (Ctrl-C ends it)", flush=True)
+        if web or foxglove or metrics is not None:
             STOP.wait()
         else:
             from deploy.telemetry.monitor.terminal import show
@@ -111,11 +114,3 @@ def _foxglove(source: Watcher, run: str, port: int | None) -> FoxgloveServer:
     server = FoxgloveServer(source, run, port)
     print(f"{server.address}  (open it in Foxglove)", flush=True)
     return server
-
-
-def _serve(source: Watcher, port: int | None) -> None:
-    from deploy.telemetry.monitor.web import Server
-
-    with closing(Server(source, port)) as server:
-        print(f"{server.link}  (Ctrl-C ends it)", flush=True)
-        STOP.wait()
