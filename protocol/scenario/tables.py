@@ -231,11 +231,8 @@ def written(steps: Iterable[Step]) -> str:
 
 
 def unknown_key(key: str, table: type) -> str:
-    """Text for a key that `table` does not have."""
-    return f"unknown key; {suggestion(key, list(keys_of(table)))}"
-
-
-def suggestion(word: str, known: Sequence[str]) -> str:
-    """The known word nearest to `word`, or all of them if none is near."""
-    near = get_close_matches(word, known, 1, 0.5)
-    return f"did you mean `{near[0]}`?" if near else f"known are {', '.join(f'`{name}`' for name in known)}"
+    """Text for a key that `table` does not have: the nearest one, or all of them if none is near."""
+    known = list(keys_of(table))
+    if near := get_close_matches(key, known, 1, 0.5):
+        return f"unknown key; did you mean `{near[0]}`?"
+    return f"unknown key; known are {', '.join(f'`{name}`' for name in known)}"
