@@ -84,9 +84,8 @@ def _random_starts(problem: FleetProblem, seed: int) -> list[Array]:
 
 
 def _kinds(problem: FleetProblem, flows: list[FlowResult], starts: list[Array]) -> Counter[str]:
-    ends = [flow.path[-1] for flow in flows if not flow.arrived]
-    refined = [b for end in ends if (b := find_equilibrium(problem, end)) is not None]
-    found = equilibria(problem, [*refined, *swapped_pairs(problem), *starts])[1:]
+    ends = (flow.path[-1] for flow in flows if not flow.arrived)
+    found = equilibria(problem, [*ends, *swapped_pairs(problem), *starts])[1:]
     return Counter(_name(point) for point in found)
 
 
