@@ -57,7 +57,10 @@ def test_a_planner_drives_real_processes_by_key_with_no_more_than_zenoh(tmp_path
     fleet = subprocess.Popen(call, cwd=tmp_path)
     config = zenoh.Config()
     config.insert_json5("mode", '"client"')
-    config.insert_json5("connect", json.dumps({"endpoints": [endpoint], "timeout_ms": 30_000}))
+    again = {"period_init_ms": 100, "period_max_ms": 100}  # the run lasts some seconds only
+    config.insert_json5(
+        "connect", json.dumps({"endpoints": [endpoint], "timeout_ms": 30_000, "retry": again})
+    )
     try:
         with zenoh.open(config) as session:
             heard = session.declare_subscriber(f"disknav/{run}/world/truth", zenoh.handlers.RingChannel(1))

@@ -88,7 +88,7 @@ def test_a_robot_stands_while_its_odometry_comes_later_and_later_and_then_late_a
     assert 1 not in floor.moving()
     floor.run(FROM + 20.0)
     assert 1 not in floor.moving()
-    assert floor.crews[1].notes[-1].startswith("odometry comes later than it did")
+    assert floor.crews[1].notes[-1].startswith("odometry has become later")
     floor.run(150.0)
     assert floor.crews[1].notes[-1] == ""
     assert result_of(floor.world)["verdict"] == "arrived"
