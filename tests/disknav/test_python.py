@@ -1,5 +1,6 @@
 """`import disknav`: scenarios in, arrays out, and the same trajectory as the command's."""
 
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ import disknav
 from deploy.run.local import LocalFleet
 from protocol.errors import UsageError
 from protocol.scenario.file import write_toml
-from world.judge.record import TrajectoryDigest
+from world.judge.record import trajectory_rows
 
 ROBOTS = [
     {"id": 7, "radius": 0.04, "start": np.array([-0.2, 0.0]), "goal": (0.2, 0.0)},
@@ -83,11 +84,8 @@ def test_a_run_is_the_worlds_truth() -> None:
     trajectory = run.trajectory
     assert run.arrived
     assert run.result["trajectory_sha256"] == report["trajectory_sha256"]
-    digest = TrajectoryDigest(scenario.ids)
-    digest.add(
-        trajectory.ticks.tolist(), [[(x, y) for x, y in tick] for tick in trajectory.positions.tolist()]
-    )
-    assert digest.hexdigest() == report["trajectory_sha256"]
+    rows = trajectory_rows(scenario.ids, trajectory.ticks.tolist(), trajectory.positions)
+    assert sha256(rows).hexdigest() == report["trajectory_sha256"]
     assert trajectory.robots.tolist() == [2, 7]
     assert np.array_equal(trajectory.of_robot(7)[0], [-0.2, 0.0])
     assert trajectory.clearance.min() == report["min_clearance"]

@@ -8,17 +8,19 @@ over one, and no robot waits for it.
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final, NamedTuple
 
 import msgspec
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from protocol.geometry import Shape
 from protocol.messages import LISTED, Count, Id, Truth, Vector
 from protocol.scenario.model import Scenario
-from world.judge.clearance import Disks, NearestGaps, Plane, gaps
+from world.judge.clearance import Disks, NearestGaps, Plane
 from world.judge.measures import Goals, Level, levels_of
 
 Pair = tuple[int, int]
@@ -38,12 +40,6 @@ class Segment(NamedTuple):
     goals: Goals
     k: float
     gaps: NearestGaps  # of the disks
-
-    def truth(self, tick: int, positions: Sequence[Vector]) -> Truth:
-        """The Truth of one configuration."""
-        plane = as_plane([positions])
-        clearance, level = float(gaps(self.disks, plane, plane).min()), levels_of(*self[:3], plane)[0]
-        return Truth(tick, self.disks.ids, tuple(positions), clearance, *level)
 
 
 def segment_of(scenario: Scenario, goals: Goals, obstacles: Mapping[int, Shape] | None = None) -> Segment:
@@ -107,29 +103,14 @@ class PastReferee(msgspec.Struct, frozen=True):
     reason: str = ""
 
 
-class TrajectoryDigest:
-    """SHA-256 over, tick by tick and in the order of ids, the four little-endian doubles
-    tick, robot id, x, y (m)."""
-
-    def __init__(self, ids: Sequence[int]) -> None:
-        self._sha = hashlib.sha256()
-        self.set_fleet(ids)
-
-    def set_fleet(self, ids: Sequence[int]) -> None:
-        """Continue with other robots."""
-        self._ids = np.array(ids, dtype="<f8")
-
-    def add(self, ticks: Sequence[int], configurations: Configurations) -> None:
-        """Append the truth at the start of each of `ticks`, which do not decrease."""
-        rows = np.empty((len(ticks), len(self._ids), 4), dtype="<f8")
-        rows[..., 0] = np.asarray(ticks)[:, None]
-        rows[..., 1] = self._ids
-        rows[..., 2:] = configurations
-        self._sha.update(rows.tobytes())
-
-    def hexdigest(self) -> str:
-        """Digest so far."""
-        return self._sha.hexdigest()
+def trajectory_rows(ids: Sequence[int], ticks: Sequence[int], configurations: Configurations) -> bytes:
+    """What a trajectory's SHA-256 is over: tick by tick and in the order of ids, the four little-endian
+    doubles tick, robot id, x, y (m)."""
+    rows = np.empty((len(ticks), len(ids), 4), dtype="<f8")
+    rows[..., 0] = np.asarray(ticks)[:, None]
+    rows[..., 1] = ids
+    rows[..., 2:] = configurations
+    return rows.tobytes()
 
 
 class Record:
@@ -158,23 +139,21 @@ class Record:
         self.segment = segment_of(scenario, goals, obstacles)
         self._parts = parts
         self._batch = parts * max(1, min(_BATCH, _LARGEST // parts // len(self.segment.disks)))
-        self._latest: dict[Pair, Contact] = {}
         self._touching: frozenset[Pair] = frozenset()
         self._news: list[Truth] = []
-        self._digest = TrajectoryDigest(scenario.ids)
+        self._digest = hashlib.sha256()
         if past is None:
-            truth = self.segment.truth(0, positions)
-            level, deviation = Level(truth.phi, truth.log_potential), dict.fromkeys(scenario.ids, 0.0)
-            self._totals = Totals(truth, truth.clearance, level, deviation)
+            first = levels_of(*self.segment[:3], as_plane([positions]))[0]
+            truth = Truth(0, scenario.ids, tuple(positions), math.inf, *first)
+            self._totals = Totals(truth, math.inf, first, dict.fromkeys(scenario.ids, 0.0))
         else:
             self._totals = past.totals
-        self._plane = as_plane([self._totals.truth.positions])
+        self._latest = {contact.pair: contact for contact in self._totals.contacts}
+        self._plane, self._begun = as_plane([self._totals.truth.positions]), False
         self._aside = [] if past is None else [*past.aside]
-        self._measure()
-        truth = self._totals.truth
+        truth = self.totals.truth
         self._news = self._news or [truth]
-        self._digest = TrajectoryDigest(scenario.ids)
-        self._digest.add([truth.tick], [truth.positions])
+        self._digest = hashlib.sha256(trajectory_rows(scenario.ids, [truth.tick], [truth.positions]))
 
     @property
     def past(self) -> PastRecord:
@@ -206,31 +185,46 @@ class Record:
         self, scenario: Scenario, positions: Sequence[Vector], obstacles: Mapping[int, Shape]
     ) -> None:
         """Continue with the robots of another scenario, now at `positions`, among obstacles by number."""
-        totals = self.totals
-        self.segment = segment_of(scenario, self.segment.goals.of_fleet(scenario), obstacles)
-        self._latest = {}  # a continuing overlap becomes another contact
+        self._continue(segment_of(scenario, self.segment.goals.of_fleet(scenario), obstacles))
+        totals = self._totals
         totals.deviation = {robot: totals.deviation.get(robot, 0.0) for robot in scenario.ids}
-        totals.truth = self.segment.truth(totals.truth.tick, positions)
-        totals.clearance = min(totals.clearance, totals.truth.clearance)
-        self._digest.set_fleet(scenario.ids)  # from the next tick on
+        totals.truth = replace(totals.truth, robots=scenario.ids, positions=tuple(positions))
         self._plane = as_plane([positions])
 
     def set_goal(self, robot: int, goal: Vector) -> None:
         """Continue with another `goal` of a robot, m."""
-        truth = self.totals.truth
+        self._measure()
+        truth = self._totals.truth
         goals = self.segment.goals.to(robot, goal, truth.positions[truth.robots.index(robot)])
-        self.segment = self.segment._replace(goals=goals)
+        self._continue(self.segment._replace(goals=goals))
 
     def set_obstacles(self, obstacles: Mapping[int, Shape]) -> None:
         """Continue with these obstacles, by number."""
-        self._measure()
         disks = self.segment.disks.among(obstacles)
-        self.segment = self.segment._replace(disks=disks, gaps=NearestGaps(disks))
+        self._continue(self.segment._replace(disks=disks, gaps=NearestGaps(disks)))
+
+    def _continue(self, segment: Segment) -> None:
+        """Continue with another segment, which begins once all its changes are known."""
+        self._measure()
+        self.segment, self._begun = segment, False
+
+    def _begin(self) -> None:
+        """Measure the first configuration of a segment, in which disks may overlap already."""
+        if self._begun:
+            return
+        self._begun, totals, truth = True, self._totals, self._totals.truth
+        disks, (nearest,) = self.segment.gaps(self._plane, self._plane)
+        for index in (nearest < -TOUCH).nonzero()[0].tolist():
+            self._touch(disks.names(index), truth.tick, truth.tick, float(nearest[index]))
+        least, level = float(nearest.min()), levels_of(*self.segment[:3], self._plane)[0]
+        totals.truth = replace(truth, clearance=min(truth.clearance, least), **level._asdict())
+        totals.clearance = min(totals.clearance, least)
 
     @property
     def totals(self) -> Totals:
         """Totals up to the newest configuration."""
         self._measure()
+        self._begin()
         return self._totals
 
     def sha256(self) -> str:
@@ -248,6 +242,7 @@ class Record:
         aside, self._aside = self._aside, []
         if not aside:
             return
+        self._begin()
         plane, parts, totals = as_plane(aside), self._parts, self._totals
         before = np.concatenate((self._plane, plane[:-1]))
         disks, during = self.segment.gaps(before, plane)
@@ -283,7 +278,8 @@ class Record:
             totals.increases += level.phi > totals.truth.phi + _RISE
             totals.truth = Truth(begin + row, totals.truth.robots, positions, clearance, *level)
             self._news.append(totals.truth)
-        self._digest.add(range(begin, begin + len(configurations)), configurations)
+        ticks = range(begin, begin + len(configurations))
+        self._digest.update(trajectory_rows(totals.truth.robots, ticks, configurations))
         totals.clearance = min(totals.clearance, *smallest)
 
 

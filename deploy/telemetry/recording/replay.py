@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import time
@@ -25,7 +26,7 @@ from protocol.keys import STREAMS, parse, robot_key, world_key
 from protocol.messages import Command, Result, Tick, Vector
 from protocol.process.installation import missing_library
 from protocol.process.signals import STOP
-from world.judge.record import TrajectoryDigest
+from world.judge.record import trajectory_rows
 
 
 class Participant(NamedTuple):
@@ -118,19 +119,17 @@ def recomputed(recording: Recording) -> CheckedTrajectory:
         )
     missing = set(range(begin, max(known))).difference(known)
     moves = _Moves(recording, missing) if missing else None
-    digest = TrajectoryDigest(())
+    digest = hashlib.sha256()
     here = _Plane((), [])
     for tick in range(begin, max(known) + 1):
         there = moves.follow(here, tick) if moves and tick in missing else known[tick]
-        if there.robots != here.robots:
-            if tick - 1 in missing:
-                raise RecordingError(
-                    f"{recording.path}: robots appeared or left before tick {tick}, and the Truth of the "
-                    f"previous tick was not recorded, so the trajectory cannot be checked; record with less "
-                    f"load on the machine"
-                )
-            digest.set_fleet(there.robots)
-        digest.add([tick], np.array([there.places]))
+        if there.robots != here.robots and tick - 1 in missing:
+            raise RecordingError(
+                f"{recording.path}: robots appeared or left before tick {tick}, and the Truth of the "
+                f"previous tick was not recorded, so the trajectory cannot be checked; record with less "
+                f"load on the machine"
+            )
+        digest.update(trajectory_rows(there.robots, [tick], np.array([there.places])))
         here = there
     return CheckedTrajectory(digest.hexdigest(), len(missing))
 

@@ -2,7 +2,6 @@
 
 import math
 import struct
-from hashlib import sha256
 
 import pytest
 from hypothesis import given
@@ -11,7 +10,7 @@ from hypothesis import strategies as st
 from protocol.geometry import Disk
 from protocol.scenario.model import Control, Obstacle, RobotSpec, Scenario, Workspace
 from tests.world.driving import advance, joined, scenario, two
-from world.judge.record import Record, TrajectoryDigest
+from world.judge.record import Record, trajectory_rows
 from world.report import result_of
 
 BOX = ((-0.05, 0.1), (0.05, 0.1), (0.05, 0.2), (-0.05, 0.2))
@@ -60,12 +59,15 @@ def test_a_touch_within_a_tick_is_found_when_and_where_it_was() -> None:
 def test_what_changes_counts_from_the_newest_configuration_on():
     record = Record(scenario(((0.0, 0.0), (0.2, 0.0))), [(0.0, 0.0)])
     record.add([(0.1, 0.01)])
+    record.set_goal(1, (-0.1, 0.2))
     record.set_goal(1, (0.1, 0.2))
+    record.set_obstacles({7: Disk(0.1, 0.02, 0.02)})
     record.set_obstacles({7: Disk(0.1, 0.05, 0.02)})
-    assert record.totals.clearance == pytest.approx(0.26 - math.hypot(0.1, 0.01))
+    assert record.totals.clearance == record.totals.truth.clearance == pytest.approx(-0.02)
+    assert [(each.pair, each.begin, each.end) for each in record.totals.contacts] == [((-7, 1), 1.0, 1.0)]
     record.add([(0.1, 0.1)])
     (contact,) = record.totals.contacts
-    assert contact.pair == (-7, 1)
+    assert (contact.begin, contact.pair) == (1.0, (-7, 1))
     assert record.totals.clearance == pytest.approx(-0.06)
     assert record.totals.deviation == {1: pytest.approx(0.01)}
     record.add([(0.14, 0.1)])
@@ -77,6 +79,19 @@ def test_what_changes_counts_from_the_newest_configuration_on():
     assert record.totals.deviation == {1: pytest.approx(0.04), 2: 0.0}
     assert record.segment.goals.points.tolist() == [0.1 + 0.2j, 0.1 + 0j]
     assert [truth.tick for truth in record.news()] == [0, 1, 2, 3]
+
+
+def test_phi_rises_by_motion_alone():
+    record = Record(scenario(((0.0, 0.0), (0.2, 0.0))), [(0.0, 0.0)])
+    record.add([(0.1, 0.0)])
+    near = record.totals.truth
+    record.set_goal(1, (-0.2, 0.0))
+    assert record.totals.truth.phi > near.phi
+    record.add([(0.0, 0.0)])
+    assert record.totals.increases == 0
+    record.set_goal(1, (0.02, 0.0))
+    record.add([(0.07, 0.0)])
+    assert (record.totals.increases, record.totals.truth.phi < near.phi) == (1, True)
 
 
 FAST = Control(k=60.0, speed=10.0)
@@ -105,22 +120,11 @@ def test_crossing_the_workspace_from_outside_to_outside_ends_one_contact_and_beg
     assert second["until"] == pytest.approx(0.1)
 
 
-IDS = (3, 5)
-
-
-def rows(tick: int) -> list[tuple[float, float]]:
-    return [(0.1 * tick, 0.2), (-0.1, 0.3 * tick)]
-
-
-@given(begin=st.integers(0, 9), last=st.integers(10, 30), batch=st.integers(1, 12))
-def test_it_is_of_four_doubles_a_tick_and_robot(begin: int, last: int, batch: int) -> None:
-    digest = TrajectoryDigest(IDS)
-    for first in range(begin, last + 1, batch):
-        ticks = range(first, min(first + batch, last + 1))
-        digest.add(ticks, [rows(tick) for tick in ticks])
+@given(begin=st.integers(0, 9), last=st.integers(10, 30))
+def test_a_trajectory_is_of_four_doubles_a_tick_and_robot(begin: int, last: int) -> None:
+    ticks = range(begin, last + 1)
     expected = b"".join(
-        struct.pack("<4d", tick, robot, *place)
-        for tick in range(begin, last + 1)
-        for robot, place in zip(IDS, rows(tick), strict=True)
+        struct.pack("<8d", tick, 3, 0.1 * tick, 0.2, tick, 5, -0.1, 0.3 * tick) for tick in ticks
     )
-    assert digest.hexdigest() == sha256(expected).hexdigest()
+    places = [[(0.1 * tick, 0.2), (-0.1, 0.3 * tick)] for tick in ticks]
+    assert trajectory_rows((3, 5), ticks, places) == expected
