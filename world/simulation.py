@@ -145,7 +145,7 @@ class SimulatedFleet:
         self.founding_bounds = self.bounds
         self.unsettled: Set[int] = frozenset()
         self.largest_bound: float | None = None
-        self.plant = plant_of(scenario)
+        self.plant = plant_of(scenario, 1 if past is None else past.parts)
         self.sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
         self._odometers = {robot: OdometrySensor(scenario, robot, self.plant.slips) for robot in scenario.ids}
         # Path lengths in earlier worlds, and of removed robots, m.
@@ -170,7 +170,7 @@ class SimulatedFleet:
         """The disks for a successor."""
         turn = enumerate(self.plant.ids) if self._turn else ()
         headings = {robot: self.plant.report(index).heading for index, robot in turn}
-        return PastDisks(self.places, headings, self.lengths)
+        return PastDisks(self.places, headings, self.lengths, parts=self.plant.parts)
 
     def sense(self, tick: int) -> dict[int, Sense]:
         """Measurements of every robot at the start of `tick`; the sensors of absent ones continue."""

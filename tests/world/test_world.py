@@ -1,5 +1,6 @@
 import json
 import math
+from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
@@ -11,6 +12,7 @@ from protocol.scenario.body import Actuation
 from protocol.scenario.model import Operation, Sensing
 from tests.world.driving import STEP, advance, joined, play, toward, two
 from world.report import result_of
+from world.world import WorldCore
 
 FAULTS = {
     "sensing": (Sensing(delay=(0.0, 0.3), noise=0.002, dropout=0.2),),
@@ -137,3 +139,16 @@ def test_what_is_removed_is_fenced_in_the_same_step_and_leaves_nothing(is_open: 
     assert world.accept(Command(1, 1, world.tick, (0.0, 0.0), roster=roster.version))
     world.close_tick()
     assert world.truth.robots == (1,)
+
+
+def test_a_world_goes_on_from_a_fleet_whose_last_body_with_inertia_has_left() -> None:
+    specs = tuple(
+        replace(spec, body=body) for spec, body in zip(two().robots, ("robotarium", None), strict=True)
+    )
+    world = joined(two(robots=specs))
+    advance(world)
+    world.operate(Operation(remove=1))
+    advance(world)
+    after = WorldCore(two(robots=specs), world.past)
+    assert after.truth.tick == after.tick == 2
+    assert after.simulation.plant.refusal(specs[0]) == ""

@@ -139,7 +139,7 @@ class Integrator:
     slips = False
     fixed = ""
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, parts: int = 1) -> None:
         self._default = scenario.body
         self.ids: tuple[int, ...] = ()
         self.positions: list[Vector] = []
@@ -149,7 +149,7 @@ class Integrator:
         self._bases: dict[int, SimulatedPoint | SimulatedBase] = {}  # by robot
         self.set_fleet(scenario)
         is_of_points = all(scenario.body_of(robot).ideal for robot in scenario.ids)
-        self.parts = 1 if is_of_points else steps_of(scenario.time.step)
+        self.parts = parts if is_of_points else steps_of(scenario.time.step)
 
     def report(self, index: int) -> BaseReport:
         return self._bases[self.ids[index]].report(self.displacements[index])

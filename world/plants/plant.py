@@ -12,7 +12,7 @@ import msgspec
 
 from protocol.draws import Purpose, Uniforms
 from protocol.errors import UsageError
-from protocol.messages import Id, Vector
+from protocol.messages import Count, Id, Vector
 from protocol.scenario.model import RobotSpec, Scenario
 
 
@@ -36,6 +36,7 @@ class PastDisks(msgspec.Struct, frozen=True):
         bounds: errors of places until all bases stand, m, where there are any.
         moving: external robots that may still move.
         largest_bound: of all reports so far, m; None if the truth is known.
+        parts: straight motions per tick, which a run keeps when its last body with inertia has left.
     """
 
     places: dict[Id, Vector] = {}
@@ -44,6 +45,7 @@ class PastDisks(msgspec.Struct, frozen=True):
     bounds: dict[Id, float] = {}
     moving: tuple[Id, ...] = ()
     largest_bound: float | None = None
+    parts: Count = 1
 
     def moved(self, scenario: Scenario) -> Scenario:
         """The scenario with these places as starts."""
@@ -106,8 +108,9 @@ def require(plant: str) -> None:
         )
 
 
-def plant_of(scenario: Scenario) -> Plant:
-    """The plant of `scenario.world.plant`; raises UsageError if its library is not installed."""
+def plant_of(scenario: Scenario, parts: int = 1) -> Plant:
+    """The plant of `scenario.world.plant`, of at least so many parts per tick; raises UsageError if its
+    library is not installed."""
     require(scenario.world.plant)
     if scenario.world.plant == "mujoco":
         from world.plants.mujoco import Physics  # the engine is loaded only if used
@@ -115,7 +118,7 @@ def plant_of(scenario: Scenario) -> Plant:
         return Physics(scenario)
     from world.plants.integrator import Integrator  # it imports this module
 
-    return Integrator(scenario)
+    return Integrator(scenario, parts)
 
 
 _INSIDE = 1.0 - 1e-9  # keeps rounding in later sums from carrying a disturbance past its bound
