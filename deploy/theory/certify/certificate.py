@@ -19,7 +19,7 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
-from deploy.theory.function import FleetProblem
+from deploy.theory.function import FleetProblem, obstacle_functions
 from protocol.errors import DocumentError, UsageError
 from protocol.errors import Problem as Fault
 from protocol.scenario.model import Scenario
@@ -29,6 +29,7 @@ EMPTY, FALLS = 255, 254  # leaves of the branching; other bytes are halved rows
 
 FORMAT = "disknav certificate 2"
 SUFFIX = ".certificate.json"
+BLOCKED = "goals that touch, overlap or are not inside the workspace have no certificate"
 
 
 class ProofError(DocumentError):
@@ -47,10 +48,10 @@ class GoalSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         """The goals of a scenario.
 
         Raises:
-            UsageError: it has obstacles, or its workspace is a polygon.
+            UsageError: it has obstacles or parts, or its workspace is a polygon.
         """
-        if scenario.obstacles:
-            raise UsageError("no certificates for scenarios with obstacles: remove them")
+        if scenario.shapes:
+            raise UsageError("no certificates for scenarios with obstacles or parts: remove them")
         specs = [scenario.spec(robot) for robot in scenario.ids]
         goals = tuple((float(spec.goal[0]), float(spec.goal[1])) for spec in specs)
         return cls(goals, tuple(float(spec.radius) for spec in specs), float(scenario.workspace.disk_radius))
@@ -59,6 +60,13 @@ class GoalSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def problem(self) -> FleetProblem:
         """The problem for `deploy.theory`, with an arbitrary k."""
         return FleetProblem(np.array(self.goals), np.array(self.radii), self.workspace, 1.0)
+
+    @property
+    def is_free(self) -> bool:
+        """Whether all robots can be at their goals at once, apart from each other and the boundary."""
+        problem = self.problem
+        is_sized = min(self.radii) > 0.0 and max(self.radii) < self.workspace
+        return is_sized and bool((obstacle_functions(problem, problem.goals) > 0.0).all())
 
 
 class Slab(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -189,3 +197,7 @@ def _check(certificate: Certificate) -> None:
         raise ValueError("k does not decrease from slab to slab")
     if not goals.goals or len(goals.goals) != len(goals.radii):
         raise ValueError("the numbers of goals and radii differ")
+    if not goals.is_free:
+        raise ValueError(BLOCKED)
+    if any(slab.boxes != len(slab.nodes) for slab in certificate.slabs):
+        raise ValueError("a branching has another number of nodes than it states")

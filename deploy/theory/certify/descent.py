@@ -126,8 +126,10 @@ def _gradient(box: BoxConditions, q: int) -> Array:
     return row
 
 
+@np.errstate(all="ignore")
 def _proposal(box: BoxConditions, stiff: list[int]) -> Array | None:
-    """The lowest eigenvector of the midpoint's form with stiffer contacts; None if it is positive."""
+    """The lowest eigenvector of the midpoint's form with stiffer contacts; None if it is positive, or too
+    large to be known."""
     m, weights = np.eye(box.p), []
     for q, (i, j) in enumerate(box.factors):
         row = box.rows[box.n + q]
@@ -145,6 +147,8 @@ def _proposal(box: BoxConditions, stiff: list[int]) -> Array | None:
             most = _STIFF * max(1.0, *weights) / size
             beta = max(middle(box.beta[q]), 1e-12 * size)
             form += (most if q in stiff else min(2.0 * weight / beta, most)) * np.outer(gradient, gradient)
+    if not np.isfinite(form).all():
+        return None
     values, vectors = np.linalg.eigh(form)
     return np.asarray(vectors[:, 0]) if values[0] < 0.0 else None
 

@@ -5,6 +5,7 @@ The same call continues below the slabs of an earlier one.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator
 from contextlib import suppress
@@ -15,9 +16,8 @@ from msgspec import UNSET
 
 from deploy.output import bar
 from deploy.theory.certify.boxes import scene_of
-from deploy.theory.certify.certificate import Certificate, GoalSet, Trial, fetch, store
+from deploy.theory.certify.certificate import BLOCKED, Certificate, GoalSet, Trial, fetch, store
 from deploy.theory.certify.search import Search
-from deploy.theory.function import obstacle_functions
 from protocol.errors import UsageError
 from protocol.process.signals import STOP, Stopped
 from protocol.scenario.model import Scenario
@@ -52,12 +52,14 @@ def prove(certificate: Certificate, target: float | None) -> Iterator[Certificat
     """Extend a certificate down to `target`, or as far as possible; yields it after each change.
 
     Raises:
-        UsageError: goals overlap, touch or are not inside the workspace; or `target` is not positive.
+        UsageError: goals overlap, touch or are not inside the workspace; or `target` is not positive and
+            finite.
     """
-    problem = certificate.goals.problem
-    if not (obstacle_functions(problem, problem.goals) > 0.0).all():
-        raise UsageError("goals that touch, overlap or are not inside the workspace have no certificate")
-    scene = scene_of(problem)
+    if not certificate.goals.is_free:
+        raise UsageError(BLOCKED)
+    if target is not None and not 0.0 < target < math.inf:
+        raise UsageError(f"k is {target:g}: a certificate is for every k from a positive number on")
+    scene = scene_of(certificate.goals.problem)
     Search(scene, (0.0, _TRIAL)).advance(1)  # compile outside of the measured time
     proven = certificate.proven
     if target is not None and proven is not None and proven <= target:

@@ -1,6 +1,7 @@
 """The certificate's file, stopping and going on, and what a second opinion says of it."""
 
 import base64
+import math
 import zlib
 from pathlib import Path
 
@@ -102,9 +103,49 @@ def _with(certificate: Certificate, nodes: bytes) -> Certificate:
     return msgspec.structs.replace(certificate, slabs=[first, Slab(slab.k, len(nodes), 0.0, text), *others])
 
 
+BLOCKED = [
+    GoalSet(((0.0, 0.0), (0.08, 0.0)), (0.04, 0.04), 0.3),
+    GoalSet(PAIR.goals, PAIR.radii, 0.05),
+    GoalSet(PAIR.goals, (0.04, -0.05), 0.3),
+]
+
+
+@pytest.mark.parametrize(
+    ("forged", "says"),
+    [
+        *(({"goals": goals}, "touch, overlap") for goals in BLOCKED),
+        ({"slabs": [Slab(1000.0, 2, 0.0, "eJz7DwABAAEA")]}, "another number of nodes"),
+        ({"slabs": [Slab(1000.0, 1, 0.0, "eJz7")]}, "is not a certificate"),
+        ({"slabs": [Slab(1000.0, 1, 0.0, "!")]}, "is not a certificate"),
+    ],
+)
+def test_a_forged_file_is_refused(
+    forged: dict[str, object], says: str, pair: Certificate, tmp_path: Path
+) -> None:
+    store(msgspec.structs.replace(pair, **forged), tmp_path / "forged.json")
+    with pytest.raises(ProofError, match=says):
+        fetch(tmp_path / "forged.json")
+
+
+def test_parts_are_obstacles_and_have_no_certificate() -> None:
+    with pytest.raises(UsageError, match="parts"):
+        GoalSet.of(read("parts-4"))
+
+
+@pytest.mark.parametrize("k", [math.inf, math.nan, 0.0])
+def test_a_certificate_is_for_a_positive_finite_k(k: float) -> None:
+    with pytest.raises(UsageError, match="positive"):
+        next(prove(Certificate(goals=PAIR), k))
+
+
+def test_numbers_that_overflow_verify_nothing() -> None:
+    one = Slab(5e-324, 1, 0.0, "eJz7DwABAAEA")
+    assert replay(Certificate(goals=PAIR, slabs=[one]), 0.1).verified is None
+
+
 def test_goals_that_touch_have_no_certificate() -> None:
     with pytest.raises(UsageError, match="touch"):
-        next(prove(Certificate(goals=GoalSet(((0.0, 0.0), (0.08, 0.0)), (0.04, 0.04), 0.3)), 10.0))
+        next(prove(Certificate(goals=BLOCKED[0]), 10.0))
 
 
 def test_a_certificate_lies_beside_its_scenario(tmp_path: Path) -> None:
