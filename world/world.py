@@ -47,6 +47,7 @@ class WorldCore:
     def __init__(self, scenario: Scenario, past: Past = Past(), *, returning: float = 0.0) -> None:
         self.stopped, self.stops, self.contested = past.stopped, past.stops, False
         self._scheduled = past.scheduled  # number of the scenario's latest stop
+        self._misplaced = ""  # why the run ends with the open tick: a disk is not where the ledger has it
         lives = self.lives = Lives(scenario, returning, past.lives, past.tick)
         self.membership = Membership(scenario, lives, past.fleet)
         fleet = self.membership.scenario
@@ -155,9 +156,7 @@ class WorldCore:
         if not lives.founded or lives.awaited:
             return self.exchange.fenced(self.halted)
         sensed = simulation.sense(self.tick)
-        misplaced = lives.begin(simulation.resting(), simulation.bounds, simulation.unsettled)
-        if misplaced:
-            self.finish("aborted", misplaced)
+        self._misplaced = lives.begin(simulation.resting(), simulation.bounds, simulation.unsettled)
         return self.exchange.open(self.scenario, sensed, self.halted)
 
     def accept(self, command: Command) -> bool:
@@ -228,6 +227,8 @@ class WorldCore:
             self.referee.reset_deadlock_timer(self.tick)
         for robot in self.missions.advance(self.tick, plant.ids, plant.positions):
             self._redirect(robot)
+        if self._misplaced:
+            self.finish("aborted", self._misplaced)
         if not self.verdict and not self.scenario.time.endless:
             self.referee.decide(self.tick, plant.positions, lives.up, self._is_alone(), self._pending())
 

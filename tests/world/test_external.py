@@ -152,6 +152,18 @@ def test_a_run_ends_if_a_robot_is_not_where_the_ledger_has_it(off: float, verdic
     assert ("robot 1 is at (0.250, 0.000), not where" in world.referee.reason) == bool(verdict)
 
 
+def test_a_contact_in_the_last_tick_outranks_a_robot_that_is_not_where_the_ledger_has_it() -> None:
+    other = RobotSpec(2, 0.05, (-0.2, 0.0), (-0.1, 0.0))
+    world = WorldCore(replace(SETTING, robots=(*SETTING.robots, other), control=Control(k=10.0, speed=0.2)))
+    lives = {robot: world.join(robot) for robot in (1, 2)}
+    for tick, place in enumerate((-0.2, 0.2)):
+        world.open_tick()
+        for robot, x in ((1, 0.2498), (2, place)):
+            world.accept(Command(robot, lives[robot], tick, (0.0, 0.0), report=Report((x, 0.0), 2e-3)))
+        world.close_tick()
+    assert (world.verdict, "otherwise aborted: robot 1" in world.referee.reason) == ("collision", True)
+
+
 def test_a_late_command_that_names_grants_that_were_never_made_is_not_heard() -> None:
     scenario = load("turtlebots-2", ["world.plant=external", "time.endless=true"], 1)
     world, robot = WorldCore(scenario), scenario.ids[0]
