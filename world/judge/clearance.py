@@ -127,8 +127,7 @@ class Disks:
         if index < pairs:
             i, j = self.first[index], self.second[index]
             start, motion = before[i] - before[j], after[i] - after[j] - (before[i] - before[j])
-            inside = sublevel(lambda time: abs(start + time * motion), self.contact[index] - touch)
-            return [] if inside is None else [inside]
+            return sublevel(lambda time: abs(start + time * motion), self.contact[index] - touch)
         index -= pairs
         obstacle = index >= len(self.ids)
         robot = self.robot[index - len(self.ids)] if obstacle else index
@@ -140,10 +139,9 @@ class Disks:
 
         radius = float(self.radii[robot])
         if obstacle:
-            inside = sublevel(distance, radius - touch)
-            return [] if inside is None else [inside]
-        inside = sublevel(distance, touch - radius)
-        outside = [(0.0, 1.0)] if inside is None else [(0.0, inside[0]), (inside[1], 1.0)]
+            return sublevel(distance, radius - touch)
+        inside = sublevel(distance, touch - radius) or [(1.0, 1.0)]
+        outside = [(0.0, inside[0][0]), (inside[0][1], 1.0)]
         return [part for part in outside if part[0] < part[1]]
 
     def to_surroundings(self, before: Plane, after: Plane) -> Reals:
@@ -235,12 +233,12 @@ def lowest(convex: Callable[[float], float]) -> float:
     return min((0.0, low, 1.0), key=convex)
 
 
-def sublevel(convex: Callable[[float], float], level: float) -> Interval | None:
-    """The part of [0, 1] in which a convex function is at most `level`."""
+def sublevel(convex: Callable[[float], float], level: float) -> list[Interval]:
+    """The part of [0, 1] in which a convex function is at most `level`, if there is one."""
     inside = lowest(convex)
     if convex(inside) > level:
-        return None
-    return _edge(convex, level, inside, 0.0), _edge(convex, level, inside, 1.0)
+        return []
+    return [(_edge(convex, level, inside, 0.0), _edge(convex, level, inside, 1.0))]
 
 
 def _edge(convex: Callable[[float], float], level: float, inside: float, outside: float) -> float:

@@ -25,8 +25,6 @@ from protocol.errors import Problem as Fault
 from protocol.scenario.model import Scenario
 
 EMPTY, FALLS = 255, 254  # leaves of the branching; other bytes are halved rows
-
-
 FORMAT = "disknav certificate 2"
 SUFFIX = ".certificate.json"
 BLOCKED = "goals that touch, overlap or are not inside the workspace have no certificate"

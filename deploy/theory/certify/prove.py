@@ -61,10 +61,9 @@ def prove(certificate: Certificate, target: float | None) -> Iterator[Certificat
         raise UsageError(f"k is {target:g}: a certificate is for every k from a positive number on")
     scene = scene_of(certificate.goals.problem)
     Search(scene, (0.0, _TRIAL)).advance(1)  # compile outside of the measured time
-    proven = certificate.proven
-    if target is not None and proven is not None and proven <= target:
+    if target is not None and certificate.proves(target):
         return
-    for k in ladder(proven, target):
+    for k in ladder(certificate.proven, target):
         search, began = Search(scene, certificate.kappa(k)), time.process_time()
         while search.advance(_PORTION):
             certificate.trial = Trial(k, search.done, search.nodes)
