@@ -190,6 +190,7 @@ class WorldCore:
         if resized:
             self._judge_anew()
         self._turn_over()
+        record.begin()
         self._decide()
 
     def _found(self) -> None:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from protocol.errors import JoinError
 from protocol.messages import Command
 from protocol.scenario.body import Actuation
-from protocol.scenario.model import Operation, Sensing
+from protocol.scenario.model import Obstacle, Operation, Sensing
 from tests.world.driving import STEP, advance, joined, play, toward, two
 from world.report import result_of
 from world.world import WorldCore
@@ -152,3 +152,13 @@ def test_a_world_goes_on_from_a_fleet_whose_last_body_with_inertia_has_left() ->
     after = WorldCore(two(robots=specs), world.past)
     assert after.truth.tick == after.tick == 2
     assert after.simulation.plant.refusal(specs[0]) == ""
+
+
+def test_what_appears_with_a_tick_counts_though_it_is_taken_away_before_the_next() -> None:
+    world = joined(two())
+    advance(world)
+    world.operate(Operation(place=Obstacle(center=(-0.1, 0.0), radius=0.05)))
+    while not world.lives.obstacles.standing:
+        advance(world)
+    assert world.operate(Operation(take=1)).accepted
+    assert world.truth.clearance == result_of(world)["min_clearance"] == pytest.approx(0.01)

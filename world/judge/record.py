@@ -208,7 +208,7 @@ class Record:
         self._measure()
         self.segment, self._begun = segment, False
 
-    def _begin(self) -> None:
+    def begin(self) -> None:
         """Measure the first configuration of a segment, in which disks may overlap already."""
         if self._begun:
             return
@@ -224,7 +224,7 @@ class Record:
     def totals(self) -> Totals:
         """Totals up to the newest configuration."""
         self._measure()
-        self._begin()
+        self.begin()
         return self._totals
 
     def sha256(self) -> str:
@@ -242,7 +242,7 @@ class Record:
         aside, self._aside = self._aside, []
         if not aside:
             return
-        self._begin()
+        self.begin()
         plane, parts, totals = as_plane(aside), self._parts, self._totals
         before = np.concatenate((self._plane, plane[:-1]))
         disks, during = self.segment.gaps(before, plane)
