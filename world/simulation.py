@@ -89,9 +89,9 @@ class OdometrySensor:
     def __init__(self, scenario: Scenario, robot: int, slips: bool) -> None:
         body = scenario.body_of(robot)
         self._share, self._drift = body.odometry, body.drift
-        self._heading = scenario.sensing_of(robot).heading
+        # A point has no frame of its own, as its filter assumes, whatever its odometry is.
+        self._heading = 0.0 if body.ideal else scenario.sensing_of(robot).heading
         self._slips = slips
-        self._has_heading = not body.ideal and self._heading > 0.0
         self.ideal = body.ideal and self._share == self._drift == 0.0
         self._draws = Uniforms(scenario.seed, Purpose.ODOMETRY, robot, 3)
 
@@ -115,11 +115,7 @@ class OdometrySensor:
         return (dx, dy), bound, BaseMotion(velocity, report.heading + askew, stop)
 
     def obeyed(self, velocity: Vector, tick: int) -> Vector:
-        """The base's execution of a commanded velocity, which it takes to be in its own frame. A point has no
-        such frame, as its filter assumes, whatever its odometry is.
-        """
-        if not self._has_heading:
-            return velocity
+        """The base's execution of a commanded velocity, which it takes to be in its own frame."""
         return turned(velocity[0], velocity[1], -self._askew(tick))
 
     def _askew(self, tick: int) -> float:

@@ -164,7 +164,7 @@ def decode(kind: type[M], payload: bytes) -> M:
         message = kind.deserialize(cast(bytes, buffer))  # which it accepts, too
     except (struct.error, ValueError) as error:
         raise MessageError("shape", f"no {kind.__name__} in CDR: {error}") from None
-    if not 0 <= len(payload) - buffer.tell() <= _PADDING:
+    if len(payload) - buffer.tell() > _PADDING:
         text = f"no {kind.__name__} in CDR: {len(payload)} bytes, of which it would have {buffer.tell()}"
         raise MessageError("shape", text)
     return message

@@ -147,7 +147,6 @@ class GivingWay:
         if left <= NEAR * self._radius:
             self._look_beside(tick, position, peers)
             return
-        self._beside = {}
         if not self._is_held(tick, left) or not stuck:
             return
         jam = _jam(position, self._radius, peers)

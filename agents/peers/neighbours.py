@@ -97,8 +97,7 @@ class Neighbours:
             self._keep(state.robot, state)
         else:
             self._states[state.robot] = state
-        if self.standing:
-            self.standing.pop(state.robot, None)
+        self.standing.pop(state.robot, None)
         return True
 
     def on_roster(self, roster: Roster) -> None:
@@ -155,8 +154,6 @@ class Neighbours:
 
     def moving(self) -> list[PeerState]:
         """The newest States of peers that are not static."""
-        if not self.standing:
-            return self.heard()
         return [state for state in self.heard() if state.robot not in self.standing]
 
     def disks(self) -> list[Peer]:

@@ -18,7 +18,7 @@ from protocol.crowd import slack_of
 from protocol.geometry import Disk as Circle
 from protocol.geometry import Shape, points_of
 from protocol.kernel.ledger import Ledger
-from protocol.kernel.records import ANNOUNCED, NO, PRESENT, Binding, DiskRecord, Held, Told
+from protocol.kernel.records import NO, PRESENT, Binding, DiskRecord, Held, Told
 from protocol.line import ROUNDING, Line
 from protocol.messages import Command, Grants, Vector
 from protocol.messages import ListedBinding as Listing
@@ -153,8 +153,6 @@ class Keeper:
         if finite:
             self._part()
         for robot, disk in self._ledger.disks.items():
-            if disk.phase == ANNOUNCED:
-                self._is_ready(disk, disk.held.regions[0][1])
             if disk.life == NO or not (disk.still or finite):
                 continue
             around = disk.held.regions[0][1].shape.around
@@ -232,7 +230,7 @@ class Keeper:
                 gap = min(
                     distance(ours, theirs) for ours in _shapes(one.held) for theirs in _shapes(other.held)
                 )
-                if gap > _PARTED * self._slack and other.phase == PRESENT:
+                if gap > _PARTED * self._slack:
                     ledger.part(one, other)
                     self._change(robot, peer)
 

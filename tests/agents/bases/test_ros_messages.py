@@ -114,3 +114,5 @@ def test_damaged_payloads_are_refused(name: str, data: st.DataObject) -> None:
     decode(kind, payload + bytes(3))  # which some fill the last word with
     with pytest.raises(MessageError, match=f"{len(payload) + 4} bytes, of which"):
         decode(kind, payload + bytes(4))
+    with pytest.raises(MessageError, match="utf-8"):
+        decode(Header, Header(0, 0, "é").serialize().replace("é".encode(), b"\xff\xff"))

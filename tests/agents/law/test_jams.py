@@ -10,6 +10,7 @@ from agents.peers.state import PeerState
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
 from protocol.geometry import ConvexPolygon
+from protocol.messages import Vector
 from protocol.scenario.file import validated
 from protocol.scenario.model import Control, Obstacle, RobotSpec, Scenario, Time, Workspace
 
@@ -33,16 +34,26 @@ def ring(robots: int, gamma: float = 1.0) -> list[PeerState]:
     ]
 
 
+def pressed(own: int, places: dict[int, Vector], *, stuck: bool = True) -> GivingWay:
+    """A robot that has stood in a crowd for JAM."""
+    jams = GivingWay(own, R, LAP * STEP, STEP)
+    others = [state(robot, *place) for robot, place in places.items() if robot != own]
+    for tick in range(int(JAM * LAP) + 2):
+        if jams.yielding(tick, FAR) is None:
+            jams.look_in_the_open(tick, places[own], 0.9, others, stuck=stuck)
+    return jams
+
+
 def test_all_but_one_of_a_crowd_spread_and_stand_for_a_while() -> None:
-    places = {1: (0.1, 0.0)} | {peer.robot: (peer.x, peer.y) for peer in ring(CROWD)}
+    places = {1: (0.1, 0.0)} | {peer.robot: (peer.x, peer.y) for peer in ring(CROWD - 1)}
+    now = int(JAM * LAP) + 2
+    few = dict(list(places.items())[1:])
+    assert all(pressed(own, few).yielding(now, FAR) is None for own in few)
     went = []
     for own, (x, y) in places.items():
-        jams = GivingWay(own, R, LAP * STEP, STEP)
-        others = [state(robot, *place) for robot, place in places.items() if robot != own]
-        for tick in range(int(JAM * LAP) + 2):
-            if jams.yielding(tick, FAR) is None:
-                jams.look_in_the_open(tick, (x, y), 0.9, others, stuck=True)
-        back = jams.yielding(int(JAM * LAP) + 2, FAR)
+        assert pressed(own, places, stuck=False).yielding(now, FAR) is None
+        jams = pressed(own, places)
+        back = jams.yielding(now, FAR)
         if back is None:
             went.append(own)
         else:

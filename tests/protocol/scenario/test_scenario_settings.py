@@ -50,6 +50,7 @@ def test_settings(setting: str, path: tuple[str | int, ...], value: object) -> N
         ("=3", "a path is made of"),
         ("control.k=[1", "not a TOML value"),
         ("control.k=", "not a TOML value"),
+        ("control.k=" + 10_000 * "[", "not a TOML value"),
         ("seed=1\nname='x'", "more than one TOML value"),
     ],
 )

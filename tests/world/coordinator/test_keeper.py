@@ -79,6 +79,7 @@ def test_a_life_that_is_over_stands_for_the_others_until_the_next_has_a_line_wit
         (asked,) = (each for each in told.bindings if each.first is None)
         assert (asked.peer, asked.static) == (2, False)
         obey(keeper, robot, told)
+        assert all(each.first is not None for each in news(keeper, robot).bindings)
     keeper.advance({})
     told = news(keeper, 2)
     assert told.number > told.life
@@ -96,6 +97,9 @@ def test_a_disk_appears_once_every_life_keeps_clear_of_its_place() -> None:
         assert not keeper.appear(-2)
         obey(keeper, robot, news(keeper, robot))
     assert keeper.appear(-2)
+    keeper.rejoin(3)
+    keeper.advance({})
+    assert -2 in {each.peer for each in news(keeper, 3).bindings}
 
 
 def test_a_disk_does_not_appear_where_one_stands() -> None:
