@@ -156,13 +156,12 @@ class Exchange:
         return self.told
 
     def fenced(self, halted: bool) -> dict[int, Tick]:
-        """Ticks that inform awaited robots of their fencing. They bypass `Interest`, whose state must not
-        depend on how often these are sent. A live incarnation receives nothing before the tick opens: its
-        last Command is not settled yet."""
+        """Ticks that inform robots of their fencing while the run waits. They bypass `Interest`, whose state
+        must not depend on how often these are sent. A live incarnation receives nothing before the tick
+        opens: its last Command is not settled yet."""
         lives = self._lives
-        awaited = lives.awaited if lives.founded else frozenset()
-        ticks = self._ticks(dict.fromkeys(lives.of, lives.up), {}, halted) if awaited else {}
-        return {robot: tick for robot, tick in ticks.items() if robot in awaited and lives.of[robot].fenced}
+        ticks = self._ticks(dict.fromkeys(lives.of, lives.up), {}, halted)
+        return {robot: tick for robot, tick in ticks.items() if lives.of[robot].fenced}
 
     def _ticks(
         self, heard: Mapping[int, tuple[int, ...]], sensed: Mapping[int, Sense], halted: bool

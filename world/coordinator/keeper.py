@@ -123,8 +123,8 @@ class Keeper:
     def acknowledge(self, command: Command) -> None:
         """Record the region and bindings that the present life of a robot obeys."""
         robot = command.robot
-        disk = self._ledger.disks.get(robot)
-        if disk is None or disk.life == NO:
+        disk = self._ledger.disks[robot]
+        if disk.life == NO:
             return
         self._known[robot] = max(self._known.get(robot, 0), command.version)
         if disk.held.acknowledged < command.region <= disk.held.granted and command.region > disk.life:
@@ -150,8 +150,7 @@ class Keeper:
     def advance(self, places: Mapping[int, Vector]) -> None:
         """Grant the needed regions, given last known positions (m, by id), and bind the required pairs."""
         finite = self._slack < math.inf
-        if finite:
-            self._part()
+        self._part()
         for robot, disk in self._ledger.disks.items():
             if disk.life == NO or not (disk.still or finite):
                 continue
@@ -180,8 +179,8 @@ class Keeper:
             self._change(disk.name, *peers)
 
     def _is_ready(self, disk: DiskRecord[Region], wanted: Region) -> bool:
-        """Whether every other disk is tied to this one, or disjoint from its new region and, while static,
-        its place; otherwise bind it, or request a first line.
+        """Whether every other disk is tied to this one, or disjoint from its new region, which contains its
+        place while it is static; otherwise bind it, or request a first line.
         """
         ledger, geometry, ready = self._ledger, self._geometry, True
         for name in geometry.around(disk, wanted):
@@ -189,8 +188,7 @@ class Keeper:
             one, two = (other, disk) if disk.life == NO else (disk, other)
             if other is disk or other.phase != PRESENT or ledger.tied(one, two):
                 continue
-            left_apart = not disk.still or geometry.apart(other.held, disk.held)
-            if left_apart and geometry.clear(other.held, wanted):
+            if geometry.clear(other.held, wanted):
                 continue
             if one.life == NO or not self._bind(one, two):
                 ready = False
@@ -243,8 +241,8 @@ class Keeper:
 
     def bound(self, robot: int) -> Iterable[int]:
         """Robots to which the present life of a robot is bound, by the grants in its Tick."""
-        disk = self._ledger.disks.get(robot)
-        if disk is None or disk.life == NO:
+        disk = self._ledger.disks[robot]
+        if disk.life == NO:
             return ()
         if robot not in self._bound:
             self._bound[robot] = {each.peer for each in self._ledger.told(disk).bindings if each.peer > 0}
@@ -252,8 +250,8 @@ class Keeper:
 
     def news(self, robot: int) -> Grants | None:
         """Grants for the present life of a robot; None if it has the newest."""
-        disk = self._ledger.disks.get(robot)
-        if disk is None or disk.life == NO or self._known.get(robot, 0) >= self._changed.get(robot, 0):
+        disk = self._ledger.disks[robot]
+        if disk.life == NO or self._known.get(robot, 0) >= self._changed.get(robot, 0):
             return None
         return _message(self._ledger.told(disk))
 

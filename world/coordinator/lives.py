@@ -246,7 +246,7 @@ class Lives:
 
     def dismiss(self, robot: int) -> None:
         """Send no more Ticks to the notified process of a removed robot."""
-        if robot in self.of and self.roster.status(robot) in ("gone", "appearing"):
+        if self.roster.status(robot) in ("gone", "appearing"):
             self.of[robot].joined = False
 
     def _stand(self, tick: int, robot: int, position: Vector, bound: float) -> None:

@@ -149,7 +149,7 @@ class Admissions:
                 slot.session = join.session  # it lost its slot while the scenario paused it
                 return self._admission(robot)
             world.lost(robot)  # as the process reports
-        elif life.goes_on or slot.session not in ("", join.session):
+        elif life.goes_on:
             world.lost(robot, "showed no sign of life after it was admitted; another process came")
         try:
             world.join(robot)

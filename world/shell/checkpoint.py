@@ -247,8 +247,6 @@ def _whole(content: bytes) -> tuple[int, bytes] | None:
     """Number and payload at a place; None if they are damaged."""
     number, size, _ = _FRAME.unpack_from(content)
     framed = bytearray(content[: _FRAME.size + size])
-    if not number or len(framed) < _FRAME.size + size:
-        return None
     _frame(number, framed)
     return (number, content[_FRAME.size :][:size]) if content.startswith(framed) else None
 

@@ -68,6 +68,7 @@ def test_a_life_that_is_over_stands_for_the_others_until_the_next_has_a_line_wit
     keeper.advance({})
     obey_all(keeper)
     keeper.fence(2, Disk(0.05, 0.0, 0.04))
+    assert keeper.news(2) is None
     (peer,) = (each for each in news(keeper, 1).bindings if each.peer == 2)
     assert (peer.static, peer.points) == (True, ((0.05, 0.0),))
     obey_all(keeper)
@@ -171,7 +172,22 @@ def test_a_first_line_that_was_not_asked_for_changes_nothing() -> None:
     keeper = founded(fleet())
     keeper.advance({})
     obey_all(keeper)
-    version = keeper.version
-    told = Grants(1, version, 0, None, ())
-    obey(keeper, 1, told, FirstLine(1, 1.0, 0.0, 0.0), FirstLine(10**6, 1.0, 0.0, 0.0))
+    keeper.fence(2, Disk(0.05, 0.0, 0.04))
+    keeper.rejoin(2)
+    keeper.advance({})
+    (asked,) = (each.number for each in news(keeper, 1).bindings if each.first is None)  # not 2
+    version, told = keeper.version, news(keeper, 2)
+    obey(keeper, 2, told, *(FirstLine(number, 1.0, 0.0, 0.0) for number in (1, asked, 10**6)))
     assert keeper.version == version
+
+
+def test_a_robot_waits_for_one_that_holds_regions_on_both_sides_of_it() -> None:
+    keeper = founded(fleet(0.1), live=(1, 2))
+    keeper.advance(PLACES)
+    obey_all(keeper)
+    for robot, place in ((1, (0.3, 0.0)), (2, (0.14, 0.0))):
+        keeper.advance(PLACES | {1: (0.3, 0.0), robot: place})
+    assert keeper.news(2) is None
+    obey_all(keeper)
+    keeper.advance(PLACES | {1: (0.3, 0.0), 2: (0.14, 0.0)})
+    assert news(keeper, 2).region == pytest.approx((0.14, 0.0, 0.09))

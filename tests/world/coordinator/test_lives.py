@@ -60,8 +60,14 @@ def test_a_lost_robot_that_is_started_again_is_waited_for():
     assert world.open_tick().keys() == {1, 2}
     world.lost(1)
     world.lives.expect(1)
-    world.give_up_waiting(1)
+    world.give_up_waiting(1, "is late")
     assert world.open_tick()[2].active == (2,)
+    assert result_of(world)["faults"]["given_up"][0]["reason"] == "is late"
+    advance(world)
+    world.join(1)
+    world.lives.fence(world.tick + FENCE, 1, place(world, 1), 0.0)  # before it begins
+    assert world.open_tick()[1].grants is None
+    assert not world.lives.keeper.lives(1)
 
 
 def test_a_live_robot_that_sends_nothing_is_fenced_too():
@@ -173,3 +179,4 @@ def test_a_robot_that_never_starts_is_a_disk_that_stands():
     assert world.open_tick().keys() == {1}
     advance_to(world, FENCE)
     assert world.lives.roster.standing == (Standing(2, 0, (-0.1, -0.1)),)
+    assert not world.lives.keeper.lives(2)
