@@ -10,7 +10,7 @@ from protocol.errors import JoinError
 from protocol.messages import Command
 from protocol.scenario.body import Actuation
 from protocol.scenario.model import Obstacle, Operation, Sensing
-from tests.world.driving import STEP, advance, joined, play, toward, two
+from tests.world.driving import advance, joined, play, toward, two
 from world.report import result_of
 from world.world import WorldCore
 
@@ -46,18 +46,6 @@ def test_measurements_lead_from_truth_to_truth_bit_for_bit():
             assert truth[robot] == (before[robot][0] + dx, before[robot][1] + dy)
         before = truth
         advance(world, toward(world, setting))
-
-
-def test_missing_commands_mean_standing_still_and_are_counted():
-    world = joined(two())
-    told = world.open_tick()
-    world.accept(Command(2, told[2].incarnation, 0, (0.1, 0.0)))
-    assert world.exchange.waiting == {1}
-    world.close_tick()
-    truth = world.truth
-    assert truth.positions[0] == (-0.1, 0.1)
-    assert truth.positions[1] == (-0.1 + 0.1 * STEP, -0.1)
-    assert result_of(world)["missed_commands"] == 1
 
 
 def follow_measurements(seed, reverse=False):

@@ -64,8 +64,7 @@ class Keeper:
 
     def lives(self, robot: int) -> bool:
         """Whether a robot's disk has a life, which may move it."""
-        disk = self._ledger.disks.get(robot)
-        return disk is not None and disk.life != NO
+        return self._ledger.disks[robot].life != NO
 
     def rejoin(self, robot: int) -> None:
         """Begin a life of a static disk."""
@@ -127,7 +126,7 @@ class Keeper:
         if disk.life == NO:
             return
         self._known[robot] = max(self._known.get(robot, 0), command.version)
-        if disk.held.acknowledged < command.region <= disk.held.granted and command.region > disk.life:
+        if disk.held.acknowledged < command.region <= disk.held.granted:
             self._ledger.acknowledge(disk, command.region)
             self._moved.add(robot)
         for first in command.firsts:

@@ -62,10 +62,9 @@ class Processes(msgspec.Struct):
 
     def admit(self, robot: int, session: str, before: Fate) -> None:
         """Note the newest process of a robot; `before` is the fate of the one before it."""
-        earlier = self.newest.get(robot, "")
-        if before and earlier not in ("", session):
+        if before:
             fates = self.over.setdefault(robot, {})
-            fates[earlier] = before
+            fates[self.newest.get(robot, "")] = before
             if len(fates) > _KEPT:
                 del fates[next(iter(fates))]
         self.newest[robot] = session

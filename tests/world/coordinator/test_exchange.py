@@ -131,20 +131,6 @@ def test_the_summary_says_where_everybody_was_sensed() -> None:
     assert np.allclose(np.frombuffer(interest.summary.gammas, "<f4"), away)
 
 
-def test_a_tick_names_a_robot_that_takes_no_part_no_more() -> None:
-    world = joined(four(1.0))
-    ids = world.scenario.ids
-    for _ in range(LEAD):
-        world.open_tick()
-        for robot in ids:
-            assert world.accept(Command(robot, 1, world.tick, (0.0, 0.0)))
-        world.close_tick()
-    assert {each.active for each in world.open_tick().values()} == {ids}
-    assert world.lost(4)
-    told = world.open_tick()
-    assert [told[robot].active for robot in ids[:3]] == [ids[:3]] * 3
-
-
 @pytest.mark.parametrize("moves", [0.0, 0.2])  # m/s as its process dies: at rest, or not before some ticks
 def test_a_later_life_awaits_only_peers_that_its_grants_name(moves: float) -> None:
     """Its ledger entry is that of the life before until the disk is certainly static."""

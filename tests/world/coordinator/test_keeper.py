@@ -60,6 +60,7 @@ def test_in_a_small_fleet_all_are_bound_as_the_run_begins_and_may_be_anywhere() 
     first = next(each.first for each in told.bindings if each.peer == 2)
     assert first == (pytest.approx(1.0), pytest.approx(0.0), pytest.approx(0.0))
     obey(keeper, 1, told)
+    keeper.advance({})
     assert keeper.news(1) is None
 
 
@@ -175,19 +176,40 @@ def test_a_first_line_that_was_not_asked_for_changes_nothing() -> None:
     keeper.fence(2, Disk(0.05, 0.0, 0.04))
     keeper.rejoin(2)
     keeper.advance({})
-    (asked,) = (each.number for each in news(keeper, 1).bindings if each.first is None)  # not 2
-    version, told = keeper.version, news(keeper, 2)
-    obey(keeper, 2, told, *(FirstLine(number, 1.0, 0.0, 0.0) for number in (1, asked, 10**6)))
+    told = news(keeper, 1)
+    (asked,) = (each.number for each in told.bindings if each.first is None)  # not 2
+    version = keeper.version
+    firsts = (FirstLine(number, 1.0, 0.0, 0.0) for number in (1, asked, 10**6))
+    obey(keeper, 2, news(keeper, 2), *firsts)
     assert keeper.version == version
+    for _ in range(2):  # repeated, until it is told
+        obey(keeper, 1, told)
+        assert keeper.version == version + 1
 
 
 def test_a_robot_waits_for_one_that_holds_regions_on_both_sides_of_it() -> None:
     keeper = founded(fleet(0.1), live=(1, 2))
     keeper.advance(PLACES)
     obey_all(keeper)
+    keeper.advance(PLACES)
+    assert keeper.news(1) is keeper.news(2) is None
     for robot, place in ((1, (0.3, 0.0)), (2, (0.14, 0.0))):
         keeper.advance(PLACES | {1: (0.3, 0.0), robot: place})
     assert keeper.news(2) is None
     obey_all(keeper)
     keeper.advance(PLACES | {1: (0.3, 0.0), 2: (0.14, 0.0)})
     assert news(keeper, 2).region == pytest.approx((0.14, 0.0, 0.09))
+    assert 2 in {each.peer for each in news(keeper, 1).bindings}
+
+
+def test_a_static_disk_is_restricted_to_a_smaller_place_inside_its_own() -> None:
+    keeper = founded(fleet(), live=(1,))
+    keeper.advance({})
+    obey_all(keeper)
+    version = keeper.version
+    for place in (Disk(0.1, 0.0, 0.04), Disk(0.12, 0.0, 0.03)):
+        keeper.settle(2, place)
+        assert keeper.version == version
+    keeper.settle(2, Disk(0.11, 0.0, 0.03))
+    (peer,) = (each for each in news(keeper, 1).bindings if each.peer == 2)
+    assert (peer.points, peer.radius) == (((0.11, 0.0),), 0.03)

@@ -29,9 +29,11 @@ def place(world: WorldCore, robot: int) -> tuple[float, float]:
 
 def test_a_lost_robot_stands_and_is_fenced_after_its_silence():
     world = joined(two(time=PATIENT))
-    advance_to(world, 3)
-    world.lost(2)
+    advance_to(world, 2)
     stood = place(world, 2)
+    world.open_tick()
+    world.accept(Command(2, 1, 2, (0.02, 0.0)))
+    world.lost(2)
     advance_to(world, 2 + FENCE)
     assert (world.exchange.active, world.lives.roster.standing) == ((1,), ())
     advance_to(world, 3 + FENCE)
@@ -44,6 +46,7 @@ def test_a_lost_robot_stands_and_is_fenced_after_its_silence():
     advance_to(world, 20)
     assert place(world, 2) == stood
     assert result_of(world)["rejected_commands"] == {"fenced": 1}
+    assert result_of(world)["missed_commands"] == 1
     assert result_of(world)["faults"]["fenced"] == [{"robot": 2, "incarnation": 1, "tick": 3 + FENCE}]
 
 
@@ -56,6 +59,8 @@ def test_a_lost_robot_that_is_started_again_is_waited_for():
     world.lives.expect(2)
     assert world.lives.awaited == {2}
     assert world.open_tick() == {}  # its process, if it lives on, could take part otherwise
+    with pytest.raises(RuntimeError, match="tick 3 is not open"):
+        world.close_tick()
     assert world.join(2) == 2
     assert world.open_tick().keys() == {1, 2}
     world.lost(1)
@@ -142,19 +147,6 @@ def test_a_long_pause_ends_in_a_new_life():
     assert world.lives.roster.standing == (Standing(2, 1, place(world, 2)),)
     assert world.join(2) == 2
     assert world.open_tick()[1].active == (1, 2)
-
-
-def test_restart_waits_for_a_new_life():
-    world = faulty((2, 3, "restart"))
-    advance_to(world, 3)
-    assert world.open_tick() == {}
-    assert world.open_tick() == {}
-    assert world.lives.awaited == {2}
-    with pytest.raises(RuntimeError, match="tick 3 is not open"):
-        world.close_tick()
-    assert world.join(2) == 2
-    assert world.open_tick().keys() == {1, 2}
-    assert len(result_of(world)["faults"]["process"]) == 1
 
 
 @pytest.mark.parametrize("event", ["kill", "pause", "restart"])

@@ -72,6 +72,7 @@ def test_an_obstacle_appears_once_everybody_keeps_clear_of_it() -> None:
         assert found.accept(obeying(told[robot], clear=clear))
     found.close_tick()
     assert statuses(found) == {2: "appearing"}
+    assert WorldCore(found.scenario, found.past).lives.settle()  # where all stand until they have joined
     advance(found)
     assert statuses(found) == {2: "standing"}
 

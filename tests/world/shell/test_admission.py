@@ -122,6 +122,7 @@ def test_a_process_that_lost_its_seat_while_the_scenario_held_it_still_goes_on()
     assert isinstance(desk.ask("first"), Wait)
     desk.run.world.lives.of[1].resume()
     assert desk.admitted("first") == 1
+    assert not desk.admissions.is_present(1)
     desk.leave()
     desk.run.world.lives.of[1].pause()
     desk.run.world.lives.of[1].resume()

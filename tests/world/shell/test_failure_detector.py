@@ -181,6 +181,9 @@ def test_lockstep_waits_for_so_many_next_lives(lockstep: bool, restarts: int, li
         watch.come(2, f"life {life}")
         assert watch.gathered() is not None
         watch.turn.opened = True
+    watch.close()
+    watch.turn.world.lives.of[2].restart()
+    assert (watch.gathered() is None) == lockstep
 
 
 def test_the_next_life_is_not_waited_for_for_ever() -> None:
