@@ -18,7 +18,7 @@ from protocol.crowd import slack_of
 from protocol.geometry import Disk as Circle
 from protocol.geometry import Shape, points_of
 from protocol.kernel.ledger import Ledger
-from protocol.kernel.records import NO, PRESENT, Binding, DiskRecord, Held, Told
+from protocol.kernel.records import ANNOUNCED, NO, PRESENT, Binding, DiskRecord, Held, Told
 from protocol.line import ROUNDING, Line
 from protocol.messages import Command, Grants, Vector
 from protocol.messages import ListedBinding as Listing
@@ -151,6 +151,8 @@ class Keeper:
         finite = self._slack < math.inf
         self._part()
         for robot, disk in self._ledger.disks.items():
+            if disk.phase == ANNOUNCED:
+                self._is_ready(disk, disk.held.regions[0][1])
             if disk.life == NO or not (disk.still or finite):
                 continue
             around = disk.held.regions[0][1].shape.around
