@@ -14,7 +14,7 @@ import math
 import os
 import zlib
 from pathlib import Path
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import msgspec
 import numpy as np
@@ -27,6 +27,7 @@ from protocol.scenario.model import Scenario
 EMPTY, FALLS = 255, 254  # leaves of the branching; other bytes are halved rows
 FORMAT = "disknav certificate 2"
 SUFFIX = ".certificate.json"
+MOST_ROBOTS = 7  # each box is examined for every set of robots
 BLOCKED = "goals that touch, overlap or are not inside the workspace have no certificate"
 
 
@@ -37,7 +38,7 @@ class ProofError(DocumentError):
 class GoalSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The certified goals, radii and workspace, by robot id, m."""
 
-    goals: tuple[tuple[float, float], ...]
+    goals: Annotated[tuple[tuple[float, float], ...], msgspec.Meta(max_length=MOST_ROBOTS)]
     radii: tuple[float, ...]
     workspace: float
 

@@ -16,7 +16,7 @@ from msgspec import UNSET
 
 from deploy.output import bar
 from deploy.theory.certify.boxes import scene_of
-from deploy.theory.certify.certificate import BLOCKED, Certificate, GoalSet, Trial, fetch, store
+from deploy.theory.certify.certificate import BLOCKED, MOST_ROBOTS, Certificate, GoalSet, Trial, fetch, store
 from deploy.theory.certify.search import Search
 from protocol.errors import UsageError
 from protocol.process.signals import STOP, Stopped
@@ -83,8 +83,10 @@ def certify(
 
     Raises:
         ProofError: the file is damaged, or belongs to other goals.
-        UsageError: the goals cannot have a certificate.
+        UsageError: the goals cannot have a certificate, or there are too many.
     """
+    if len(scenario.ids) > MOST_ROBOTS:
+        raise UsageError(f"{scenario.name}: no certificate for more than {MOST_ROBOTS} robots")
     goals = GoalSet.of(scenario)
     certificate = fetch(path, goals) if path.exists() else Certificate(goals=goals, scenario=scenario.name)
     until = time.monotonic() + 60.0 * minutes

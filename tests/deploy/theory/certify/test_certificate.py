@@ -114,6 +114,7 @@ BLOCKED = [
     ("forged", "says"),
     [
         *(({"goals": goals}, "touch, overlap") for goals in BLOCKED),
+        ({"goals": GoalSet(PAIR.goals * 4, PAIR.radii * 4, 0.3)}, "is not a certificate"),
         ({"slabs": [Slab(1000.0, 2, 0.0, "eJz7DwABAAEA")]}, "another number of nodes"),
         ({"slabs": [Slab(1000.0, 1, 0.0, "eJz7")]}, "is not a certificate"),
         ({"slabs": [Slab(1000.0, 1, 0.0, "!")]}, "is not a certificate"),
