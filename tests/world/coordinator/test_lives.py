@@ -147,6 +147,8 @@ def test_a_long_pause_ends_in_a_new_life():
     assert world.lives.roster.standing == (Standing(2, 1, place(world, 2)),)
     assert world.join(2) == 2
     assert world.open_tick()[1].active == (1, 2)
+    world.close_tick()
+    assert world.lives.up == (1, 2)  # its silence has begun
 
 
 @pytest.mark.parametrize("event", ["kill", "pause", "restart"])

@@ -56,7 +56,7 @@ def world() -> WorldCore:
 
 
 def statuses(found: WorldCore) -> dict[int, str]:
-    return {each.number: each.status for each in found.lives.obstacles.changes}
+    return {each.number: each.status for each in found.lives.roster.message.obstacles}
 
 
 def test_an_obstacle_appears_once_everybody_keeps_clear_of_it() -> None:

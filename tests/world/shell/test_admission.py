@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from protocol.joining import Admission, Finished, Join, Refusal, Reply, Wait
-from protocol.messages import Health
+from protocol.messages import Health, Member
 from tests.world.driving import Stopwatch, two
 from world.coordinator.records import Life, Status
 from world.shell.admission import RESERVATION, Admissions
@@ -218,6 +218,8 @@ def test_all_report_then_all_are_notified() -> None:
     end.report(2, published=4)
     assert end.shutdown.is_reported()
     end.clock.now = 1.5
+    end.run.world.lives.roster.put(Member(3, 0, "appearing", 0.04, (0.0, 0.0)))
+    assert isinstance(end.shutdown.instead(end.ask("early", 3), 3), Wait)
     report = end.shutdown.report(10)
     assert report["messages"]["published"] == 17
     assert report["wall_time"] == 0.0  # up to the verdict
@@ -228,6 +230,8 @@ def test_all_report_then_all_are_notified() -> None:
     assert end.told() == {2}
     assert not end.shutdown.is_over()
     assert end.report(2) == Finished("aborted")
+    assert not end.shutdown.is_over()
+    assert end.shutdown.instead(end.ask("early", 3), 3) == Finished("aborted")
     assert end.shutdown.is_over()
 
 

@@ -7,7 +7,7 @@ import pytest
 from protocol.joining import Join
 from protocol.messages import Command, Tick
 from tests.world.driving import Stopwatch, two
-from world.shell.admission import Admissions
+from world.shell.admission import CHANCES, Admissions
 from world.shell.failure_detector import FailureDetector
 from world.shell.pacing import REPEAT, Pacing
 from world.shell.run import JudgedRun, Phase
@@ -81,6 +81,7 @@ def test_no_tick_opens_before_all_have_joined_and_show_their_tokens() -> None:
     watch.admissions.enlist(Join(2, "b"))
     assert watch.gathered() is None
     watch.failures.arrive(2, "b")
+    assert watch.told == []
     assert watch.gathered() == {1, 2}
 
 
@@ -121,11 +122,15 @@ def test_within_the_grace_a_token_comes_back_and_the_tick_is_told_again() -> Non
     assert watch.said == []
 
 
-def test_after_the_grace_it_is_given_up() -> None:
-    watch = Watch(grace=GRACE)
+def test_after_the_grace_it_is_given_up_and_an_open_tick_of_real_time_ends_meanwhile() -> None:
+    watch = Watch(grace=GRACE, lockstep=False)
     watch.open()
     watch.miss(2)
     watch.go_by(0.9 * GRACE)
+    assert watch.pacing.waited() == 0.9 * GRACE
+    watch.close()
+    watch.go_by(0.0)
+    assert watch.pacing.waited() == 0.0
     assert watch.turn.world.exchange.active == (1, 2)
     watch.go_by(0.2 * GRACE)
     assert watch.turn.world.exchange.active == (1,)
@@ -139,12 +144,19 @@ def test_while_one_is_missing_no_other_is_given_up() -> None:
     for _ in range(20):
         watch.go_by(PATIENCE)
     assert watch.turn.world.exchange.active == (1, 2)
+    watch.close()
+    watch.told.clear()
+    assert watch.gathered() is None
+    assert watch.told == [{}]  # the next tick has not begun
 
 
-@pytest.mark.parametrize(("session", "active"), [("session 2", (1, 2)), ("another", (1,))])
+@pytest.mark.parametrize(
+    ("session", "active"), [("session 2", (1, 2)), ("blamed", (1, 2)), ("another", (1,))]
+)
 def test_another_process_takes_the_seat_of_one_that_is_missing(session: str, active: tuple[int, ...]) -> None:
     watch = Watch(grace=GRACE)
     watch.open()
+    watch.admissions.slots[2].blamed["blamed"] = CHANCES
     watch.failures.supersede(Join(2, "another"))
     assert watch.turn.world.exchange.active == (1, 2)  # its token is there
     watch.miss(2)
@@ -162,6 +174,7 @@ def test_an_open_tick_is_told_again_before_anybody_is_given_up() -> None:
     watch.go_by(0.1)
     assert watch.turn.world.exchange.active == (1,)
     assert watch.admissions.slots[2].blamed == {"session 2": 1}
+    assert watch.pacing.waited() == 0.0  # the others have as long again
     assert watch.admissions.is_present(2)  # it hangs, though its session lives
     assert len(watch.said) == 1
 
@@ -183,7 +196,7 @@ def test_lockstep_waits_for_so_many_next_lives(lockstep: bool, restarts: int, li
         watch.turn.opened = True
     watch.close()
     watch.turn.world.lives.of[2].restart()
-    assert (watch.gathered() is None) == lockstep
+    assert (watch.gathered() is None) == lockstep == bool(watch.told)
 
 
 def test_the_next_life_is_not_waited_for_for_ever() -> None:
