@@ -75,26 +75,18 @@ def test_a_lost_robot_that_is_started_again_is_waited_for():
     assert not world.lives.keeper.lives(1)
 
 
-def test_a_live_robot_that_sends_nothing_is_fenced_too():
+def test_a_live_robot_is_fenced_unless_it_sends_a_command_in_time():
     world = joined(two(time=PATIENT))
-    for tick in range(FENCE):
+    for tick in range(11 * FENCE):
         assert world.open_tick()[1].active == (1, 2)
         world.accept(Command(1, 1, tick, (0.0, 0.0)))
+        if tick % FENCE == FENCE - 1 and tick < 10 * FENCE:
+            assert world.accept(Command(2, 1, tick, (0.0, 0.0)))
+        assert world.lives.roster.standing == ()
         world.close_tick()
     assert [down.robot for down in world.lives.roster.standing] == [2]
     assert world.open_tick()[1].active == (1,)
-    assert result_of(world)["missed_commands"] == FENCE
-
-
-def test_one_command_in_time_keeps_a_robot_from_being_fenced():
-    world = joined(two(time=PATIENT))
-    for tick in range(10 * FENCE):
-        world.open_tick()
-        world.accept(Command(1, 1, tick, (0.0, 0.0)))
-        if tick % FENCE == FENCE - 1:
-            assert world.accept(Command(2, 1, tick, (0.0, 0.0)))
-        world.close_tick()
-    assert world.lives.roster.standing == ()
+    assert result_of(world)["missed_commands"] == 11 * FENCE - 10
 
 
 def test_joining_in_an_open_tick_takes_part_from_the_next_one():
