@@ -102,6 +102,16 @@ def test_joining_in_an_open_tick_takes_part_from_the_next_one():
     assert world.exchange.active == (1, 2)
 
 
+def test_a_life_begins_once_its_disk_was_reported_at_rest():
+    world = joined(two(time=PATIENT))
+    advance(world)
+    world.lost(2)
+    world.join(2)
+    for unsettled in ({2}, set()):
+        assert world.lives.begin({2: place(world, 2)}, {}, unsettled) == ""
+        assert world.lives.keeper.lives(2) == (not unsettled)
+
+
 def test_kill_excludes_from_its_tick_on_and_the_dead_are_told_nothing():
     world = faulty((2, 5, "kill"))
     advance_to(world, 5)

@@ -7,7 +7,7 @@ import pytest
 from protocol import messages
 from protocol.messages import Member
 from protocol.scenario.model import Obstacle as Listed
-from protocol.scenario.model import Operation, Workspace
+from protocol.scenario.model import Operation, RobotSpec, Workspace
 from tests.world.driving import advance, joined, obeying, scenario, two
 from world.coordinator.roster import RosterDirectory
 from world.report import result_of
@@ -75,6 +75,8 @@ def test_an_obstacle_appears_once_everybody_keeps_clear_of_it() -> None:
     assert WorldCore(found.scenario, found.past).lives.settle()  # where all stand until they have joined
     advance(found)
     assert statuses(found) == {2: "standing"}
+    assert found.operate(Operation(add=RobotSpec(3, 0.04, (0.3, 0.3), (0.3, 0.3)))).accepted
+    assert WorldCore(found.scenario, found.past).scenario.ids == (1, 2, 3)
 
 
 def test_what_the_scenario_lists_can_go_and_leaves_the_judge() -> None:
