@@ -2,7 +2,6 @@
 
 import math
 import time
-from unittest.mock import Mock, patch
 
 import pytest
 
@@ -98,11 +97,6 @@ def test_people_see_a_robot_stop_it_and_send_it(dialect, caplog):
     assert caplog.messages == [f"robot-1: bot1/disknav/stop says {what}" for what in ("stop; stands", "go")]
     person.go(50.0, 0.0)
     stage.play(lambda: any("a goal is refused" in text for text in caplog.messages))
-
-    base = Mock(hears=(), heading=0.0, due=math.inf, begin=Mock(return_value=None))
-    with patch.object(stage.fleet.robots[1].node, "_base", base):
-        person.stop(Flag(True).serialize())
-        stage.play(lambda: base.stand.called)  # whether or not there is a Tick
 
 
 def test_what_is_no_message_is_ignored_counted_and_said_once(caplog):
