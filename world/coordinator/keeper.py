@@ -126,7 +126,7 @@ class Keeper:
         if disk.life == NO:
             return
         self._known[robot] = max(self._known.get(robot, 0), command.version)
-        if disk.held.acknowledged < command.region <= disk.held.granted:
+        if max(disk.held.acknowledged, disk.life) < command.region <= disk.held.granted:
             self._ledger.acknowledge(disk, command.region)
             self._moved.add(robot)
         for first in command.firsts:

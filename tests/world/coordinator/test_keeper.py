@@ -157,6 +157,15 @@ def test_what_was_never_granted_cannot_be_obeyed() -> None:
         assert keeper.refuses(Command(1, 1, 0, (0.0, 0.0), version=version, region=region))
 
 
+def test_a_number_from_before_the_life_is_no_region_that_it_obeys() -> None:
+    keeper = founded(fleet(0.05), live=(1,))
+    keeper.advance({})
+    told, held = news(keeper, 1), keeper._ledger.disks[1].held
+    before = held.regions
+    keeper.acknowledge(Command(1, 1, 0, (0.0, 0.0), version=told.version, region=told.life))
+    assert held.regions == before, "its place is held until it obeys another region"
+
+
 def test_a_first_line_that_was_not_asked_for_changes_nothing() -> None:
     keeper = founded(fleet())
     keeper.advance({})
