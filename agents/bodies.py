@@ -156,10 +156,10 @@ class InertialBody:
     ) -> Vector:
         """A fraction of a command that violates constraints, or a velocity away from them, or to brake."""
         vx, vy = self._motion.velocity
-        away = self._away(command, [*sides, *cuts])
+        backoff = self._backoff(command, [*sides, *cuts])
         targets = [(command, share) for share in _SHARES]
-        if away != STILL:
-            targets += [(away, share) for share in (1.0, *_SHARES)]
+        if backoff != STILL:
+            targets += [(backoff, share) for share in (1.0, *_SHARES)]
         for (x1, y1), share in targets:
             part = (vx + share * (x1 - vx), vy + share * (y1 - vy))
             passed = self._passed(part)
@@ -170,7 +170,7 @@ class InertialBody:
                 return part
         return STILL
 
-    def _away(self, command: Vector, sides: Sequence[HalfPlane]) -> Vector:
+    def _backoff(self, command: Vector, sides: Sequence[HalfPlane]) -> Vector:
         """Straight away from the edges that a command violates."""
         passed = self._passed(command)
         nx = ny = 0.0

@@ -90,7 +90,7 @@ class Estimate:
         if left is None:
             opposite = [side.nx * nx + side.ny * ny for nx, ny in DIRECTIONS]
             gap = -self.shape.extent(-side.nx, -side.ny) - limit
-            self._note(source, self._sources[opposite.index(min(opposite))], gap)
+            self._report(source, self._sources[opposite.index(min(opposite))], gap)
             return False
         self._settle(left, source)
         return True
@@ -204,11 +204,11 @@ class Estimate:
         if self.shape is not None:
             gaps = self._gaps(dx, dy, seen.radius)
             other = self._sources[(gaps.index(gap) + SIDES // 2) % SIDES]
-        self._note(_of(stamp), other, gap)
+        self._report(_of(stamp), other, gap)
         if self._trusting:
             self._begin(seen, stamp)
 
-    def _note(self, one: str, other: str, gap: float) -> None:
+    def _report(self, one: str, other: str, gap: float) -> None:
         self.contradiction = f"{one} and {other} exclude each other by {gap:.2g} m: a stated bound is wrong"
 
 

@@ -38,7 +38,7 @@ def main(
     try:
         bus = ZenohBus(connection)
         node = RobotNode(
-            bus, checked_run(run), robot, wait=wait, namespace=namespace, say=LOG.warning, note=LOG.info
+            bus, checked_run(run), robot, wait=wait, namespace=namespace, warn=LOG.warning, info=LOG.info
         )
         drive(node, bus, beat=beat)
     except JoinError as error:

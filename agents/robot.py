@@ -199,8 +199,8 @@ class Robot:
 
     def complaint(self) -> Command:
         """A Command without a velocity; it lists the robots with missing States."""
-        lacking = tuple(self.hearing.missing[:NAMED])
-        return Command(*self._life, STILL, epoch=self.epoch, roster=self._peers.version, awaits=lacking)
+        missing = tuple(self.hearing.missing[:NAMED])
+        return Command(*self._life, STILL, epoch=self.epoch, roster=self._peers.version, awaits=missing)
 
     def _wish(self, position: Vector) -> Vector:
         """The velocity that the law desires; of a carrier with a waypoint, straight to that."""

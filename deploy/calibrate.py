@@ -27,7 +27,7 @@ from agents.bases.ros_messages import (
 )
 from agents.bases.senses import planar_yaw, wrapped
 from agents.shell.ros_link import RosLink
-from protocol.bus.bus import Bus, Event, Foreign
+from protocol.bus.bus import Bus, Event, RawSample
 from protocol.errors import BusError
 from protocol.scenario.body import Base
 
@@ -85,7 +85,7 @@ class Calibration:
 
     Attributes:
         hears: topics of odometry and poses.
-        deadline: time of the next call of `wake`, s, monotonic.
+        deadline: time of the next call of `on_timer`, s, monotonic.
         finished: whether all manoeuvres are over.
 
     Raises:
@@ -110,7 +110,7 @@ class Calibration:
 
     def handle(self, event: Event) -> None:
         """Process an event."""
-        if isinstance(event, Foreign):
+        if isinstance(event, RawSample):
             self.hear(self._link.topic_of(event), event.payload, time.monotonic())
 
     def hear(self, topic: Topic, payload: bytes, now: float) -> None:
@@ -118,18 +118,18 @@ class Calibration:
         if topic == self.hears[0]:
             message = decode(Odometry, payload)
             ahead, rate = message.velocity.linear[0], message.velocity.angular[2]
-            self._note(self.log.odometry, now, message.pose, ahead, rate)
+            self._append(self.log.odometry, now, message.pose, ahead, rate)
         else:
-            self._note(self.log.poses, now, decode(StampedPose, payload).pose)
+            self._append(self.log.poses, now, decode(StampedPose, payload).pose)
 
-    def _note(self, rows: list[Row], now: float, pose: Pose, *speeds: float) -> None:
+    def _append(self, rows: list[Row], now: float, pose: Pose, *speeds: float) -> None:
         yaw = planar_yaw(pose)
         if yaw is not None:
             last = rows[-1].yaw if rows else 0.0
             x, y, _ = pose.position
             rows.append(Row(now, x, y, last + wrapped(yaw - last), *speeds))
 
-    def wake(self, now: float) -> None:
+    def on_timer(self, now: float) -> None:
         """Publish the command that is due."""
         self.deadline = now + EVERY
         if missing := [topic.name for topic, rows in zip(self.hears, self.log[1:], strict=True) if not rows]:

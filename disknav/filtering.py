@@ -83,11 +83,11 @@ def _inside(at: Floats, velocity: Floats, room: Floats, period: float) -> Floats
 
 def _half_planes(at: Floats, radii: Floats, period: float, workspace: float | None) -> tuple[Floats, Floats]:
     """Of every disk: normals (..., n, m, 2), and the greatest speed along each, m/s."""
-    away = at[..., None, :, :] - at[..., :, None, :]
-    distance = np.hypot(away[..., 0], away[..., 1])
+    offsets = at[..., None, :, :] - at[..., :, None, :]
+    distance = np.hypot(offsets[..., 0], offsets[..., 1])
     gap = distance - radii[..., None, :] - radii[..., :, None]
     own = np.eye(at.shape[-2], dtype=bool)
-    normals = away / np.where(distance > 0.0, distance, 1.0)[..., None]
+    normals = offsets / np.where(distance > 0.0, distance, 1.0)[..., None]
     limits = np.where(own, np.inf, np.maximum(0.5 * gap - _ROOM, 0.0) / period)
     if workspace is not None:
         out = np.hypot(at[..., 0], at[..., 1])

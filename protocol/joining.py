@@ -2,7 +2,7 @@
 
 Both are msgpack maps: the request `{"session": text, "health": Health or nil, "epoch": number}`, the reply
 one of five kinds by its `"reply"`. `"admitted"` has `incarnation`, `lockstep`, `scenario` (maps with the keys
-of a scenario file), `away` (time after which a lost world may return, s), `founded` (whether the run has
+of a scenario file), `grace` (time after which a lost world may return, s), `founded` (whether the run has
 begun) and `epoch` (of the coordinator: Ticks and States of any other are refused); `"refused"` has `text`;
 `"other run"` nothing; `"wait"` has `after`, s, and `text`; `"finished"` has `verdict`. The key alone names
 the robot that asks, so that a router's access rules apply. A monitor's request under `world/scenario` is
@@ -45,7 +45,7 @@ class Admission(msgspec.Struct, frozen=True, tag="admitted", tag_field="reply"):
     incarnation: Count
     lockstep: bool
     scenario: Scenario
-    away: Size = 0.0  # s after which a lost world may still return; 0 if it never does
+    grace: Size = 0.0  # s after which a lost world may still return; 0 if it never does
     founded: bool = False  # whether the run has begun: a later process begins at its disk
     epoch: Epoch = 0  # of the coordinator: messages of any other are refused
 

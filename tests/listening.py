@@ -17,7 +17,7 @@ class _Ear:
         if isinstance(event, Sample):
             self._hear(event.key, event.payload)
 
-    def wake(self, now: float) -> None:
+    def on_timer(self, now: float) -> None:
         """Nothing is due by the wall clock."""
 
 

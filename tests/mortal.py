@@ -88,7 +88,9 @@ class DoomedFleet(MortalFleet):
         try:
             super().start_world()
             node = self.world
-            self.world_bus.node = Proxy(node, handle=self._mortal(node.handle), wake=self._mortal(node.wake))
+            self.world_bus.node = Proxy(
+                node, handle=self._mortal(node.handle), on_timer=self._mortal(node.on_timer)
+            )
         except Death:
             self.kill_world()
             self.start_world()

@@ -66,8 +66,8 @@ def main(
                 gathering=gathering,
                 speed=speed,
                 restarts=restarts,
-                say=LOG.warning,
-                note=LOG.info,
+                warn=LOG.warning,
+                info=LOG.info,
                 checkpoint=kept,
                 tell=tell,
             )
@@ -102,5 +102,5 @@ def _taken(run: str) -> RunTakenError:
 
 def supervised(*arguments: Any) -> int:
     """As `main`; the last argument takes the report as JSON text, also if the network fails."""
-    *others, say = arguments
-    return main(*others, tell=lambda report: say(json.dumps(report)))
+    *others, tell = arguments
+    return main(*others, tell=lambda report: tell(json.dumps(report)))

@@ -47,11 +47,11 @@ def misplaced(scenario: Scenario, robot: int, place: Vector, bound: float) -> st
     """Why a robot at `place`, m, with the error `bound`, cannot begin a run; "" if it can."""
     own = scenario.spec(robot)
     room, what = room_at_start(scenario, robot)
-    away = math.dist(place, own.start)
-    if away + bound <= SHARE * room:
+    distance = math.dist(place, own.start)
+    if distance + bound <= SHARE * room:
         return ""
     x, y = own.start
     return (
-        f"stands {away:.3g} m from its start ({x:g}, {y:g}), known to {bound:.2g} m; "
+        f"stands {distance:.3g} m from its start ({x:g}, {y:g}), known to {bound:.2g} m; "
         f"put it within {max(0.0, SHARE * room - bound):.2g} m, because of {what}"
     )

@@ -28,7 +28,7 @@ class Ros2Base:
     Attributes:
         hears: topics to subscribe to.
         tells: the topic that it publishes.
-        due: time of the next `wake`, s.
+        due: time of the next `on_timer`, s.
         senses: its odometry and poses.
     """
 
@@ -100,14 +100,14 @@ class Ros2Base:
         """Set whether another process drives this base: then its data is not trusted."""
         self._shared = shared
         if shared:
-            self.senses.doubt(f"another process drives {self.tells.name}, of this or another run")
+            self.senses.invalidate(f"another process drives {self.tells.name}, of this or another run")
 
     def stand(self, now: float) -> bytes:
         """Brake, outside of a tick; returns the payload to publish at once."""
         self._drive.command(STILL, self._heading, now, now)
         return self._advance(now)
 
-    def wake(self, now: float) -> bytes:
+    def on_timer(self, now: float) -> bytes:
         """The payload to publish by now."""
         self.senses.look(now)
         if not self.senses.sound and self._drive.told != STILL and not self._blind:

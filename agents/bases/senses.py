@@ -222,12 +222,12 @@ class Senses:
     """Odometry and poses of one robot.
 
     Attributes:
-        note: the fault for which the position is unknown, and the robot stands; "" if none.
+        fault: the one for which the position is unknown, and the robot stands; "" if none.
     """
 
     def __init__(self, scenario: Scenario, robot: int, base: Base) -> None:
         body, sensing = scenario.body_of(robot), scenario.sensing_of(robot)
-        self.note = "waits for odometry and a pose"
+        self.fault = "waits for odometry and a pose"
         self._anew = False
         self._odometer, self._base, self._offset = Odometer(base, body), base, body.offset
         self._period = scenario.time.step
@@ -245,7 +245,7 @@ class Senses:
     @property
     def sound(self) -> bool:
         """Whether both streams are free of faults."""
-        return self.note == ""
+        return self.fault == ""
 
     # -- received messages
 
@@ -257,7 +257,7 @@ class Senses:
             wrong = f"odometry: {error}"
         newest, rest = self._odometer.newest, self._rest
         if wrong:
-            self.doubt(wrong)
+            self.invalidate(wrong)
         elif newest is None or rest is None or (not self.sound and _has_moved(rest, newest)):
             self._settled_from, self._rest = now, newest
 
@@ -266,24 +266,24 @@ class Senses:
         try:
             message = decode(StampedPose, payload)
         except MessageError as error:
-            self.doubt(f"pose: {error}")
+            self.invalidate(f"pose: {error}")
             return
         yaw, stamp = planar_yaw(message.pose), message.header.stamp / NANO
         if message.header.frame != self._base.map_frame:
-            self.doubt(f"a pose in {message.header.frame!r}, not in {self._base.map_frame!r}")
+            self.invalidate(f"a pose in {message.header.frame!r}, not in {self._base.map_frame!r}")
         elif yaw is None:
-            self.doubt("a pose that is no number, or not in the plane")
+            self.invalidate("a pose that is no number, or not in the plane")
         elif stamp < self._stamp:
-            self.doubt(f"the pose goes back in time by {self._stamp - stamp:.3g} s")
+            self.invalidate(f"the pose goes back in time by {self._stamp - stamp:.3g} s")
         elif stamp > self._stamp:
             self._stamp = stamp
             x, y, _ = message.pose.position
             x, y = x + self._offset * math.cos(yaw), y + self._offset * math.sin(yaw)
             self._poses.append((stamp, x, y, yaw))
 
-    def doubt(self, why: str) -> None:
+    def invalidate(self, why: str) -> None:
         """Discard all odometry and poses so far."""
-        self.note, self._anew = why, False
+        self.fault, self._anew = why, False
         self._odometer.forget()
         self._poses.clear()
         self._stamp = -math.inf
@@ -304,11 +304,11 @@ class Senses:
         if now - self._odometer.timely > SILENCE:
             silent = now - self._odometer.arrived > SILENCE
             late = "odometry has become later, by more than `base.age` allows"
-            self.doubt(f"no odometry for {SILENCE:g} s" if silent else late)
+            self.invalidate(f"no odometry for {SILENCE:g} s" if silent else late)
             return
         self._take_poses(newest)
         if not self.sound and self._fix is not None and now >= self._settled_from + SETTLING:
-            self.note, self._anew = "", True
+            self.fault, self._anew = "", True
 
     def place(self) -> tuple[Vector, float] | None:
         """Position of the control point and its error bound, m; None if unknown."""
@@ -366,7 +366,7 @@ class Senses:
                 continue
             fix = Fix(place, x, y, yaw - place.yaw)
             if self._fix is not None and (wrong := self._contradiction(self._fix, fix)):
-                self.doubt(wrong)
+                self.invalidate(wrong)
                 return
             self._fix, self._fresh = fix, True
 

@@ -70,7 +70,7 @@ class AugmentedLaw:
         self._moving: list[PeerState] = []
         self._far = NOTHING
         self._begin = Gradient(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-        self._away = self._scale = self._free = 0.0
+        self._distance = self._scale = self._free = 0.0
         self._latency = 0.0  # s, age of the oldest State of a moving peer
         self._late = 0  # ticks since the summary of far peers
 
@@ -99,18 +99,18 @@ class AugmentedLaw:
         self._late = view.tick - self._far.tick
         k = gain_for_fleet(self._k, self._robots, len(self.disks) + self._far.count + 1)
         gx, gy = self.aim
-        self._away = math.hypot(x - gx, y - gy)
+        self._distance = math.hypot(x - gx, y - gy)
         others = self.disks
         if self._adapts and self._latency > 0.0:
             me = Peer(x, y, self._radius, math.dist(view.position, view.goal) ** 2)
             others = foreseen(me, others, view.tick, self._period, self._lap)
-            k = late_gain(k, self._away / self._radius, self._latency / self._lap)
+            k = late_gain(k, self._distance / self._radius, self._latency / self._lap)
         self._peers = [*others, *self.obstacles]
         self._slice = Slice(self.aim, self._radius, self._workspace, k, self._peers, self._far)
         self._begin = self._slice.gradient(x, y)
         self._scale = self._pace(math.hypot(self._begin.dx, self._begin.dy))
-        free = min(self._speed, 2.0 * self._scale * self._away)
-        self._free = free if self._away > self._tolerance else 0.0
+        free = min(self._speed, 2.0 * self._scale * self._distance)
+        self._free = free if self._distance > self._tolerance else 0.0
 
     def _aim(self, view: View) -> Vector:
         """Point of attraction: the goal, or the place to back off to."""
@@ -171,7 +171,7 @@ class AugmentedLaw:
             displacement=view.displacement,
             desired=wanted,
             free=self._free,
-            gamma=self._away**2 + gamma,
+            gamma=self._distance**2 + gamma,
             barred=lambda: barred(view.position, self.aim, self._radius, self._peers),
             latency=self._latency,
         )
@@ -182,10 +182,10 @@ class AugmentedLaw:
         # The summary of far peers is old: reduce it by the motion since then.
         since = self._speed * self._period * self._late
         far = max(0.0, math.sqrt(self._far.largest) - since)
-        gamma, slice_norm = max(self._away**2, far * far), max(slice_norm, self._far.slice - 2.0 * since)
+        gamma, slice_norm = max(self._distance**2, far * far), max(slice_norm, self._far.slice - 2.0 * since)
         for state in self._moving:
             slice_norm, gamma = max(slice_norm, state.slice), max(gamma, state.gamma)
         speed = self._speed
         if self._adapts:
-            speed = late_speed(speed, self._away / self._radius, self._latency / self._lap)
+            speed = late_speed(speed, self._distance / self._radius, self._latency / self._lap)
         return pace.common_pace(slice_norm, gamma, speed, self._max_rate)

@@ -319,8 +319,8 @@ def _sides(shapes: Sequence[Shape]) -> tuple[Plane, Plane]:
 def distances(shape: Shape, x: Reals, y: Reals) -> Reals:
     """Distances of points from a shape, m; negative inside."""
     if isinstance(shape, Disk):
-        away: Reals = np.hypot(x - shape.x, y - shape.y) - shape.radius
-        return away
+        distance: Reals = np.hypot(x - shape.x, y - shape.y) - shape.radius
+        return distance
     return _from_polygon(shape, x, y)
 
 

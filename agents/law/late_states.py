@@ -64,16 +64,16 @@ def _moved_on(me: Peer, peer: Peer, wx: float, wy: float) -> Peer:
     return Peer(peer.x + part * wx, peer.y + part * wy, peer.radius, peer.gamma)
 
 
-def late_gain(k: float, away: float, latency: float) -> float:
-    """Exponent k at `away` (own radii) from the goal, if the oldest State is `latency` laps old."""
-    return k / (1.0 + SOFTER * _near(away, SOFT_IN_FULL, SOFT_AT_ALL) * min(latency, LATEST))
+def late_gain(k: float, distance: float, latency: float) -> float:
+    """Exponent k at `distance` (own radii) from the goal, if the oldest State is `latency` laps old."""
+    return k / (1.0 + SOFTER * _near(distance, SOFT_IN_FULL, SOFT_AT_ALL) * min(latency, LATEST))
 
 
-def late_speed(speed: float, away: float, latency: float) -> float:
-    """Speed for `common_pace` at `away` (own radii) from the goal, m/s; the speed limit still holds."""
-    return speed * (1.0 + HASTE * _near(away, FAST_IN_FULL, FAST_AT_ALL) * min(LATEST, latency))
+def late_speed(speed: float, distance: float, latency: float) -> float:
+    """Speed for `common_pace` at `distance` (own radii) from the goal, m/s; the speed limit still holds."""
+    return speed * (1.0 + HASTE * _near(distance, FAST_IN_FULL, FAST_AT_ALL) * min(LATEST, latency))
 
 
-def _near(away: float, wholly: float, at_all: float) -> float:
+def _near(distance: float, wholly: float, at_all: float) -> float:
     """1 within the first distance, 0 beyond the second, linear in between."""
-    return min(1.0, max(0.0, (at_all - away) / (at_all - wholly)))
+    return min(1.0, max(0.0, (at_all - distance) / (at_all - wholly)))

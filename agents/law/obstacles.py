@@ -39,8 +39,8 @@ def obstacle_disks(room: Shape, shapes: Iterable[Shape], x: float, y: float) -> 
             found.append(Peer(px, py, 0.0, 0.0))
     if not isinstance(room, Disk):
         for nx, ny, offset in room.sides:
-            away = offset - nx * x - ny * y
-            found.append(Peer(x + away * nx, y + away * ny, 0.0, 0.0))
+            distance = offset - nx * x - ny * y
+            found.append(Peer(x + distance * nx, y + distance * ny, 0.0, 0.0))
     return found
 
 

@@ -91,9 +91,9 @@ def _exits(room: Shape, shape: Shape) -> Iterator[tuple[Vector, Vector]]:
     if isinstance(room, Disk):
         for x, y in corners:
             dx, dy = x - room.x, y - room.y
-            away = math.hypot(dx, dy)
-            nx, ny = (dx / away, dy / away) if away > 0.0 else (1.0, 0.0)
-            yield _out((x, y), nx, ny, inner, room.radius - away)
+            distance = math.hypot(dx, dy)
+            nx, ny = (dx / distance, dy / distance) if distance > 0.0 else (1.0, 0.0)
+            yield _out((x, y), nx, ny, inner, room.radius - distance)
         return
     for nx, ny, offset in room.sides:
         x, y = max(corners, key=lambda point: nx * point[0] + ny * point[1])

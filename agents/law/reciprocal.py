@@ -202,12 +202,12 @@ class ReciprocalLaw:
         """The reciprocal velocity, if it makes enough progress."""
         (x, y), (gx, gy) = view.position, self._gradient.aim
         ex, ey = gx - x, gy - y
-        away = math.hypot(ex, ey)
-        if away <= NEAR * self._radius:
+        distance = math.hypot(ex, ey)
+        if distance <= NEAR * self._radius:
             return None
-        rate = min(self._speed / away, 1.0 / self._period)
+        rate = min(self._speed / distance, 1.0 / self._period)
         ahead = max(self._gradient.straight, PAST * self._radius)
-        rate = min(rate, ahead / (self._period * away))
+        rate = min(rate, ahead / (self._period * distance))
         px, py = rate * ex, rate * ey
         limits = self._walls(x, y)
         walls = len(limits)
@@ -219,7 +219,7 @@ class ReciprocalLaw:
         wish = cosine * px - sine * py, sine * px + cosine * py
         vx, vy = nearest(wish, limits, self._speed, walls)
         slow = SLOW_ROUND if turn > 0.0 else SLOW
-        return (vx, vy) if vx * ex + vy * ey >= slow * rate * away * away else None
+        return (vx, vy) if vx * ex + vy * ey >= slow * rate * distance * distance else None
 
     def _waits(self, view: View, flow: Vector) -> bool:
         """Whether to stand near the goal rather than be driven aside by passing peers, if none of them
@@ -227,11 +227,11 @@ class ReciprocalLaw:
         """
         (x, y), (gx, gy) = view.position, self._gradient.aim
         ex, ey = gx - x, gy - y
-        away = math.hypot(ex, ey)
-        if flow[0] * ex + flow[1] * ey >= ASIDE * away * math.hypot(*flow):
+        distance = math.hypot(ex, ey)
+        if flow[0] * ex + flow[1] * ey >= ASIDE * distance * math.hypot(*flow):
             self._patient = True
             return False
-        if not (self._escapes and self._patient) or away > NEAR * self._radius:
+        if not (self._escapes and self._patient) or distance > NEAR * self._radius:
             return False
         return _is_allowed(0.0, 0.0, self._obstacles(view))
 

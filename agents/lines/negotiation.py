@@ -182,12 +182,12 @@ def deficit(shape: Shape, x: float, y: float, room: float) -> Vector:
         px, py = shape.around.x, shape.around.y
     dx, dy = x - px, y - py
     distance = math.hypot(dx, dy)
-    lacking = room - shape.distance(x, y)
-    if lacking <= 0.0:
+    deficit = room - shape.distance(x, y)
+    if deficit <= 0.0:
         return 0.0, 0.0
     if distance == 0.0:
-        return lacking, 0.0
-    return lacking * dx / distance, lacking * dy / distance
+        return deficit, 0.0
+    return deficit * dx / distance, deficit * dy / distance
 
 
 @final

@@ -268,10 +268,10 @@ class SeparatingLines:
                 continue
             room = bond.own_radius + own.bound + _ROOM * bond.own_radius
             dx, dy = deficit(place.shape, own.x, own.y, room)
-            lacking = math.hypot(dx, dy)
-            if lacking > 0.0:
-                nx, ny = dx / lacking, dy / lacking
-                more = max(0.0, lacking / self._period - nx * vx - ny * vy)
+            length = math.hypot(dx, dy)
+            if length > 0.0:
+                nx, ny = dx / length, dy / length
+                more = max(0.0, length / self._period - nx * vx - ny * vy)
                 vx, vy = vx + more * nx, vy + more * ny
         return vx, vy
 

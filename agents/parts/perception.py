@@ -52,8 +52,8 @@ class Traffic:
             aside = self._aside(me, first, ways)
             return self._ahead(me) if aside is None else aside
         aim = self._ahead(me)
-        away = math.dist(me.at, aim)
-        part = min(1.0, AHEAD * me.radius / max(away, 1e-9))
+        distance = math.dist(me.at, aim)
+        part = min(1.0, AHEAD * me.radius / max(distance, 1e-9))
         soon = me.at[0] + part * (aim[0] - me.at[0]), me.at[1] + part * (aim[1] - me.at[1])
         return me.at if self._is_in_the_way(soon, me, first, ways) else aim
 
@@ -87,9 +87,9 @@ class Traffic:
         free = self._grid.clear(me.among, me.radius)
         wanted = free.copy()
         for each, way in zip(first, ways, strict=True):
-            away = self._away([each.at, *way, each.to])
-            wanted &= away >= self._room(me, each)
-            free &= self._away([each.at]) >= me.radius + each.radius
+            distances = self._distances([each.at, *way, each.to])
+            wanted &= distances >= self._room(me, each)
+            free &= self._distances([each.at]) >= me.radius + each.radius
         far = self._grid.distance_field(free, [me.at])
         far[~wanted] = np.inf
         open_ = np.where(self._stays_open(me, first), far, np.inf)
@@ -120,7 +120,7 @@ class Traffic:
     def _room(self, me: Traveller, other: Traveller) -> float:
         return me.radius + other.radius + ASIDE * me.radius
 
-    def _away(self, way: Sequence[Vector]) -> Reals:
+    def _distances(self, way: Sequence[Vector]) -> Reals:
         far = np.full(self._grid.x.shape, np.inf)
         for x, y in way:
             np.minimum(far, np.hypot(self._grid.x - x, self._grid.y - y), out=far)

@@ -33,7 +33,7 @@ class AttachedBase:
     Args:
         base: the base.
         link: carries its topics.
-        say: takes warnings for the operator.
+        warn: takes warnings for the operator.
         clock: time for the base, s.
 
     Attributes:
@@ -46,13 +46,13 @@ class AttachedBase:
         self,
         base: Ros2Base,
         link: RosLink,
-        say: Callable[[str], None],
+        warn: Callable[[str], None],
         clock: Callable[[], float] = since_boot,
     ) -> None:
         self.hears = base.hears
         self.trouble = ""
         self.in_place = False
-        self._base, self._say, self._clock = base, say, clock
+        self._base, self._warn, self._clock = base, warn, clock
         link.subscribe(*base.hears)
         self._tell = link.publisher(base.tells)
         self._others: set[str] = set()  # tokens of other processes that drive this base
@@ -60,7 +60,7 @@ class AttachedBase:
 
     @property
     def due(self) -> float:
-        """Time of the next `wake`, s, monotonic."""
+        """Time of the next `on_timer`, s, monotonic."""
         return time.monotonic() + self._base.due - self._clock()
 
     @property
@@ -84,8 +84,8 @@ class AttachedBase:
         sense, senses = self._base.begin(tick, self._clock()), self._base.senses
         if senses.take_reset():
             core.reset_estimate()
-        elif core.lost and not senses.note:
-            senses.doubt(core.note)
+        elif core.lost and not senses.fault:
+            senses.invalidate(core.note)
         return sense
 
     def obey(self, command: Command) -> None:
@@ -93,19 +93,19 @@ class AttachedBase:
         self._tell(self._base.obey(command, self._clock()))
 
     def stand(self, core: Robot, *, founded: bool) -> None:
-        """Brake at once, outside of a tick. The parameters are those of `wake`."""
+        """Brake at once, outside of a tick. The parameters are those of `on_timer`."""
         self._tell(self._base.stand(self._clock()))
-        self.wake(core, founded=founded)
+        self.on_timer(core, founded=founded)
 
-    def wake(self, core: Robot, *, founded: bool) -> None:
+    def on_timer(self, core: Robot, *, founded: bool) -> None:
         """Publish the velocity that is due, and report faults of the base.
 
         Args:
             core: the robot that it moves.
             founded: whether the run had begun when the robot was admitted: then it starts at its disk.
         """
-        self._tell(self._base.wake(self._clock()))
-        trouble = self._base.senses.note
+        self._tell(self._base.on_timer(self._clock()))
+        trouble = self._base.senses.fault
         if not self.in_place and not trouble:
             known = self._base.senses.place()
             if known is not None and not founded:
@@ -114,4 +114,4 @@ class AttachedBase:
         is_news = _NUMBERS.sub("", trouble) != _NUMBERS.sub("", self.trouble)
         self.trouble = trouble
         if is_news:
-            self._say(f"{trouble}; stands" if trouble else "base and localisation work again")
+            self._warn(f"{trouble}; stands" if trouble else "base and localisation work again")

@@ -21,9 +21,9 @@ from agents.robot import Robot
 from agents.shell.attached_base import AttachedBase
 from agents.shell.ros_link import RosLink
 from agents.shell.subscriptions import Subscriptions
-from agents.shell.world_session import PATIENCE, RETRY, Read, Say, WorldSession
+from agents.shell.world_session import PATIENCE, RETRY, Log, Read, WorldSession
 from protocol import joining
-from protocol.bus.bus import Bus, Event, Foreign, Presence, Sample
+from protocol.bus.bus import Bus, Event, Presence, RawSample, Sample
 from protocol.codec import SHOWN, decode, encode
 from protocol.errors import BusError, KeyGrammarError, MessageError
 from protocol.keys import STREAMS, is_driver, parse, robot_key, robot_token, world_key, world_tokens
@@ -40,9 +40,9 @@ class RobotNode:
 
     Args:
         bus: a connection of its own.
-        wait, say, read: as of `WorldSession`.
+        wait, warn, read: as of `WorldSession`.
         namespace: as of `topics_of`.
-        note: takes lines for the log.
+        info: takes lines for the log.
 
     Raises:
         JoinError: the world refuses this id.
@@ -57,17 +57,17 @@ class RobotNode:
         *,
         wait: float = PATIENCE,
         namespace: str | None = None,
-        say: Say = lambda _: None,
-        note: Say = lambda _: None,
+        warn: Log = lambda _: None,
+        info: Log = lambda _: None,
         read: Read = joining.decode_reply,
     ) -> None:
         self.finished = False
         self.verdict = ""
         self.core: Robot | None = None
         self._bus, self._run, self._robot = bus, run, robot
-        self._say, self._note = say, note
+        self._warn, self._info = warn, info
         self._namespace = namespace
-        self._world = WorldSession(bus, run, robot, wait, say, read)
+        self._world = WorldSession(bus, run, robot, wait, warn, read)
         self._peers = Subscriptions(bus, run, robot)
         self._summary = world_key(run, "summary")
         self._link: RosLink | None = None
@@ -87,7 +87,7 @@ class RobotNode:
 
     @property
     def deadline(self) -> float:
-        """Time of the next `wake`, s, monotonic."""
+        """Time of the next `on_timer`, s, monotonic."""
         return self._due if self._base is None else min(self._due, self._base.due)
 
     # -- joining
@@ -110,7 +110,7 @@ class RobotNode:
             self._due = now + min(max(0.0, reply.after), PATIENCE)
         elif isinstance(reply, joining.Finished):
             self.verdict, self.finished = reply.verdict, True
-            self._note(f"the run is over: {reply.verdict}")
+            self._info(f"the run is over: {reply.verdict}")
         elif isinstance(reply, joining.Admission):
             life = reply.epoch, reply.incarnation
             if core is None or self._ended or life != (core.epoch, core.incarnation):
@@ -134,7 +134,7 @@ class RobotNode:
         self._commanded = True
         self._ended = self._over = False
         self._noted = 0
-        self._note(f"life {admission.incarnation} begins, in scenario {admission.scenario.name!r}")
+        self._info(f"life {admission.incarnation} begins, in scenario {admission.scenario.name!r}")
         self._due = time.monotonic() + REPORT_PERIOD
         self._world.admitted(admission)
         self._peers.begin(admission)
@@ -164,10 +164,10 @@ class RobotNode:
 
         link = self._link = RosLink(self._bus, table)
         if core.scenario.is_external:
-            self._base = AttachedBase(Ros2Base(core.scenario, self._robot, table), link, self._say)
+            self._base = AttachedBase(Ros2Base(core.scenario, self._robot, table), link, self._warn)
         if table.tools:
             operations = world_key(self._run, "operation")
-            self._tools = RosTools(table, self._robot, link, self._bus, operations, self._say)
+            self._tools = RosTools(table, self._robot, link, self._bus, operations, self._warn)
 
     def _announce(self) -> None:
         self._bus.announce(robot_token(self._run, self._robot, self._world.session))
@@ -180,7 +180,7 @@ class RobotNode:
             self._on_sample(event.key, event.payload)
         elif isinstance(event, Presence):
             self._on_presence(event)
-        elif isinstance(event, Foreign) and self._link is not None:
+        elif isinstance(event, RawSample) and self._link is not None:
             try:
                 self._on_foreign(self._link, event)
             except MessageError as error:
@@ -198,7 +198,7 @@ class RobotNode:
             self._rejected["key"] += 1
             return
         alive, world = event.alive, self._world
-        if not alive and self._over and world.is_own(session) and world.away == 0.0:
+        if not alive and self._over and world.is_own(session) and world.grace == 0.0:
             self.finished = True
             return
         world.on_token(session, alive)
@@ -225,7 +225,7 @@ class RobotNode:
             core.hearing.on_state(heard)
             self._command_if_complete(core)
 
-    def _on_foreign(self, link: RosLink, event: Foreign) -> None:
+    def _on_foreign(self, link: RosLink, event: RawSample) -> None:
         """Receive a ROS message, or the world's reply to an operation; raises MessageError."""
         base, tools, core = self._base, self._tools, self.core
         if tools is not None and tools.is_reply(event):
@@ -261,7 +261,7 @@ class RobotNode:
         """Count a message that is dropped, and report the first for each reason."""
         self._rejected[error.reason] += 1
         if self._rejected[error.reason] == 1 and error.reason != "epoch":  # an earlier world's, no fault
-            self._say(f"dropped a message, {f'{key}: {error}'[:SHOWN]!r}")
+            self._warn(f"dropped a message, {f'{key}: {error}'[:SHOWN]!r}")
 
     # -- ticks
 
@@ -290,7 +290,7 @@ class RobotNode:
         self._said_state = encode(core.begin(tick, sense))
         if len(core.troubles) > self._noted:
             self._noted = len(core.troubles)
-            self._say(core.note)
+            self._warn(core.note)
         self._tell_state(self._said_state)
         self._published += 1
         self._commanded = False
@@ -335,10 +335,10 @@ class RobotNode:
 
     # -- time
 
-    def wake(self, now: float) -> None:
+    def on_timer(self, now: float) -> None:
         base = self._base
         if base is not None and self.core is not None and now >= base.due:
-            base.wake(self.core, founded=self._founded)
+            base.on_timer(self.core, founded=self._founded)
             self._look_at_place(base)
         if base is None or now >= self._due:
             self._look(now)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from agents.bases.dialects import Kind, Topic, dialect_of
-from protocol.bus.bus import Bus, Foreign, Publish
+from protocol.bus.bus import Bus, Publish, RawSample
 from protocol.errors import MessageError
 from protocol.keys import driver_token
 from protocol.scenario.body import Base
@@ -27,7 +27,7 @@ class RosLink:
     def publisher(self, topic: Topic) -> Publish:
         """Declare a publication; the returned function publishes one payload."""
         token = self._announce("MP", topic)
-        return self._bus.foreign(self._dialect.key(topic), self._dialect.attach(token))
+        return self._bus.raw_publisher(self._dialect.key(topic), self._dialect.attach(token))
 
     def claim(self, topic: Topic) -> str:
         """Announce this process as publisher of a topic and watch for others; returns the token."""
@@ -44,7 +44,7 @@ class RosLink:
             self._bus.listen(self._dialect.expression(topic))
             self._announce("MS", topic)
 
-    def topic_of(self, event: Foreign) -> Topic:
+    def topic_of(self, event: RawSample) -> Topic:
         """The topic of an event; raises MessageError without one, or if type, hash or attachment differ."""
         topic = self._topics.get(self._dialect.name(event.key))
         if topic is None:

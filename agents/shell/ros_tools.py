@@ -28,7 +28,7 @@ from agents.bases.ros_messages import (
 from agents.robot import Robot
 from agents.shell.ros_link import RosLink
 from protocol.bodies.kinematics import turned
-from protocol.bus.bus import Bus, Foreign
+from protocol.bus.bus import Bus, RawSample
 from protocol.errors import MessageError
 from protocol.messages import LARGEST, Command, Line, Vector
 from protocol.operations import Outcome, decode_reply
@@ -53,18 +53,18 @@ class RosTools:
         link: carries its topics.
         bus: the process's own connection.
         operations: the key under which the world takes operations.
-        say: takes warnings for the operator.
+        warn: takes warnings for the operator.
 
     Attributes:
         stopped: whether a message stopped the robot, and none has released it.
     """
 
     def __init__(
-        self, base: Base, robot: int, link: RosLink, bus: Bus, operations: str, say: Callable[[str], None]
+        self, base: Base, robot: int, link: RosLink, bus: Bus, operations: str, warn: Callable[[str], None]
     ) -> None:
         self.stopped = False
         self._base, self._robot = base, robot
-        self._bus, self._operations, self._say = bus, operations, say
+        self._bus, self._operations, self._warn = bus, operations, warn
         self._frame = f"{base.namespace.strip('/')}/disk".lstrip("/")
         self._stop = Topic(base.topic("disknav/stop"), ros.BOOL)
         link.subscribe(self._stop, Topic(base.topic("goal_pose"), ros.STAMPED_POSE))
@@ -78,7 +78,7 @@ class RosTools:
         if topic == self._stop:
             before, self.stopped = self.stopped, decode(Flag, payload).data
             if self.stopped != before:
-                self._say(f"{topic.name} says {'stop; stands' if self.stopped else 'go'}")
+                self._warn(f"{topic.name} says {'stop; stands' if self.stopped else 'go'}")
             return
         message = decode(StampedPose, payload)
         x, y, _ = message.pose.position
@@ -90,13 +90,13 @@ class RosTools:
         request = {"goal": {"robot": self._robot, "points": [[x, y]]}}
         self._bus.post(self._operations, msgspec.msgpack.encode(request))
 
-    def is_reply(self, event: Foreign) -> bool:
+    def is_reply(self, event: RawSample) -> bool:
         """Whether an event is the world's reply to an operation; reports a refusal to the operator."""
         if event.key != self._operations:
             return False
         outcome = decode_reply(event.payload, Outcome)
         if not outcome.accepted:
-            self._say(f"a goal is refused: {outcome.text}")
+            self._warn(f"a goal is refused: {outcome.text}")
         return True
 
     def tell(self, core: Robot, command: Command, heading: float) -> None:
@@ -141,10 +141,10 @@ def _piece(line: Line, pose: Pose, radius: float) -> list[list[float]]:
     """Both ends of the segment of a line near a disk; empty if it is far."""
     _, nx, ny, limit = line
     (x, y, _), reach = pose.position, 2.0 * radius
-    away = limit - nx * x - ny * y
-    if abs(away) > _NEAR * radius:
+    distance = limit - nx * x - ny * y
+    if abs(distance) > _NEAR * radius:
         return []
-    x, y = x + away * nx, y + away * ny
+    x, y = x + distance * nx, y + distance * ny
     return [[x - reach * ny, y + reach * nx, 0.0], [x + reach * ny, y - reach * nx, 0.0]]
 
 

@@ -14,7 +14,7 @@ from protocol.errors import BusError, JoinError, MessageError
 from protocol.keys import robot_key, session_of
 from protocol.messages import Health
 
-Say = Callable[[str], None]
+Log = Callable[[str], None]
 Read = Callable[[bytes], joining.Reply]
 
 PATIENCE: Final = 10.0  # s without a message of the world before it is asked, or before giving up
@@ -32,26 +32,26 @@ class WorldSession:
     Args:
         bus: the process's own connection.
         wait: longest time without a world at the start, s.
-        say: takes warnings for the operator.
+        warn: takes warnings for the operator.
         read: decodes an answer to a request to join; its result is never changed.
 
     Attributes:
         session: of this process.
         epoch: of the coordinator that admitted this process last, 0 for none.
-        away: s after which the world may still return, as it announced; 0 if it never does.
+        grace: s after which the world may still return, as it announced; 0 if it never does.
         heard: when the last message of the world arrived, s, monotonic.
         back: whether a world has come back, so that this life may have ended meanwhile.
     """
 
     def __init__(
-        self, bus: Bus, run: str, robot: int, wait: float, say: Say, read: Read = joining.decode_reply
+        self, bus: Bus, run: str, robot: int, wait: float, warn: Log, read: Read = joining.decode_reply
     ) -> None:
         self.session = os.urandom(8).hex()
         self.epoch = 0
-        self.away = 0.0
+        self.grace = 0.0
         self.heard = time.monotonic()
         self.back = False
-        self._bus, self._run, self._robot, self._say, self._read = bus, run, robot, say, read
+        self._bus, self._run, self._robot, self._warn, self._read = bus, run, robot, warn, read
         self._present: set[str] = set()  # sessions of the worlds whose tokens are there
         self._bearable, self._timeout = wait, _TIMEOUT  # s without an answer; s, timeout of a request
         self._gone = inf  # s, monotonic: loss of its token
@@ -120,12 +120,12 @@ class WorldSession:
     def admitted(self, admission: joining.Admission) -> None:
         """Note the admission of an incarnation."""
         self.epoch, self._gone, self._told_gone = admission.epoch, inf, False
-        self.away, self._refused = admission.away, 0
-        self._bearable, self._timeout = max(PATIENCE, admission.away), _TIMEOUT
+        self.grace, self._refused = admission.grace, 0
+        self._bearable, self._timeout = max(PATIENCE, admission.grace), _TIMEOUT
 
     def over(self) -> None:
         """The run is over: a world that leaves is awaited only if it may be back."""
-        self._bearable, self._timeout = max(_TIMEOUT, self.away), _BRIEF
+        self._bearable, self._timeout = max(_TIMEOUT, self.grace), _BRIEF
 
     def is_own(self, session: str) -> bool:
         """Whether a token is that of the coordinator which admitted this process."""
@@ -145,7 +145,7 @@ class WorldSession:
             return
         if self._told_gone:
             which = "is back" if own and alive else "has been started again"
-            self._say(f"the world of run {self._run!r} {which}")
+            self._warn(f"the world of run {self._run!r} {which}")
         self.back, self._told_gone = True, False
         if own and alive:
             self._gone = inf
@@ -156,7 +156,7 @@ class WorldSession:
         """
         if now > self._gone + _NEWS and not self._told_gone:
             self._told_gone = True
-            self._say(f"the world of run {self._run!r} is gone; the robot stands still")
+            self._warn(f"the world of run {self._run!r} is gone; the robot stands still")
         if now > self._gone + self._bearable:
             raise BusError(f"run {self._run!r}: the world has been gone for {self._bearable:g} s; gives up")
         is_due = now > max(self.heard, self._probed) + PATIENCE

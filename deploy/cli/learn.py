@@ -126,7 +126,7 @@ def certify(
 
         goals = None if read_scenario is None else GoalSet.of(read_scenario)
         checked = replay(fetch(verify, goals), _MINUTES if minutes is None else minutes, silent)
-        _say(_verified(checked), asdict(checked), json_file, silent)
+        _print(_verified(checked), asdict(checked), json_file, silent)
         raise typer.Exit(_status(checked.enough(k)))
     if scenario is None or read_scenario is None:
         raise UsageError("certify needs a SCENARIO, or --verify FILE")
@@ -137,7 +137,7 @@ def certify(
     path = out or path_for(scenario)
     check_target(path, "write the certificate")
     found = perform(read_scenario, path, k, _MINUTES if minutes is None else minutes, quiet=silent)
-    _say(f"{_found(found)}\n{path}", to_json(found, path, k), json_file, silent)
+    _print(f"{_found(found)}\n{path}", to_json(found, path, k), json_file, silent)
     raise typer.Exit(_status(found.proves(k)))
 
 
@@ -145,7 +145,7 @@ def _status(proven: bool) -> int:
     return EXIT_ARRIVED if proven else EXIT_OTHERWISE
 
 
-def _say(text: str, data: dict[str, object], json_file: Path | None, silent: bool) -> None:
+def _print(text: str, data: dict[str, object], json_file: Path | None, silent: bool) -> None:
     write_json(data, json_file)
     if not silent:
         print(text)

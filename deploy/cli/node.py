@@ -176,7 +176,7 @@ def router(
     run = membership.run(None) or ""
     set_process_title("router", run)
     begin("router", run, log, alone=True)
-    raise typer.Exit(main(connection, ready=_say))
+    raise typer.Exit(main(connection, ready=_print))
 
 
 @app.command(hidden=True)
@@ -190,7 +190,7 @@ def host(run: Annotated[str, typer.Option(help="Name of the run, for `ps`.")] = 
     os.execve(sys.executable, call, environment())
 
 
-def _say(endpoint: str) -> None:
+def _print(endpoint: str) -> None:
     from protocol.bus.bus import heartbeat
 
     LOG.warning(f"listening on {endpoint}")

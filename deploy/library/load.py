@@ -143,10 +143,10 @@ def generate(kind: str, seed: int, options: Mapping[str, float]) -> Scenario:
         UsageError: unknown kind, or an option that is out of range or not of this kind.
     """
     known = _OPTIONS.get(kind, ())
-    foreign = [f"--{key}" for key in options if key not in known]
-    if foreign:
+    unknown = [f"--{key}" for key in options if key not in known]
+    if unknown:
         allowed = f"it has {', '.join(f'--{key}' for key in known)}" if known else "it has none"
-        raise UsageError(f"{kind} has no option {', '.join(foreign)}; {allowed}")
+        raise UsageError(f"{kind} has no option {', '.join(unknown)}; {allowed}")
     if not known:
         return build(kind, seed)
     others = {key: value for key, value in options.items() if key != "robots"}

@@ -83,8 +83,8 @@ def _near(solid: Mask, error: float) -> Mask:
     """Cells within `error` (cells) of a solid cell, measured between centres."""
     if not solid.any():
         return solid
-    away = np.asarray(ndimage.distance_transform_edt(~solid))
-    near: Mask = away <= error
+    distances = np.asarray(ndimage.distance_transform_edt(~solid))
+    near: Mask = distances <= error
     return near
 
 

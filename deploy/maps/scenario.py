@@ -143,8 +143,8 @@ def library_map(name: str, count: int, seed: int) -> Document:
 def _room(grid: Occupancy, clear: float) -> Mask:
     """The largest connected part of the cells that are more than `clear` (cells) from all others."""
     free = np.pad(~(grid.occupied | grid.unknown), 1)
-    away = np.asarray(ndimage.distance_transform_edt(free))[1:-1, 1:-1]
-    parts, count = ndimage.label(away > clear + 1.0)
+    clearance = np.asarray(ndimage.distance_transform_edt(free))[1:-1, 1:-1]
+    parts, count = ndimage.label(clearance > clear + 1.0)
     if not count:
         raise UsageError("the map has no free space for robots of this size: give a smaller --radius")
     room: Mask = parts == 1 + int(np.argmax(np.bincount(parts.ravel())[1:]))

@@ -25,7 +25,7 @@ from protocol.errors import DisknavError
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
 from world.process import look_for_others
-from world.shell.admission import AWAY
+from world.shell.admission import GRACE
 from world.shell.checkpoint import Checkpoint
 
 
@@ -266,14 +266,14 @@ class Assembly:
         )
         self.supervisor.start([world])
         if self._record is not None and self.result is not None:
-            away = AWAY if options.restarts else 0.0
+            grace = GRACE if options.restarts else 0.0
             arguments = (
                 topology.connection(MONITOR),
                 run,
                 self._record,
                 self.result,
                 options.rotation,
-                away,
+                grace,
                 False,
             )
             row = Process(

@@ -107,8 +107,8 @@ class LocalFleet:
             self._scenario,
             self._lockstep,
             speed=self._speed,
-            say=LOG.info,
-            note=LOG.info,
+            warn=LOG.info,
+            info=LOG.info,
             checkpoint=checkpoint,
             clock=time.monotonic,  # looked up now: tests that skip waits replace it
             tell=self.report.update,
@@ -120,8 +120,8 @@ class LocalFleet:
 
     def start(self, robot: int) -> Node:
         bus = self.robots[robot] = self.network.connect()
-        say = partial(_warn, robot)
-        node: Node = RobotNode(bus, self.run, robot, say=say, read=self._read)
+        warn = partial(_warn, robot)
+        node: Node = RobotNode(bus, self.run, robot, warn=warn, read=self._read)
         bus.node = node
         return node
 
@@ -133,7 +133,7 @@ class LocalFleet:
         if isinstance(event, Sample) and isinstance(message := decode(event.key, event.payload), Clock):
             self._follow(message)
 
-    def wake(self, now: float) -> None:
+    def on_timer(self, now: float) -> None:
         """No timers."""
 
     # -- RobotProcesses
@@ -183,7 +183,7 @@ class LocalFleet:
         if robot in self._paused:
             self.kill(robot)  # the next node can join once the world has seen the end of this token
             return False
-        self.start(robot).wake(time.monotonic())
+        self.start(robot).on_timer(time.monotonic())
         return True
 
     def __enter__(self) -> LocalFleet:

@@ -312,7 +312,7 @@ class FleetView:
         known = self.recent[-1].tick if self.recent else 0
         if truth.tick <= known or truth.tick * step >= _LATEST:
             return
-        self._recast(truth)
+        self._set_fleet(truth)
         elapsed = (truth.tick - known) * step if known or truth.tick == 1 else 0.0
         for robot, position in zip(truth.robots, truth.positions, strict=False):
             if (view := self.robots.get(robot)) is not None:
@@ -323,7 +323,7 @@ class FleetView:
         self.recent.append(truth)
         self.tick = max(self.tick, truth.tick)
 
-    def _recast(self, truth: Truth) -> None:
+    def _set_fleet(self, truth: Truth) -> None:
         """Add robots that appeared and delete those that left; viewers then redraw everything."""
         if truth.robots == self._told:
             return

@@ -289,8 +289,8 @@ def k1(problem: FleetProblem, eps: float) -> Interval:
     """Proposition C.5. The goals rotated by half a turn attain the lower end if they lie in F2."""
     slopes = 0.5 * np.sqrt(2.0) * _pair_reach(problem, eps).sum()
     slopes += np.sqrt(np.maximum(problem.reach**2 - eps, 0.0)).sum()
-    away = bool((obstacle_functions(problem, problem.goals) > eps).all())
-    turned = 2.0 * np.linalg.norm(problem.goals) if away else 0.0
+    apart = bool((obstacle_functions(problem, problem.goals) > eps).all())
+    turned = 2.0 * np.linalg.norm(problem.goals) if apart else 0.0
     return Interval(float(turned * slopes / eps), float(np.sqrt(largest_gamma(problem, eps)) * slopes / eps))
 
 

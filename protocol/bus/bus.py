@@ -32,7 +32,7 @@ class Sample(NamedTuple):
     payload: bytes
 
 
-class Foreign(NamedTuple):
+class RawSample(NamedTuple):
     """A publication outside this fleet's streams, or a reply to a `post`, under `key`."""
 
     key: str
@@ -55,7 +55,7 @@ class Query(NamedTuple):
     reply: Callable[[bytes], None]
 
 
-Event = Sample | Foreign | Presence | Query
+Event = Sample | RawSample | Presence | Query
 
 
 class Bus(Protocol):
@@ -68,12 +68,12 @@ class Bus(Protocol):
     def identity(self) -> str:
         """Unique name of this connection, usable as one chunk of a key."""
 
-    def foreign(self, key: str, attach: Callable[[], bytes] | None = None) -> Publish:
+    def raw_publisher(self, key: str, attach: Callable[[], bytes] | None = None) -> Publish:
         """The same for a key outside this fleet, with attachments made by `attach`; a payload that cannot be
         sent at once is dropped."""
 
     def listen(self, key_expression: str) -> None:
-        """Subscribe to a key expression outside this fleet; its events are `Foreign`, with attachments."""
+        """Subscribe to a key expression outside this fleet; its events are `RawSample`, with attachments."""
 
     def subscribe(self, *key_expressions: str) -> None:
         """Subscribe to key expressions, of which plain keys cost least."""
@@ -116,12 +116,12 @@ class Node(Protocol):
     def handle(self, event: Event) -> None:
         """React to one event."""
 
-    def wake(self, now: float) -> None:
+    def on_timer(self, now: float) -> None:
         """Handle the passing of time: `now` (s, monotonic) has reached `deadline`."""
 
     @property
     def deadline(self) -> float:
-        """Time of the next `wake`, s, monotonic; infinity for never."""
+        """Time of the next `on_timer`, s, monotonic; infinity for never."""
 
     @property
     def finished(self) -> bool:
@@ -167,7 +167,7 @@ def follow(node: Node, bus: Bus, beat: Callable[[float], None] | None = None) ->
         if beat is not None:
             beat(now)
         if now >= node.deadline and not node.finished:
-            node.wake(now)
+            node.on_timer(now)
 
 
 PERIOD: Final = 1.0  # s

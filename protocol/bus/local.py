@@ -11,7 +11,7 @@ from collections import defaultdict, deque
 from collections.abc import Callable, Iterable
 from functools import partial
 
-from protocol.bus.bus import Event, Foreign, Node, Presence, Publish, Query, Sample
+from protocol.bus.bus import Event, Node, Presence, Publish, Query, RawSample, Sample
 from protocol.errors import BusError
 from protocol.keys import Stream
 
@@ -34,9 +34,9 @@ class LocalNetwork:
         return bus
 
     def run(self, finished: Callable[[], bool]) -> None:
-        """Deliver events and wake nodes until `finished`; sleeps while nothing is due.
+        """Deliver events and call timers until `finished`; sleeps while nothing is due.
 
-        A node with an immediate deadline is woken after its events, however busy the others are.
+        A node with an immediate deadline is called after its events, however busy the others are.
         """
         while not finished():
             if not self._ready:
@@ -46,7 +46,7 @@ class LocalNetwork:
             bus.drain()
             node = bus.node
             if node is not None and not node.finished and node.deadline <= (now := time.monotonic()):
-                node.wake(now)
+                node.on_timer(now)
 
     def next_of(self, ready: deque[LocalBus]) -> LocalBus:
         """Remove and return the participant whose events are delivered next."""
@@ -57,7 +57,7 @@ class LocalNetwork:
         now = time.monotonic()
         for node in nodes:
             if node.deadline <= now:
-                node.wake(now)
+                node.on_timer(now)
         if not self._ready:
             pause = min((node.deadline for node in nodes), default=now) - time.monotonic()
             time.sleep(min(max(pause, 0.0), _LONGEST_SLEEP))
@@ -116,9 +116,9 @@ class LocalBus:
     def identity(self) -> str:
         return f"{id(self):x}"
 
-    def foreign(self, key: str, attach: Callable[[], bytes] | None = None) -> Publish:
+    def raw_publisher(self, key: str, attach: Callable[[], bytes] | None = None) -> Publish:
         beside = bytes if attach is None else attach
-        return self._publish(key, lambda payload: Foreign(key, payload, beside()))
+        return self._publish(key, lambda payload: RawSample(key, payload, beside()))
 
     def _publish(self, key: str, event: Callable[[bytes], Event]) -> Publish:
         network, route = self.network, self.network.routes[key]
@@ -178,7 +178,7 @@ class LocalBus:
 
     def post(self, key: str, payload: bytes) -> None:
         for node in self.network.servers(key):
-            node.handle(Query(key, payload, lambda reply: self.put(Foreign(key, reply))))
+            node.handle(Query(key, payload, lambda reply: self.put(RawSample(key, reply))))
 
     def tokens(self, key_expression: str) -> list[str]:
         pattern = _pattern(key_expression)

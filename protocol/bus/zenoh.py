@@ -21,7 +21,7 @@ from typing import Any, Final
 
 import zenoh
 
-from protocol.bus.bus import Event, Foreign, Presence, Publish, Query, Sample
+from protocol.bus.bus import Event, Presence, Publish, Query, RawSample, Sample
 from protocol.bus.connection import Connection, configuration
 from protocol.errors import BusError, CertificateError, ListenError, UnservedError
 from protocol.keys import Stream
@@ -42,7 +42,7 @@ _ROUTER_LOG = "error,zenoh_link_tls=warn"  # unless RUST_LOG says otherwise: ref
 _CAPACITY: Final = 1 << 16
 
 _KEPT: set[int] = set()  # threads of zenoh that Python keeps
-_Arrived = zenoh.Sample | zenoh.Query | Foreign | Presence | None  # None: a signal came
+_Arrived = zenoh.Sample | zenoh.Query | RawSample | Presence | None  # None: a signal came
 _ZenohSample: Final = zenoh.Sample
 
 
@@ -89,7 +89,7 @@ class ZenohBus:
     def identity(self) -> str:
         return str(self._session.info.zid())
 
-    def foreign(self, key: str, attach: Callable[[], bytes] | None = None) -> Publish:
+    def raw_publisher(self, key: str, attach: Callable[[], bytes] | None = None) -> Publish:
         publisher = self._publisher(key, waits=False, express=True)  # a rare small message need not wait
         if attach is None:
             return publisher.put
@@ -112,7 +112,7 @@ class ZenohBus:
             self._subscribed[each] = self._session.declare_subscriber(each, handler)
 
     def listen(self, key_expression: str) -> None:
-        handler = zenoh.handlers.Callback(self._foreign, indirect=False)
+        handler = zenoh.handlers.Callback(self._on_raw, indirect=False)
         self._declared.append(self._session.declare_subscriber(key_expression, handler))
 
     def unsubscribe(self, key: str) -> None:
@@ -247,15 +247,15 @@ class ZenohBus:
         self.dropped += excess
         return waiting - excess
 
-    def _foreign(self, sample: zenoh.Sample) -> None:
+    def _on_raw(self, sample: zenoh.Sample) -> None:
         _keep_thread_state()
         attachment = sample.attachment
         beside = b"" if attachment is None else attachment.to_bytes()
-        self._queue.put(Foreign(str(sample.key_expr), sample.payload.to_bytes(), beside))
+        self._queue.put(RawSample(str(sample.key_expr), sample.payload.to_bytes(), beside))
 
     def _on_reply(self, reply: zenoh.Reply) -> None:
         if reply.ok is not None:
-            self._foreign(reply.ok)
+            self._on_raw(reply.ok)
 
     def _presence(self, sample: zenoh.Sample) -> None:
         _keep_thread_state()

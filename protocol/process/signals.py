@@ -70,41 +70,41 @@ class StopSignal:
         return self.requested
 
     @contextmanager
-    def calling(self, wake: Callable[[], object]) -> Iterator[None]:
-        """Inside, each signal calls `wake`, in the main thread and between any two instructions; also an
+    def calling(self, stop: Callable[[], object]) -> Iterator[None]:
+        """Inside, each signal calls `stop`, in the main thread and between any two instructions; also an
         earlier signal, at once. `SimpleQueue.put` is made for that.
         """
-        self.call(wake)
+        self.call(stop)
         try:
             yield
         finally:
-            self.call_no_more(wake)
+            self.call_no_more(stop)
 
-    def call(self, wake: Callable[[], object]) -> None:
+    def call(self, stop: Callable[[], object]) -> None:
         """As `calling`, until `call_no_more`."""
-        self._calls.append(wake)
+        self._calls.append(stop)
         if self.number:
-            wake()
+            stop()
 
-    def call_no_more(self, wake: Callable[[], object]) -> None:
+    def call_no_more(self, stop: Callable[[], object]) -> None:
         """The reverse of `call`; no effect without it."""
-        if wake in self._calls:
-            self._calls.remove(wake)
+        if stop in self._calls:
+            self._calls.remove(stop)
 
     def listen(self) -> None:
-        """Note the signals that end a process from now on, for a process of this software.
+        """Catch the signals that end a process from now on, for a process of this software.
 
         SIGHUP stays ignored under `nohup`; SIGINT does not under a shell's `command &`.
         """
         for number in ENDING:
             if number != signal.SIGHUP or signal.getsignal(number) is not signal.SIG_IGN:
-                signal.signal(number, self._note)
+                signal.signal(number, self._on_signal)
                 self._before[number] = signal.SIG_DFL
         signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)  # see `held`
 
     @contextmanager
     def listening(self) -> Iterator[None]:
-        """Inside, note Ctrl-C, for a call in a program of the user. Afterwards it raises KeyboardInterrupt;
+        """Inside, catch Ctrl-C, for a call in a program of the user. Afterwards it raises KeyboardInterrupt;
         another handler, or a call from another thread, is left alone.
         """
         default = signal.getsignal(signal.SIGINT) is signal.default_int_handler
@@ -112,7 +112,7 @@ class StopSignal:
             yield
             return
         self._before[signal.SIGINT] = signal.default_int_handler
-        signal.signal(signal.SIGINT, self._note)
+        signal.signal(signal.SIGINT, self._on_signal)
         try:
             yield
         finally:
@@ -143,7 +143,7 @@ class StopSignal:
         finally:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
-    def _note(self, number: int, _frame: FrameType | None) -> None:
+    def _on_signal(self, number: int, _frame: FrameType | None) -> None:
         now = time.monotonic()
         if self._unseen is not None and now > self._unseen + _HELD_UP:
             signal.signal(number, self._before[number])
@@ -152,8 +152,8 @@ class StopSignal:
         self.number = self.number or number
         self.count += 1
         self._unseen = self._unseen or now
-        for wake in tuple(self._calls):
-            wake()
+        for stop in tuple(self._calls):
+            stop()
 
 
 STOP: Final = StopSignal()

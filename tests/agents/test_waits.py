@@ -68,7 +68,7 @@ def test_a_robot_that_asks_a_world_that_leaves_hears_that_it_has_left(
     monkeypatch.setattr(LocalBus, "ask", ask)
     over = Tick(1, 1, node.core.tick, (), epoch=node.core.epoch, over=True)
     node.handle(Sample(robot_key("local", 1, "tick"), encode(over)))
-    node.wake(time.monotonic())
+    node.on_timer(time.monotonic())
     assert 0.0 < sum(waited) < 0.5, "the launcher ends processes that have not left after 2 s"
     assert not node.finished, "the world may be busy"
     node.handle(Presence(token(fleet.network), False))
@@ -90,7 +90,7 @@ def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_tak
             world.handle(Presence(tokens[0], there))
         first.handle(Presence(tokens[1], there))
     life = first.core
-    first.wake(first.deadline)
+    first.on_timer(first.deadline)
     assert (first._world.back, first.core is life) == (False, not missed), "it has asked, once"
     bus = network.connect()
     bus.node = RobotNode(bus, "yard", 2)

@@ -140,4 +140,4 @@ class Watch:
         if tick > self._held_up and self._holdups and moments.random() < _OFTEN:
             self._held_up, self._holdups = tick, self._holdups - 1
             time.sleep(_HOLDUP)
-            self._fleet.world_bus.node.wake(time.monotonic())
+            self._fleet.world_bus.node.on_timer(time.monotonic())

@@ -58,8 +58,8 @@ class Interest:
             starts = {spec.id: spec.start for spec in scenario.robots}
             places = np.array([self.places.get(robot, starts[robot]) for robot in ids], dtype=np.float64)
             goals = {spec.id: goal(spec.id) or spec.goal for spec in scenario.robots}
-            away = places - np.array([goals[robot] for robot in ids], dtype=np.float64)
-            gammas = (away**2).sum(axis=1)
+            offsets = places - np.array([goals[robot] for robot in ids], dtype=np.float64)
+            gammas = (offsets**2).sum(axis=1)
             said = np.array([self._slices.get(robot, np.nan) for robot in ids])
             # Of a robot that has published no slice, that of the attraction alone.
             slices = np.where(np.isnan(said), 2.0 * np.sqrt(gammas), said)
@@ -124,7 +124,7 @@ class Exchange:
         self.taken: dict[int, Command] = {}
         self.waiting: set[int] = set()
         self.missed, self.refused = 0, Counter[str]()
-        self._lacking: dict[int, tuple[int, ...]] = {}  # ids of missing States, by the robot that lacks them
+        self._missing: dict[int, tuple[int, ...]] = {}  # ids of missing States, by the robot that lacks them
         self._lives, self._missions, self._is_external = lives, missions, scenario.is_external
         self._interest = Interest(scenario) if scenario.hears_near else None
 
@@ -136,7 +136,7 @@ class Exchange:
     def open(self, scenario: Scenario, sensed: Mapping[int, Sense], halted: bool) -> dict[int, Tick]:
         """Begin the tick, with measurement and odometry of every robot of the scenario; returns `told`."""
         self.active = self._lives.up
-        self.taken, self._lacking, self.waiting = {}, {}, set(self.active)
+        self.taken, self._missing, self.waiting = {}, {}, set(self.active)
         interest, keeper = self._interest, self._lives.keeper
         if interest is None:
             keeper.advance({})
@@ -208,7 +208,7 @@ class Exchange:
             self.refused[reason] += 1
             return reason == "late" and self._is_external and self._lives.hear(command)
         if command.awaits:
-            self._lacking[command.robot] = command.awaits
+            self._missing[command.robot] = command.awaits
             return False
         self.waiting.discard(command.robot)
         self.taken[command.robot] = command
@@ -233,10 +233,10 @@ class Exchange:
 
     def blamed(self) -> dict[int, str]:
         """Robots to give up in the open tick, with reasons; clears the reports of missing States."""
-        lacking, self._lacking = self._lacking, {}
+        missing, self._missing = self._missing, {}
         told = self.told or {}
         heard_by = Counter(peer for robot in self.active for peer in told[robot].active)
-        return blamed(heard_by, self.waiting, lacking)
+        return blamed(heard_by, self.waiting, missing)
 
 
 def _without(robot: int, tick: Tick) -> Tick:
@@ -246,24 +246,24 @@ def _without(robot: int, tick: Tick) -> Tick:
 
 
 def blamed(
-    heard_by: Mapping[int, int], waiting: Collection[int], lacking: Mapping[int, Collection[int]]
+    heard_by: Mapping[int, int], waiting: Collection[int], missing: Mapping[int, Collection[int]]
 ) -> dict[int, str]:
     """Robots to exclude, with reasons, in a repeated tick; at least one, if a command is outstanding.
 
     Args:
         heard_by: number of receivers of each active robot's State, itself included.
         waiting: those of them that owe a command.
-        lacking: ids of the States that each of these lacks, by its reports since the repetition.
+        missing: ids of the States that each of these lacks, by its reports since the repetition.
     """
-    silent = {robot: "hangs: it does not answer" for robot in sorted(waiting) if not lacking.get(robot)}
-    lack = Counter(peer for robot in waiting for peer in set(lacking.get(robot, ())) if peer in heard_by)
+    silent = {robot: "hangs: it does not answer" for robot in sorted(waiting) if not missing.get(robot)}
+    lack = Counter(peer for robot in waiting for peer in set(missing.get(robot, ())) if peer in heard_by)
     unheard = {
         robot: f"sends no State that its peers accept: {count} of {heard_by[robot] - 1} lack it"
         for robot, count in sorted(lack.items())
         if 2 * count > heard_by[robot] - 1
     }
     return (unheard | silent) or {
-        robot: f"does not hear its peers: it lacks the State of {_names(lacking[robot])}"
+        robot: f"does not hear its peers: it lacks the State of {_names(missing[robot])}"
         for robot in sorted(waiting)
     }
 

@@ -82,8 +82,8 @@ class Keeper:
     def excludes(self, robot: int, place: Circle, radius: float) -> bool:
         """Whether a static disk of `radius`, m, that is in `place` cannot be in the one that it holds."""
         (held,) = _shapes(self._ledger.disks[robot].held)
-        away = math.dist((place.x, place.y), (held.around.x, held.around.y))
-        return away > held.around.radius + place.radius - 2.0 * radius + ROUNDING
+        shift = math.dist((place.x, place.y), (held.around.x, held.around.y))
+        return shift > held.around.radius + place.radius - 2.0 * radius + ROUNDING
 
     def settle(self, robot: int, place: Circle) -> None:
         """Restrict a static disk to its known place."""

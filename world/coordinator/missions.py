@@ -103,11 +103,11 @@ class Missions:
         deadline = None if order.within is None else tick + self._scenario.ticks(order.within)
         if not order.points:
             self._missions[robot] = Mission((position,), number)
-            self._note(robot, tick, "cancelled")
+            self._set_status(robot, tick, "cancelled")
         else:
             ahead = before.points if order.queue and before.ordered else ()
             self._missions[robot] = Mission((*ahead, *order.points), number, order.patrol, deadline)
-            self._note(robot, tick, "under way")
+            self._set_status(robot, tick, "under way")
         return Outcome(True, number, self._caution(robot))
 
     def advance(self, tick: int, ids: Sequence[int], positions: Sequence[Vector]) -> list[int]:
@@ -124,7 +124,7 @@ class Missions:
             return self._reach(robot, mission, tick)
         if mission.deadline is not None and tick >= mission.deadline:
             mission.points = (position,)
-            self._note(robot, tick, "given up")
+            self._set_status(robot, tick, "given up")
             return True
         return False
 
@@ -134,13 +134,13 @@ class Missions:
         if mission.patrol:
             ahead.append(here)
         if not ahead or (mission.patrol and len(ahead) == 1):
-            self._note(robot, tick, "arrived")
+            self._set_status(robot, tick, "arrived")
             return False
         mission.points = tuple(ahead)
-        self._note(robot, tick, "under way")
+        self._set_status(robot, tick, "under way")
         return True
 
-    def _note(self, robot: int, tick: int, status: Errand) -> None:
+    def _set_status(self, robot: int, tick: int, status: Errand) -> None:
         self._missions[robot].status, self._missions[robot].tick = status, tick
         self._news.append(self.status(robot))
 

@@ -114,9 +114,9 @@ class Disks:
         else:
             rooms = [offset - _along(nx, ny, positions) for nx, ny, offset in self.room.sides]
             walls = np.concatenate([_squared_gap(room, self.radii) for room in rooms], axis=-1)
-        away = positions[..., None, :] - self.centres[self._is_round, None]
+        offsets = positions[..., None, :] - self.centres[self._is_round, None]
         contact = self.radii + self.sizes[self._is_round, None]
-        disks = away.real**2 + away.imag**2 - contact**2
+        disks = offsets.real**2 + offsets.imag**2 - contact**2
         polygons = _squared_distances(self._sides, positions) - self.radii**2
         among = [each.reshape(*positions.shape[:-1], -1) for each in (disks, polygons)]
         return np.concatenate((walls, *among), axis=-1)

@@ -252,8 +252,8 @@ class Record:
                 for begin, end in disks.overlaps(index, before[row], plane[row], TOUCH):
                     times = tick + begin / parts, tick + end / parts
                     self._touch(disks.names(index), *times, float(nearest[index]))
-        away = self.segment.goals.deviations(plane).max(axis=0).tolist()
-        for robot, deviation in zip(disks.ids, away, strict=True):
+        worst = self.segment.goals.deviations(plane).max(axis=0).tolist()
+        for robot, deviation in zip(disks.ids, worst, strict=True):
             totals.deviation[robot] = max(totals.deviation[robot], deviation)
         self._tell(aside[parts - 1 :: parts], during.min(axis=1).reshape(-1, parts).min(axis=1).tolist())
         self._plane = plane[-1:]

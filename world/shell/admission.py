@@ -21,7 +21,7 @@ from world.coordinator.records import Fate
 from world.shell.checkpoint import Checkpoint, Processes
 from world.world import WorldCore
 
-AWAY = 60.0  # s for which robots wait for the restart of a world with a checkpoint
+GRACE = 60.0  # s for which robots wait for the restart of a world with a checkpoint
 RESERVATION = 2.0  # s between admission and liveliness token
 CHANCES = 2  # times that a live process may be given up before its robot stays down
 _RETRY = 0.2  # s between requests, while another process joins under the same id, or the disk is not present
@@ -177,10 +177,10 @@ class Admissions:
         return joining.Overview(self._world.scenario, self._lockstep, goals)
 
     def _admission(self, robot: int) -> joining.Admission:
-        away = AWAY if self._checkpoint is not None and self._checkpoint.kept else 0.0
+        grace = GRACE if self._checkpoint is not None and self._checkpoint.kept else 0.0
         lives = self._world.lives
         life, scenario = lives.of[robot].incarnation, self._world.scenario
-        return joining.Admission(life, self._lockstep, scenario, away, lives.founded, self._epoch)
+        return joining.Admission(life, self._lockstep, scenario, grace, lives.founded, self._epoch)
 
     # -- presence
 

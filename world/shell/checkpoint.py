@@ -105,7 +105,7 @@ class Checkpoint:
     Args:
         path: the file; `create` makes it.
         run, scenario: those that it must belong to.
-        say: receives a warning if it cannot be written any longer.
+        warn: receives a warning if it cannot be written any longer.
 
     Attributes:
         progress: of earlier worlds.
@@ -116,10 +116,10 @@ class Checkpoint:
     """
 
     def __init__(
-        self, path: Path, run: str, scenario: Scenario, say: Callable[[str], None] = lambda _: None
+        self, path: Path, run: str, scenario: Scenario, warn: Callable[[str], None] = lambda _: None
     ) -> None:
         self.path, self.kept = path, True
-        self._of, self._say, self._buffer = (run, _digest(scenario), boot()), say, bytearray()
+        self._of, self._warn, self._buffer = (run, _digest(scenario), boot()), warn, bytearray()
         try:
             self._file = FileIO(os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW), "r+")
         except FileNotFoundError:
@@ -200,7 +200,7 @@ class Checkpoint:
         except OSError as error:
             if error.errno != errno.ESTALE:  # else another host has deleted it
                 _refuse(self.path, f"can be neither written ({why.strerror}) nor emptied: {error.strerror}")
-        self._say(
+        self._warn(
             f"cannot keep the checkpoint {self.path}: {why.strerror}; "
             f"the run goes on, but the next death of this world ends it"
         )

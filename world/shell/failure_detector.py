@@ -38,7 +38,7 @@ class FailureDetector:
         patience: time for a Command in lock-step, s.
         grace: time for which a token may be missing before its process is given up, s; 0 for none.
         restarts: number of next lives of each robot that a lock-step run waits for.
-        say: takes warnings for the operator.
+        warn: takes warnings for the operator.
     """
 
     def __init__(
@@ -52,10 +52,10 @@ class FailureDetector:
         patience: float = PATIENCE,
         grace: float = 0.0,
         restarts: int = 0,
-        say: Callable[[str], None] = lambda _: None,
+        warn: Callable[[str], None] = lambda _: None,
     ) -> None:
         self._run = run
-        self._admissions, self._pacing, self._tell, self._say = admissions, pacing, tell, say
+        self._admissions, self._pacing, self._tell, self._warn = admissions, pacing, tell, warn
         self._gathering, self._patience, self._grace = gathering, patience, grace
         self._restarts = restarts if pacing.lockstep else 0
 
@@ -178,4 +178,4 @@ class FailureDetector:
             expected[robot] = so_far + 1
 
     def _tell_person(self, robot: int, reason: str) -> None:
-        self._say(f"tick {self._run.world.tick}: gives up robot {robot}, which {reason}")
+        self._warn(f"tick {self._run.world.tick}: gives up robot {robot}, which {reason}")

@@ -53,7 +53,7 @@ class WorldNode:
         speed: simulated seconds per second in lock-step, 0 for no limit.
         restarts: number of restarts of a robot whose process ends; lock-step waits for them.
         clock: time, s; for tests.
-        say, note, tell: take warnings for the operator, lines for the log, and the report.
+        warn, info, tell: take warnings for the operator, lines for the log, and the report.
         checkpoint: state to continue from; changes are written to it before they are published. A missing
             robot may return within GRACE, unless another process takes its slot.
 
@@ -74,8 +74,8 @@ class WorldNode:
         speed: float = 0.0,
         restarts: int = 0,
         clock: Callable[[], float] = time.monotonic,
-        say: Callable[[str], None] = lambda _: None,
-        note: Callable[[str], None] = lambda _: None,
+        warn: Callable[[str], None] = lambda _: None,
+        info: Callable[[str], None] = lambda _: None,
         checkpoint: Checkpoint | None = None,
         tell: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> None:
@@ -86,7 +86,7 @@ class WorldNode:
         self._lockstep = lockstep
         self._standing: set[int] = set()  # robots whose disks are obstacles, as reported
         self._checkpoint = checkpoint
-        self._tell, self._note, self._say = tell, note, say
+        self._tell, self._info, self._warn = tell, info, warn
         waits = returning(gathering, restarts, lockstep=lockstep)
         before = SavedRun() if checkpoint is None else checkpoint.progress
         self._run = JudgedRun(scenario, before.past, returning=waits)
@@ -98,7 +98,9 @@ class WorldNode:
         ids = {*scenario.ids, *lives.of, *lives.roster.members}
         ids.update(spec.id for spec in scenario.newcomers)
         self._publishers = Publishers(bus, run, ids, epoch)
-        self._operations = Operations(bus, run, self._run, self._publishers, self._pacing, say=say, note=note)
+        self._operations = Operations(
+            bus, run, self._run, self._publishers, self._pacing, warn=warn, info=info
+        )
         self._failures = FailureDetector(
             self._run,
             self._admissions,
@@ -108,7 +110,7 @@ class WorldNode:
             patience=patience,
             grace=0.0 if checkpoint is None else GRACE,
             restarts=restarts,
-            say=say,
+            warn=warn,
         )
         self._shutdown = Shutdown(self._run, self._admissions, self._pacing)
         self._pacing.wait()
@@ -144,7 +146,7 @@ class WorldNode:
 
     @property
     def deadline(self) -> float:
-        """Time of the next `wake`, s, monotonic."""
+        """Time of the next `on_timer`, s, monotonic."""
         return self._pacing.deadline
 
     # -- events
@@ -221,7 +223,7 @@ class WorldNode:
         """Count what is dropped, and report the first for each reason."""
         self._run.rejected[reason] += 1
         if self._run.rejected[reason] == 1:
-            self._say(f"tick {self._run.world.tick}: dropped a message, {text[:SHOWN]!r}")
+            self._warn(f"tick {self._run.world.tick}: dropped a message, {text[:SHOWN]!r}")
 
     def _answer(self, asked: Address, payload: bytes) -> joining.Reply:
         if asked.stream == "scenario":
@@ -242,7 +244,7 @@ class WorldNode:
 
     # -- the clock
 
-    def wake(self, now: float) -> None:
+    def on_timer(self, now: float) -> None:
         self._pacing.look_again(now)
         self._failures.look(now)
         if self._run.phase is not Phase.RUNNING:
@@ -289,7 +291,7 @@ class WorldNode:
         run.opened = True
         if run.world.tick == 0:
             run.began = self._pacing.now()
-            self._note(f"scenario {run.scenario.name!r} begins with robots {list(run.scenario.ids)}")
+            self._info(f"scenario {run.scenario.name!r} begins with robots {list(run.scenario.ids)}")
         self._pacing.begin(run.world.tick, run.scenario.time.step)
         summary = run.world.exchange.summary
         if summary is not None and summary.tick == run.world.tick:
@@ -305,7 +307,7 @@ class WorldNode:
         before, tick = self._standing, self.world.tick
         self._standing = {each.robot for each in self.world.lives.roster.standing}
         for robot in sorted(self._standing - before):
-            self._say(f"tick {tick}: robot {robot} takes no part; its disk is an obstacle")
+            self._warn(f"tick {tick}: robot {robot} takes no part; its disk is an obstacle")
 
     def _tell_again(self, ticks: Mapping[int, Tick]) -> None:
         """Repeat the Ticks and the summary, which may have been lost."""
@@ -355,7 +357,7 @@ class WorldNode:
             return
         report = self._shutdown.report(self._publishers.published)
         self.report = report
-        self._note(f"scenario {report['scenario']!r} ends: {report['verdict']} {report['reason']}".rstrip())
+        self._info(f"scenario {report['scenario']!r} ends: {report['verdict']} {report['reason']}".rstrip())
         self._tell(report)
         self._publishers.result(report)
         self._shutdown.close()

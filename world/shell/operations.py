@@ -24,7 +24,7 @@ class Operations:
 
     Args:
         bus, name, run, publishers, pacing: of the world.
-        say, note: take warnings for the operator, and lines for the log.
+        warn, info: take warnings for the operator, and lines for the log.
     """
 
     def __init__(
@@ -35,12 +35,12 @@ class Operations:
         publishers: Publishers,
         pacing: Pacing,
         *,
-        say: Callable[[str], None],
-        note: Callable[[str], None],
+        warn: Callable[[str], None],
+        info: Callable[[str], None],
     ) -> None:
         self._bus, self._name, self._run = bus, name, run
         self._publishers, self._pacing = publishers, pacing
-        self._say, self._note = say, note
+        self._warn, self._info = warn, info
         self._rivals: set[str] = set()  # sessions of other worlds of this run
 
     def reply(self, address: Address, payload: bytes) -> bytes | None:
@@ -79,13 +79,13 @@ class Operations:
                 return Outcome(False, text=OTHER_WORLD)
             before, outcome = world.stopped, world.operate(operation)
             if world.stopped != before:
-                self._say(asked)
+                self._warn(asked)
             return outcome
         over = self._run.phase is not Phase.RUNNING
         outcome = Outcome(False, text="the run is over") if over else world.operate(operation)
         if outcome.accepted and operation.add is not None:
             self._welcome(operation.add.id)
-        self._note(asked + ("" if outcome.accepted else f": refused, {outcome.text}"))
+        self._info(asked + ("" if outcome.accepted else f": refused, {outcome.text}"))
         return outcome
 
     def _welcome(self, robot: int) -> None:
@@ -101,6 +101,6 @@ class Operations:
         if bool(self._rivals) != before:
             left = f"the other world has left; {'stays stopped' if self._run.world.stopped else 'goes on'}"
             what = OTHER_WORLD if alive else left
-            self._say(f"tick {self._run.world.tick}: {what}")
+            self._warn(f"tick {self._run.world.tick}: {what}")
         self._run.world.contest(bool(self._rivals))
         self._publishers.watched(self._run.clock(), self._run.world.referee.record.news())

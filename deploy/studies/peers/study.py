@@ -42,13 +42,13 @@ class Venue:
     """A scenario by seed, with a one-way delay of States, s.
 
     Attributes:
-        foreign: benchmark that it belongs to, with that one's lengths, speed, period and limits.
+        benchmark: the one that it belongs to, with that one's lengths, speed, period and limits.
     """
 
     name: str
     build: Build
     delay: float = 0.0
-    foreign: Group | None = None
+    benchmark: Group | None = None
 
     @property
     def label(self) -> str:
@@ -58,7 +58,7 @@ class Venue:
     @property
     def group(self) -> Group:
         """Group of venues in which the same settings are tried."""
-        return self.foreign or ("late" if self.delay else "fresh")
+        return self.benchmark or ("late" if self.delay else "fresh")
 
 
 def places() -> list[Venue]:
@@ -77,10 +77,10 @@ def places() -> list[Venue]:
         Venue("swap 24", partial(swap, 24, JITTER)),
         *(_crowd(24, density) for density in DENSITIES),
         *(_crowd(24, PAPER_DENSITY, delay) for delay in CROWD_DELAYS),
-        *(Venue(f"Circle {n}", partial(circle, n, CIRCLE_JITTER), foreign="RVO2") for n in (50, 100, 250)),
-        Venue("Blocks", partial(blocks, 100), foreign="RVO2"),
-        Venue("forest 10", partial(forest, 10), foreign="boxes"),
-        Venue("boxes 20", partial(boxes, 20), foreign="boxes"),
+        *(Venue(f"Circle {n}", partial(circle, n, CIRCLE_JITTER), benchmark="RVO2") for n in (50, 100, 250)),
+        Venue("Blocks", partial(blocks, 100), benchmark="RVO2"),
+        Venue("forest 10", partial(forest, 10), benchmark="boxes"),
+        Venue("boxes 20", partial(boxes, 20), benchmark="boxes"),
     ]
 
 
@@ -92,7 +92,7 @@ def _crowd(count: int, density: float, delay: float = 0.0) -> Venue:
 def contest(place: Venue, control: Mapping[str, Any], seed: int) -> Scenario:
     """The scenario of `seed` with these control fields; k and speed are kept."""
     scenario = place.build(seed)
-    time = scenario.time if place.foreign else replace(scenario.time, limit=LIMIT, deadlock=DEADLOCK)
+    time = scenario.time if place.benchmark else replace(scenario.time, limit=LIMIT, deadlock=DEADLOCK)
     changed = replace(scenario.control, **control)
     return resolved(replace(scenario, control=changed, link=Link(delay=place.delay), time=time))
 

@@ -82,9 +82,9 @@ class Watcher(Source):
         elif isinstance(event, Sample):
             self._on_sample(event)
         if (now := time.monotonic()) >= self.deadline:
-            self.wake(now)
+            self.on_timer(now)
 
-    def wake(self, now: float) -> None:
+    def on_timer(self, now: float) -> None:
         """Query the scenario if it is unknown, and forward requests of viewers."""
         self.deadline = now + PERIOD
         unknown = self._view.strangers if self._known else self._there
@@ -124,7 +124,7 @@ class Watcher(Source):
         self.follow(view, message)
 
     def _learn(self) -> None:
-        """Query the scenario; without an answer a later `wake` repeats it."""
+        """Query the scenario; without an answer a later `on_timer` repeats it."""
         reply = overview(self._bus, self._run, _ANSWER)
         self._known = reply is not None
         if reply is not None:

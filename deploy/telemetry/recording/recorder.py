@@ -55,7 +55,7 @@ class Recorder:
         run: name of the run.
         file: to write to.
         take: returns keys and payloads that have arrived since its last call.
-        away: time for a lost world to return, s; 0: the recording ends with it.
+        grace: time for a lost world to return, s; 0: the recording ends with it.
 
     Attributes:
         result: published result of the run (JSON), once received.
@@ -68,11 +68,11 @@ class Recorder:
         file: RecordingWriter,
         *,
         take: Callable[[], list[tuple[str, bytes]]] | None = None,
-        away: float = 0.0,
+        grace: float = 0.0,
     ) -> None:
         self.finished = False
         self.result: str | None = None
-        self._bus, self._away, self._back_by = bus, away, inf
+        self._bus, self._grace, self._back_by = bus, grace, inf
         self._file, self._take = file, take
         self._buffer: list[tuple[str, bytes]] = []
         self._worlds: set[str] = set()  # tokens
@@ -93,7 +93,7 @@ class Recorder:
             (self._worlds.add if event.alive else self._worlds.discard)(event.key)
             self._on_world(bool(self._worlds))
 
-    def wake(self, now: float) -> None:
+    def on_timer(self, now: float) -> None:
         if now >= min(self._result_due, self._back_by):
             self.close()
             return
@@ -125,8 +125,8 @@ class Recorder:
         self.close()
 
     def _on_world(self, alive: bool) -> None:
-        self._back_by = inf if alive else time.monotonic() + self._away
-        if not alive and not self._away:
+        self._back_by = inf if alive else time.monotonic() + self._grace
+        if not alive and not self._grace:
             self.close()
 
     def _on_result(self, sample: Sample) -> None:
@@ -164,7 +164,7 @@ def main(
     path: Path,
     result: Path,
     rotation: Rotation,
-    away: float,
+    grace: float,
     again: bool,
     ready: Callable[[str], None],
 ) -> int:
@@ -177,7 +177,7 @@ def main(
         result: file that may hold the complete result (JSON) when the signal arrives; otherwise the world's
             result is recorded.
         rotation: when another file follows.
-        away: as in `Recorder`.
+        grace: as in `Recorder`.
         again: whether this process replaces a failed one, whose file is kept: it uses the next free name.
         ready: called with the name of each file; no message published after the first call is missed.
 
@@ -193,7 +193,7 @@ def main(
         scenario = awaited_scenario(bus, run)
         bus.expect(_every_tick(run, scenario.ids))
         file = RecordingWriter(next_free(path) if again else path, run, scenario, rotation, ready)
-        recorder = Recorder(bus, run, file, take=take, away=away)
+        recorder = Recorder(bus, run, file, take=take, grace=grace)
         follow(recorder, bus)
         recorder.wind_up(_RESULT)
     STOP.wait()  # the result is complete once all other processes have ended

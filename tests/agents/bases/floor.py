@@ -186,9 +186,9 @@ class Floor:
     def _wake(self, robot: int) -> None:
         crew = self.crews[robot]
         if crew.alive and self.now >= crew.base.due:
-            self._publish(crew, crew.base.wake(self.now))
-            if crew.base.senses.note != (crew.notes[-1] if crew.notes else None):
-                crew.notes.append(crew.base.senses.note)
+            self._publish(crew, crew.base.on_timer(self.now))
+            if crew.base.senses.fault != (crew.notes[-1] if crew.notes else None):
+                crew.notes.append(crew.base.senses.fault)
         self._later(0.005, lambda: self._wake(robot))
 
     def _publish(self, crew: Crew, payload: bytes) -> None:
@@ -234,17 +234,17 @@ class Floor:
         sense = base.begin(tick, self.now)
         if base.senses.take_reset():
             core.reset_estimate()
-        elif core.lost and not base.senses.note:
-            base.senses.doubt(core.note)
+        elif core.lost and not base.senses.fault:
+            base.senses.invalidate(core.note)
         state = core.begin(tick, sense)
-        if sense is not None and state.position is not None and not base.senses.note:
+        if sense is not None and state.position is not None and not base.senses.fault:
             self._check(crew, state)
         for peer in self.crews.values():
             if peer is not crew:
                 self._send(lambda peer=peer: self._if_alive(peer, lambda: self._tell(peer, state)))
         command = core.command()
         self._publish(crew, base.obey(command, self.now))
-        crew.swept = None if sense is None or base.senses.note else self._swept(crew, command)
+        crew.swept = None if sense is None or base.senses.fault else self._swept(crew, command)
         if not self.cut:
             self._send(lambda: self._accept(command))
 

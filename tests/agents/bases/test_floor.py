@@ -71,7 +71,7 @@ def test_a_robot_stands_while_a_stream_is_unsound_says_why_and_goes_on(stream, w
     floor.run(FROM + STOPPED)
     crew = floor.crews[1]
     assert 1 not in floor.moving()
-    assert crew.base.senses.note
+    assert crew.base.senses.fault
     assert any(re.search(says, note) for note in crew.notes), crew.notes
     floor.run(UNTIL + 5.0)
     assert crew.notes[-1] == ""
@@ -169,7 +169,7 @@ def test_a_base_that_dies_is_stood_by_and_one_that_comes_back_is_driven_on():
     floor = Floor(PAIR, 4).run(FROM)
     floor.crews[1].wheels.dead = True
     floor.run(FROM + 20.0)
-    assert floor.crews[1].base.senses.note == "no odometry for 0.5 s"
+    assert floor.crews[1].base.senses.fault == "no odometry for 0.5 s"
     assert floor.closest > 0.0
     floor.crews[1].wheels.dead = False
     assert result_of(floor.run(150.0).world)["verdict"] == "arrived"

@@ -13,7 +13,7 @@ import pytest
 from agents.bases import base as choice
 from agents.bases.base import topics_of
 from deploy.library.load import load
-from protocol.bus.bus import Event, Foreign
+from protocol.bus.bus import Event, RawSample
 from protocol.errors import BusError, JoinError, UsageError
 from tests.agents.bases.test_senses import fleet
 from tests.agents.bases.wheels import STEP, Wheels
@@ -40,7 +40,7 @@ class Floor:
         self.wheels = {robot: Wheels(scenario, robot, random.Random(robot)) for robot in scenario.ids}
         self._bus, self._began, self._steps = bus, time.monotonic(), 0
         self._tell = {
-            (robot, what): bus.foreign(f"bot{robot}/{what}")
+            (robot, what): bus.raw_publisher(f"bot{robot}/{what}")
             for robot in self.wheels
             for what in ("odom", "pose")
         }
@@ -48,10 +48,10 @@ class Floor:
             bus.listen(f"bot{robot}/cmd_vel")
 
     def handle(self, event: Event) -> None:
-        if isinstance(event, Foreign):
+        if isinstance(event, RawSample):
             self.wheels[int(event.key[3])].hear(event.payload, self._steps * STEP)
 
-    def wake(self, now: float) -> None:
+    def on_timer(self, now: float) -> None:
         while self._steps * STEP <= now - self._began:
             self._steps += 1
             one, other = self.wheels.values()

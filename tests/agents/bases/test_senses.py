@@ -177,7 +177,7 @@ def test_an_unsound_stream_says_why_and_is_trusted_again_after_a_while(stream, w
                 senses.on_odometry(messages["odometry"].serialize(), now)
             senses.on_pose(messages["pose"].serialize())
             senses.look(now)
-            yield senses.note
+            yield senses.fault
 
     assert [*hear(0.0)][-1] == ""
     assert senses.place() is not None

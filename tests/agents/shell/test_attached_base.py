@@ -22,13 +22,13 @@ class Told:
     """A base that notes what time it is told, and wants to be woken 0.1 s later."""
 
     hears, tells, due = (), Topic("cmd_vel", TWIST), 0.0
-    senses = SimpleNamespace(note="waits")
+    senses = SimpleNamespace(fault="waits")
 
-    def wake(self, now):
+    def on_timer(self, now):
         self.now, self.due = now, now + 0.1
         return b""
 
-    stand = wake
+    stand = on_timer
 
 
 def test_time_passes_for_a_base_while_its_computer_is_suspended():
@@ -37,7 +37,7 @@ def test_time_passes_for_a_base_while_its_computer_is_suspended():
     link = RosLink(LocalNetwork().connect(), Base())
     attached = AttachedBase(base, link, lambda _: None, lambda: time.monotonic() + asleep)
     core = Robot(load("turtlebots-2"), 1, 1)
-    attached.wake(core, founded=True)
+    attached.on_timer(core, founded=True)
     before = base.now
     assert attached.due == pytest.approx(time.monotonic() + 0.1, abs=0.09)  # monotonic, and to come
     asleep = 3600.0
@@ -68,11 +68,11 @@ def test_two_processes_that_drive_one_base_stand_until_one_is_gone():
 
     hear()
     text = "another process drives same/cmd_vel, of this or another run"
-    assert [base.senses.note for base in bases] == [text, text, "waits for odometry and a pose"]
+    assert [base.senses.fault for base in bases] == [text, text, "waits for odometry and a pose"]
     odometry = Topic("same/odom", ODOMETRY)
     bases[0].hear(odometry, b"", 0.0)
-    assert bases[0].senses.note == text  # whatever its base says meanwhile
+    assert bases[0].senses.fault == text  # whatever its base says meanwhile
     buses[1].close()
     hear()
     bases[0].hear(odometry, b"", 0.0)
-    assert bases[0].senses.note.startswith("odometry: ")
+    assert bases[0].senses.fault.startswith("odometry: ")

@@ -19,7 +19,7 @@ from agents.bases.ros_messages import (
 )
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from protocol.bus.bus import Foreign
+from protocol.bus.bus import RawSample
 
 SETTINGS = ("base.tools=true", "time.endless=true", "body=point")
 
@@ -37,12 +37,12 @@ class Person:
             Topic(base.topic("goal_pose"), ros.STAMPED_POSE),
         )
         self.stop, self.goal = (
-            bus.foreign(self.dialect.key(each), self.dialect.attach(each.name)) for each in (stop, goal)
+            bus.raw_publisher(self.dialect.key(each), self.dialect.attach(each.name)) for each in (stop, goal)
         )
-        self.bad_stop = bus.foreign(self.dialect.key(stop), lambda: b"short")
+        self.bad_stop = bus.raw_publisher(self.dialect.key(stop), lambda: b"short")
 
     def handle(self, event) -> None:
-        if isinstance(event, Foreign):
+        if isinstance(event, RawSample):
             self.heard[self.dialect.name(event.key)] = event
 
     def go(self, x: float, y: float, frame: str = "map") -> None:

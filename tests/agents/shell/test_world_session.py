@@ -74,7 +74,7 @@ def answered(*replies: Reply, epoch: int = OWN) -> Reply | None:
 
 
 def admission(epoch: int) -> Admission:
-    return Admission(1, True, SWAP, away=60.0, epoch=epoch)
+    return Admission(1, True, SWAP, grace=60.0, epoch=epoch)
 
 
 def test_of_two_worlds_its_own_is_believed() -> None:
@@ -90,9 +90,9 @@ def test_worlds_of_other_runs_do_not_keep_it_from_the_next_of_its_own(reply: Rep
     assert answered(OtherRun(), OtherRun()) is None, "its own may return"
 
 
-@pytest.mark.parametrize("away", [0.0, 60.0])
+@pytest.mark.parametrize("grace", [0.0, 60.0])
 def test_beside_another_run_it_waits_as_long_as_for_its_own_world(
-    away: float, monkeypatch: pytest.MonkeyPatch
+    grace: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     network, now = LocalNetwork(), [100.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
@@ -100,8 +100,8 @@ def test_beside_another_run_it_waits_as_long_as_for_its_own_world(
     bus.serve(robot_key("run", 1, "join"))
     bus.node = SimpleNamespace(handle=lambda query: query.reply(encode_reply(OtherRun())))
     session = WorldSession(network.connect(), "run", 1, 20.0, lambda _: None)
-    session.admitted(Admission(1, True, SWAP, away=away, epoch=OWN))
-    bearable = max(PATIENCE, away)
+    session.admitted(Admission(1, True, SWAP, grace=grace, epoch=OWN))
+    bearable = max(PATIENCE, grace)
     for now[0] in (101.0, 100.9 + bearable):
         assert session.ask(None, begun=True) is None
     now[0] = 101.1 + bearable

@@ -229,9 +229,9 @@ def _take_part(drawn: list[_Drawn]) -> None:
         world = bus.node = WorldNode(bus, _RUN, _participants_of())
     robots = network.connect()
     robot = robots.node = RobotNode(robots, _RUN, 1)
-    robot.wake(0.0)
+    robot.on_timer(0.0)
     watcher = watch_local(network, _RUN)
-    watcher.wake(0.0)
+    watcher.on_timer(0.0)
     launcher = Fleet(_participants_of(), RunOptions())
     launcher.supervisor = Mock(spec=Supervisor, names=(), **{"running.return_value": ()})  # of no processes
     launcher._assembly = Mock(spec=Assembly)

@@ -23,7 +23,7 @@ LATENCY, TIMEOUT, NOISE = 0.04, 0.3, 0.008
 
 def telling(tell: Publish) -> Bus:
     """A bus on which `tell` takes all commands."""
-    return Proxy(LocalNetwork().connect(), foreign=lambda *_: tell)
+    return Proxy(LocalNetwork().connect(), raw_publisher=lambda *_: tell)
 
 
 def measured(scale: float = 1.0, seed: int = 0) -> MeasuredBounds:
@@ -51,7 +51,7 @@ def measured(scale: float = 1.0, seed: int = 0) -> MeasuredBounds:
         if step % 10 == 0:
             heard.append((now + LATENCY, driver.hears[1], wheels.pose(now).serialize()))
         if now >= driver.deadline:
-            driver.wake(now)
+            driver.on_timer(now)
         if driver.finished:
             break
     assert driver.finished
@@ -109,7 +109,7 @@ def test_a_secured_router_would_let_nothing_of_a_base_pass(disknav: Forks, line:
 def test_nothing_is_told_before_the_base_and_its_localisation_speak():
     tell = Mock()
     driver = Calibration(telling(tell), Base().of(1), square(0.5, 0.1, 0.5), 1.0)
-    driver.wake(0.0)
+    driver.on_timer(0.0)
     tell.assert_not_called()
     with pytest.raises(BusError, match="no message on bot1/odom and bot1/pose"):
-        driver.wake(math.inf)
+        driver.on_timer(math.inf)

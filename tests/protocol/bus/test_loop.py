@@ -31,7 +31,7 @@ class Diary:
     def handle(self, event: Event) -> None:
         self.heard.append(event)
 
-    def wake(self, now: float) -> None:
+    def on_timer(self, now: float) -> None:
         assert now >= self.deadline
         self.woken += 1
         self.finished = True
@@ -137,7 +137,7 @@ def test_zenohs_threads_leave_signals_alone(endpoint: str) -> None:
 
 def test_a_signal_ends_driving_after_last_words(connect: Connect) -> None:
     class Interrupted(Diary):
-        def wake(self, now: float) -> None:
+        def on_timer(self, now: float) -> None:
             self.deadline = inf
             timers.append(threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)))
             timers[0].start()

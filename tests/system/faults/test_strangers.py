@@ -12,7 +12,7 @@ from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from deploy.run.result import unjudged
-from protocol.bus.bus import Foreign
+from protocol.bus.bus import RawSample
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import encode
@@ -45,7 +45,7 @@ class Disturbed(Fleet):
         for pattern in PATTERNS[:3]:
             stranger.post(f"{prefix}/{pattern}", b"?")
             heard = stranger.receive(20.0)
-            self.replies.append(decode_reply(heard.payload) if isinstance(heard, Foreign) else heard)
+            self.replies.append(decode_reply(heard.payload) if isinstance(heard, RawSample) else heard)
         keys = ("robot/1/state", "robot/1/command", "robot/*/command", "robot/1/tick", "world/clock")
         keys += ("world/scenario", "world/result", "robot/1/2/3/4/5/state", "robot/0/state")
         self._say = [stranger.publisher(STREAMS["clock"], f"{prefix}/{key}") for key in keys]

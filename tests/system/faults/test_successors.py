@@ -119,7 +119,7 @@ def test_the_next_one_does_not_wait_for_the_token_of_the_one_before(tmp_path: Pa
     assert asked(fleet, {"add": AGAIN}).accepted
     go(fleet, 4)
     successor = fleet.start(2)
-    successor.wake(math.inf)
+    successor.on_timer(math.inf)
     go(fleet, 20)
     assert (status(fleet, 2), life(fleet).joined) == ("live", True)
     bus.close()  # the token that goes is not that of the successor
@@ -159,7 +159,7 @@ def test_a_successor_that_is_heard_before_the_world_is_itself_again_is_no_victim
     fleet.kill(2)
     successor = fleet.start(2)
     fleet.start_world()
-    successor.wake(math.inf)
+    successor.on_timer(math.inf)
     fleet.network.run(lambda: fleet.world.finished)
     report = fleet.world.report
     assert (report["verdict"], report["faults"]["given_up"], report["worlds"]) == ("arrived", [], [10])

@@ -65,7 +65,7 @@ def test_a_process_that_is_there_before_its_order_waits_and_no_trajectory_shows_
     fleet = LocalFleet(GUESTED)
     process = fleet.start(7)
     for _ in range(10):
-        process.wake(math.inf)  # asks to join: a process that is refused repeatedly gives up
+        process.on_timer(math.inf)  # asks to join: a process that is refused repeatedly gives up
     report = fleet.execute()
     assert (report["verdict"], report["robots"]) == ("arrived", [1, 2, 3, 4, 7])
     assert report["trajectory_sha256"] == LocalFleet(GUESTED).execute()["trajectory_sha256"]
@@ -76,10 +76,10 @@ def test_a_process_that_is_there_before_its_order_waits_and_no_trajectory_shows_
 def test_a_process_that_waits_for_an_order_that_never_comes_is_told_so() -> None:
     fleet = LocalFleet(replace(GUESTED, time=replace(SWAP.time, limit=0.15)))
     process = fleet.start(7)
-    process.wake(math.inf)
+    process.on_timer(math.inf)
     report = fleet.execute()
     assert (report["verdict"], report["faults"]["given_up"]) == ("timeout", [])
-    process.wake(math.inf)
+    process.on_timer(math.inf)
     assert process.verdict == "timeout"
 
 

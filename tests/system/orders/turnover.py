@@ -127,7 +127,7 @@ class Turnover:
         for member in asked(self.fleet).roster.members:
             if member.status == "standing" and member.incarnation:
                 self.fleet.kill(member.robot)
-                self.fleet.start(member.robot).wake(math.inf)
+                self.fleet.start(member.robot).on_timer(math.inf)
 
     def _send(self, robot: int, points: list[tuple[float, float]]) -> bool:
         return asked(self.fleet, {"goal": {"robot": robot, "points": points}}).accepted

@@ -28,10 +28,10 @@ def among(active: frozenset[int]) -> dict[int, int]:
 
 @given(robots, robots, st.dictionaries(st.integers(1, 9), st.lists(st.integers(1, 9))))
 def test_a_robot_that_takes_part_is_blamed(
-    active: frozenset[int], waiting: frozenset[int], lacking: dict[int, list[int]]
+    active: frozenset[int], waiting: frozenset[int], missing: dict[int, list[int]]
 ) -> None:
     waiting &= active
-    found = blamed(among(active), waiting, lacking)
+    found = blamed(among(active), waiting, missing)
     assert found.keys() <= active
     assert bool(found) == bool(waiting)
     assert all(found.values())
@@ -43,19 +43,19 @@ def test_one_faulty_robot_never_costs_another(active: frozenset[int], data: st.D
     faulty = data.draw(st.sampled_from(sorted(active)))
     well = active - {faulty}
     heard = data.draw(st.booleans())
-    lacking = {} if heard else dict.fromkeys(well, (faulty,))
+    missing = {} if heard else dict.fromkeys(well, (faulty,))
     waiting = set() if heard else set(well)
     if data.draw(st.booleans()):
         waiting.add(faulty)
-        lacking[faulty] = tuple(data.draw(st.lists(st.sampled_from(sorted(well)))))
+        missing[faulty] = tuple(data.draw(st.lists(st.sampled_from(sorted(well)))))
     if waiting:
-        assert blamed(among(active), waiting, lacking).keys() == {faulty}
+        assert blamed(among(active), waiting, missing).keys() == {faulty}
 
 
 def test_only_those_count_that_receive_its_states() -> None:
     """Of four, two are near robot 2, and both lack its State."""
-    lacking: dict[int, tuple[int, ...]] = {1: (2,), 3: (2,)}
-    assert blamed({1: 2, 2: 3, 3: 2, 4: 1}, {1, 3}, lacking).keys() == {2}
+    missing: dict[int, tuple[int, ...]] = {1: (2,), 3: (2,)}
+    assert blamed({1: 2, 2: 3, 3: 2, 4: 1}, {1, 3}, missing).keys() == {2}
 
 
 def test_a_complaint_is_no_command() -> None:

@@ -32,7 +32,7 @@ class Watch:
             patience=PATIENCE,
             grace=grace,
             restarts=restarts,
-            say=self.said.append,
+            warn=self.said.append,
         )
 
     def tell(self, measurements: Mapping[int, Tick]) -> None:

@@ -28,7 +28,7 @@ def test_a_log_holds_every_order_and_a_person_hears_of_every_stop() -> None:
     said: list[str] = []
     noted: list[str] = []
     bus = LocalNetwork().connect()
-    world = WorldNode(bus, "r", load("swap-2"), say=said.append, note=noted.append)
+    world = WorldNode(bus, "r", load("swap-2"), warn=said.append, info=noted.append)
     replies: list[bytes] = []
     for payload in (*(json.dumps(request).encode() if request else b"" for request in ASKED), *MALFORMED):
         world.handle(Query("disknav/r/world/operation", payload, replies.append))

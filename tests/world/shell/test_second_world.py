@@ -42,7 +42,7 @@ def epochs(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_running_world_stands_while_another_is_there_and_goes_on_after_that() -> None:
     fleet, said = LocalFleet(SWAP), list[str]()
-    fleet.world._operations._say = said.append
+    fleet.world._operations._warn = said.append
     step(fleet, 10)
     bus = fleet.network.connect()
     other = bus.node = WorldNode(bus, "local", SWAP)
@@ -102,7 +102,7 @@ def test_of_two_worlds_before_their_first_tick_one_leaves_and_not_the_one_that_c
 
 def test_an_emergency_stop_outlasts_the_other_world() -> None:
     fleet, said = LocalFleet(SWAP), list[str]()
-    fleet.world._operations._say = said.append
+    fleet.world._operations._warn = said.append
     step(fleet, 10)
     bus = fleet.network.connect()
     bus.announce("disknav/local/world/alive/another")
@@ -134,7 +134,7 @@ def test_a_robot_does_not_choose_between_two_worlds() -> None:
         bus = network.connect()
         bus.node = WorldNode(bus, "local", SWAP)
     robot = RobotNode(network.connect(), "local", 1)
-    robot.wake(robot.deadline)
+    robot.on_timer(robot.deadline)
     assert robot.core is None
 
 
@@ -166,7 +166,7 @@ def test_a_robot_does_not_go_back_to_a_coordinator_that_it_has_left(tmp_path: Pa
     older.node = WorldNode(older, "local", SWAP, checkpoint=checkpoint)
     bus, newer = network.connect(), network.connect()
     robot = bus.node = RobotNode(bus, "local", 1)
-    robot.wake(robot.deadline)
+    robot.on_timer(robot.deadline)
     assert robot.core.epoch == 1
     with pytest.raises(RunTakenError, match="end that one first"):
         look_for_others(bus, "local")  # with a copy of its checkpoint
@@ -176,7 +176,7 @@ def test_a_robot_does_not_go_back_to_a_coordinator_that_it_has_left(tmp_path: Pa
     checkpoint.close()
     newer.node = WorldNode(newer, "local", SWAP, checkpoint=Checkpoint(path, "local", SWAP))
     bus.drain()
-    robot.wake(robot.deadline)
+    robot.on_timer(robot.deadline)
     assert robot.core.epoch == 2
     older.announced, older.served = frozen
     network.tell_presence("disknav/local/world/alive/00000001", True, older)
@@ -185,7 +185,7 @@ def test_a_robot_does_not_go_back_to_a_coordinator_that_it_has_left(tmp_path: Pa
     newer.close()
     bus.drain()
     with pytest.raises(BusError, match="another run has the name"):
-        robot.wake(robot.deadline)
+        robot.on_timer(robot.deadline)
     assert robot.core.epoch == 2
 
 

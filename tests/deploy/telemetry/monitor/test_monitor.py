@@ -47,7 +47,7 @@ def test_robots_are_shown_while_they_are_there() -> None:
 
     def shows(*robots: int) -> bool:
         assert fleet.step()
-        watcher.wake(time.monotonic())
+        watcher.on_timer(time.monotonic())
         return tuple(row["id"] for row in watcher.snapshot()["robots"]) == robots
 
     until(lambda: shows(1, 2, 3, 4))
