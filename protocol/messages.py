@@ -340,7 +340,7 @@ class Health(Message, frozen=True, array_like=True, gc=False):
     incarnation: Count  # its life
     tick: Count  # its newest tick
     bound: Size  # m, error bound of the own position
-    published: Count  # messages sent in this life
+    published: Count  # messages sent
     received: Count  # messages accepted
     rejected: dict[str, Count]  # messages dropped, by reason
     heard: tuple[Heard, ...]  # newest tick received from each peer

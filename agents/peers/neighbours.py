@@ -190,6 +190,7 @@ class PeerInbox:
 
     Attributes:
         neighbours: peers, by their newest States and the roster.
+        is_open: whether the tick's State is out and its Command is not.
     """
 
     def __init__(
@@ -208,7 +209,7 @@ class PeerInbox:
         self._since: dict[int, int] = {}  # tick of the first accepted State, by peer
         self._active: tuple[int, ...] = ()  # as the tick before named them
         self._awaited: set[int] = set()
-        self._open = False  # whether the tick's State is out and its Command is not
+        self.is_open = False
 
     def open(self, tick: Tick, place: Vector | None = None) -> None:
         """Begin a tick at `place`, m: await the States of the peers that it names, and accept late ones."""
@@ -219,7 +220,7 @@ class PeerInbox:
         if self._far is not None:
             self._far.open(tick.tick)
         self._take(tick.tick - 1)
-        self._open = True
+        self.is_open = True
 
     def _attend(self, tick: Tick) -> None:
         """In lock-step, States of ticks that this robot missed are dropped: their arrival depends on the wall
@@ -234,7 +235,7 @@ class PeerInbox:
 
     def close(self) -> None:
         """The tick's Command is due: accept the States that arrived in time."""
-        self._open = False
+        self.is_open = False
         self._take(self._tick)
 
     def reconsider(self, tick: Tick) -> None:
@@ -246,7 +247,7 @@ class PeerInbox:
         tick = state.tick
         if tick >= self._tick:  # of any incarnation: a wrong one must not block the tick
             self._awaited.discard(state.robot)
-        if self._open and tick <= self._tick and self._link.ideal:
+        if self.is_open and tick <= self._tick and self._link.ideal:
             self._learn(state)  # as `close` would in a moment
         else:
             self._link.put(state)

@@ -78,11 +78,10 @@ class RobotNode:
         self._announced = False
         self._noted = 0  # reported troubles of the robot
         self._ended = self._over = False  # this life; the run
-        self._commanded = True
         self._rejected: Counter[str] = Counter()
         self._said_state = self._said_command = b""  # newest payloads
         self._published = self._received = 0
-        self._due = self._reported = time.monotonic()
+        self._due = time.monotonic()
         bus.watch(world_tokens(run))  # before the first request: the world that admits it may die at once
 
     @property
@@ -129,9 +128,6 @@ class RobotNode:
             epoch=admission.epoch,
         )
         self._lockstep, self._founded = admission.lockstep, admission.founded
-        self._published = self._received = 0
-        self._rejected.clear()
-        self._commanded = True
         self._ended = self._over = False
         self._noted = 0
         self._info(f"life {admission.incarnation} begins, in scenario {admission.scenario.name!r}")
@@ -293,12 +289,11 @@ class RobotNode:
             self._warn(core.note)
         self._tell_state(self._said_state)
         self._published += 1
-        self._commanded = False
         if core.hearing.complete or not self._lockstep:
             self._command(core)
 
     def _command_if_complete(self, core: Robot) -> None:
-        if not self._commanded and core.hearing.complete:
+        if core.hearing.is_open and core.hearing.complete:
             self._command(core)
 
     def _command(self, core: Robot) -> None:
@@ -310,19 +305,16 @@ class RobotNode:
         if self._tools is not None:
             self._tools.tell(core, command, 0.0 if self._base is None else self._base.heading)
         self._published += 1
-        self._commanded = True
         self._peers.apply(core.tick)
-        if self._world.heard >= self._reported + REPORT_PERIOD:
-            self._report()
 
     def _repeat(self, core: Robot, tick: Tick) -> None:
         """Answer a repeated Tick, as the State may be lost; without a Command name the missing States."""
         self._tell_state(self._said_state)
-        if self._commanded:
+        if not core.hearing.is_open:
             self._tell_command(self._said_command)
         core.hearing.reconsider(tick)
         self._command_if_complete(core)
-        if not self._commanded and core.hearing.missing:
+        if core.hearing.is_open and core.hearing.missing:
             self._tell_command(encode(core.complaint()))
 
     def _rejoin(self, core: Robot) -> None:
@@ -331,7 +323,6 @@ class RobotNode:
         self._due = time.monotonic()
         if self._base is not None:
             self._base.stand(core, founded=self._founded)
-            self._look_at_place(self._base)
 
     # -- time
 
@@ -339,27 +330,21 @@ class RobotNode:
         base = self._base
         if base is not None and self.core is not None and now >= base.due:
             base.on_timer(self.core, founded=self._founded)
-            self._look_at_place(base)
+            if base.in_place and not self._announced:
+                self._announce()
         if base is None or now >= self._due:
             self._look(now)
-
-    def _look_at_place(self, base: AttachedBase) -> None:
-        """Show the token once the robot is near its start."""
-        if base.in_place and not self._announced:
-            self._announce()
 
     def _look(self, now: float) -> None:
         if self.core is None or self._ended or self._world.back:
             self._join()
             return
         self._due = now + REPORT_PERIOD
-        if now >= self._reported + REPORT_PERIOD:
-            self._report()
+        self._report()
         if self._world.check(now):
             self._join()
 
     def _report(self) -> None:
-        self._reported = time.monotonic()
         self._tell_health(encode(self._health()))
 
     def _health(self) -> Health:

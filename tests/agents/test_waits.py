@@ -105,7 +105,7 @@ def test_a_tick_of_an_earlier_life_leaves_the_awaited_peers_as_they_are() -> Non
     core = node.core
     core.incarnation = 2  # a life of this process began within the tick
     fleet.world_bus.node = None
-    node._commanded = False
+    core.hearing.is_open = True
     core.hearing._awaited = {2, 3, 4}
     node.handle(Sample("disknav/local/robot/1/tick", encode(Tick(1, 1, core.tick, (1, 2), core.epoch))))
     assert core.hearing.missing == [2, 3, 4]

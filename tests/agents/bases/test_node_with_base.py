@@ -12,6 +12,7 @@ import pytest
 
 from agents.bases import base as choice
 from agents.bases.base import topics_of
+from agents.bases.ros_messages import Flag
 from deploy.library.load import load
 from protocol.bus.bus import Event, RawSample
 from protocol.errors import BusError, JoinError, UsageError
@@ -69,7 +70,7 @@ class Stage:
     """A world, two robots and their floor."""
 
     def __init__(self, caplog, checkpoint: Path | None = None) -> None:
-        self.scenario = fleet(2, "time.endless=true")
+        self.scenario = fleet(2, "time.endless=true", "base.tools=true")
         self.fleet, self._log = MortalFleet(self.scenario, checkpoint), caplog
         bus = self.fleet.network.connect()
         self.floor = bus.node = Floor(bus, self.scenario)
@@ -104,6 +105,12 @@ def test_robots_join_once_they_know_where_they_are_and_drive(caplog):
     reported = stage.world.simulation.places
     for robot, place in reported.items():
         assert math.dist(place, stage.floor.wheels[robot].control) < 0.06
+
+    heard = stage.fleet.network.connect()
+    heard.listen("bot1/cmd_vel")
+    stage.fleet.robots[1].node.handle(RawSample("bot1/disknav/stop", Flag(True).serialize()))
+    assert heard.receive(0.0) is not None, "it brakes at once, not with the next Tick"
+    stage.play(lambda: stage.floor.wheels[1].aims == (0.0, 0.0))
 
 
 @pytest.mark.slow

@@ -31,7 +31,7 @@ MUTANTS = (
     without(
         "settled-commands",
         "lines are taken over only while no command is under way",
-        Edit(_HEARING, "if self._open and tick <= self._tick and self._link.ideal", "if self._link.ideal"),
+        Edit(_HEARING, "if self.is_open and tick <= self._tick and self._link.ideal", "if self._link.ideal"),
         first=340,
     ),
     without(
