@@ -249,12 +249,12 @@ class Robot:
         """
         own = self._peers.members.get(self.robot)
         before = filter_.radius
-        told = before if own is None else own.radius
+        listed = before if own is None else own.radius
         part, radius = -mover.held, mover.radius
-        has = radius <= told or (radius <= before and filter_.lines.part in (NO, part))
+        has = radius <= listed or (radius <= before and filter_.lines.part in (NO, part))
         if not has and not filter_.enlarge(radius, part, self._estimate):
             radius = self._spec.radius
-        radius = max(told, radius)
+        radius = max(listed, radius)
         if radius != filter_.radius:
             filter_.resize(radius)
         filter_.lines.wanted = mover.radius

@@ -43,7 +43,7 @@ class Manoeuvre(NamedTuple):
     duration: float  # s
     ahead: float  # m/s
     rate: float  # rad/s
-    told: bool = True  # False: no command is sent
+    commanded: bool = True  # False: no command is sent
 
 
 class Row(NamedTuple):
@@ -71,7 +71,7 @@ def square(side: float, speed: float, rate: float) -> list[Manoeuvre]:
     moves = [rest]
     for _ in range(4):
         moves += [Manoeuvre(side / speed, speed, 0.0), rest, Manoeuvre(0.5 * math.pi / rate, 0.0, rate), rest]
-    return [*moves, Manoeuvre(0.5 * side / speed, speed, 0.0), Manoeuvre(SILENCE, 0.0, 0.0, told=False)]
+    return [*moves, Manoeuvre(0.5 * side / speed, speed, 0.0), Manoeuvre(SILENCE, 0.0, 0.0, commanded=False)]
 
 
 class Calibration:
@@ -149,7 +149,7 @@ class Calibration:
             self._until = now + move.duration
         move = self.log.moves[-1][1]
         self.deadline = min(self.deadline, self._until)
-        if move.told:
+        if move.commanded:
             self._command(move.ahead, move.rate)
 
     def _command(self, ahead: float, rate: float) -> None:
@@ -179,7 +179,9 @@ class MeasuredBounds(NamedTuple):
 def bounds(log: Log) -> MeasuredBounds:
     """Measured properties, from the log of a square."""
     rests = [
-        begin + move.duration for begin, move in log.moves if move.told and move.ahead == move.rate == 0.0
+        begin + move.duration
+        for begin, move in log.moves
+        if move.commanded and move.ahead == move.rate == 0.0
     ]  # their ends
     odometry, poses = np.array(log.odometry), np.array(log.poses)
     scatter = [here - here.mean(axis=0) for here in (_standing(poses, rest) for rest in rests)]
@@ -248,7 +250,7 @@ def _off(log: Log, odometry: Array) -> float:
     """Largest relative difference of a side's length between odometry and command."""
     worst = 0.0
     for (begin, move), (end, _) in pairwise(log.moves):
-        if move.told and move.ahead > 0.0 and log.moves[-1][0] != end:
+        if move.commanded and move.ahead > 0.0 and log.moves[-1][0] != end:
             way = math.dist(_place(odometry, begin), _place(odometry, end + PAUSE))
             worst = max(worst, abs(way - move.ahead * (end - begin)) / way)
     return worst

@@ -27,7 +27,7 @@ _DECODE: dict[str, Any] = {
 DAMAGED = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
 SHOWN = 300  # characters of the reason that are logged, escaped: a stranger may have written them
 REASONS = ("key", "oversize", "version", "type", "shape", "identity", "epoch")
-Told = TypeVar("Told")
+Value = TypeVar("Value")
 Made = TypeVar("Made")
 
 
@@ -80,16 +80,16 @@ def _refusal(stream: str, payload: bytes, error: Exception) -> MessageError:
     return MessageError("shape", f"{stream}: {error}")
 
 
-def keeps_newest(make: Callable[[Told], Made]) -> Callable[[Told], Made]:
+def keeps_newest(make: Callable[[Value], Made]) -> Callable[[Value], Made]:
     """`make`, with its newest result kept for the next call with equal arguments. Unlike `lru_cache` it
     hashes nothing, which for a thousand robots takes as long as `make`.
     """
-    kept: list[tuple[Told, Made]] = []
+    kept: list[tuple[Value, Made]] = []
 
-    def found(told: Told) -> Made:
+    def found(value: Value) -> Made:
         newest = kept[0] if kept else None  # read once: another thread may replace it
-        if newest is None or told is not newest[0]:
-            newest = told, make(told) if newest is None or told != newest[0] else newest[1]
+        if newest is None or value is not newest[0]:
+            newest = value, make(value) if newest is None or value != newest[0] else newest[1]
             kept[:] = [newest]  # the same object again is found without a comparison
         return newest[1]
 

@@ -96,7 +96,7 @@ class WorldCore:
     @property
     def is_open(self) -> bool:
         """Whether `tick` has begun."""
-        return self.exchange.told is not None
+        return self.exchange.ticks is not None
 
     @property
     def scenario(self) -> Scenario:
@@ -146,8 +146,8 @@ class WorldCore:
         the tick does not begin: then only fenced robots that are not yet informed receive a Tick.
         """
         lives, simulation = self.lives, self.simulation
-        if self.exchange.told is not None:
-            return self.exchange.told
+        if self.exchange.ticks is not None:
+            return self.exchange.ticks
         if not lives.founded and not lives.awaited:
             self._found()
         if lives.founded:

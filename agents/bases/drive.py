@@ -67,11 +67,11 @@ class Drive:
         period: of a tick, s.
 
     Attributes:
-        told: present velocity for the base.
+        velocity: present velocity for the base.
     """
 
     def __init__(self, body: Body, base: Base, period: float) -> None:
-        self.told: Vector = STILL
+        self.velocity: Vector = STILL
         self._base, self._kinematics = base, Kinematics(body, period)
         self._grace = period + base.patience
         self._part = period / self._kinematics.steps
@@ -86,21 +86,21 @@ class Drive:
     @property
     def due(self) -> float:
         """Time of the next publication, s; infinite while the base is to stand."""
-        if self.told == STILL:
+        if self.velocity == STILL:
             return self._plan[0][0] if self._plan else math.inf
         return min(self._end, self._published + self._base.timeout / OFTEN)
 
     def advance(self, now: float) -> None:
-        """Advance to `now`, when `told` is published."""
+        """Advance to `now`, when `velocity` is published."""
         self._check(now)
-        before, self._published = self.told, now
+        before, self._published = self.velocity, now
         while self._plan and self._plan[0][0] <= now:
-            _, self.told = self._plan.popleft()
-        while self.told != STILL and self._brakes <= now:
-            braked = self._kinematics.coasted(Motion(0.0, *self.told), self._part)
-            self.told, self._brakes = (braked.ahead, braked.aside), self._brakes + self._part
-        if self.told != before:
-            self._past.append((now, self.told))
+            _, self.velocity = self._plan.popleft()
+        while self.velocity != STILL and self._brakes <= now:
+            braked = self._kinematics.coasted(Motion(0.0, *self.velocity), self._part)
+            self.velocity, self._brakes = (braked.ahead, braked.aside), self._brakes + self._part
+        if self.velocity != before:
+            self._past.append((now, self.velocity))
 
     def motion(self, heading: float, now: float) -> BaseMotion | None:
         """The motion that follows from the velocities sent, the last of which is held for as long as it would
@@ -120,7 +120,7 @@ class Drive:
         if before == (STILL,):
             return BaseMotion(STILL, heading, STILL)
         hold = self._late.alone + max(0.0, self._brakes - now)
-        motion = Motion(heading, *self.told, hold)
+        motion = Motion(heading, *self.velocity, hold)
         return BaseMotion(motion.velocity, heading, self._kinematics.stop(motion), before)
 
     def turning(self, age: float, now: float) -> float:
@@ -128,7 +128,7 @@ class Drive:
         within `Lateness.spread` except for late effects.
         """
         latency, delay = self._base.latency, self._base.delay
-        turn, end = self._kinematics.turn(Arc(*self.told, 0.5 * DECISION)), now
+        turn, end = self._kinematics.turn(Arc(*self.velocity, 0.5 * DECISION)), now
         for begin, velocity in reversed(self._past):
             duration = end - max(begin, now - age - 0.5 * (latency - delay))
             if duration > 0.0:
@@ -149,7 +149,7 @@ class Drive:
         if velocity == STILL or until <= now:
             self._brake(now if self._end > now + self._part else self._end)  # no sooner if it brakes
             return
-        motion = Motion(heading, *self.told)
+        motion = Motion(heading, *self.velocity)
         ahead, aside = self._kinematics.limited(motion, velocity)
         arcs = self._kinematics.drive(motion, ahead, aside)
         steps = [*((arc.ahead, arc.aside) for arc in arcs), (ahead, aside)]
@@ -159,7 +159,7 @@ class Drive:
 
     @property
     def _end(self) -> float:
-        """Time until which `told` is due, s."""
+        """Time until which `velocity` is due, s."""
         return self._plan[0][0] if self._plan else self._brakes
 
     def _brake(self, begin: float) -> None:
@@ -172,6 +172,6 @@ class Drive:
         if now <= self.due + 0.5 * self._base.latency:
             return
         self._plan.clear()
-        if self.told != STILL:
-            self.told, self._unknown = STILL, self._published + self._rest
+        if self.velocity != STILL:
+            self.velocity, self._unknown = STILL, self._published + self._rest
             self._past.append((now, STILL))

@@ -110,7 +110,7 @@ class Ros2Base:
     def on_timer(self, now: float) -> bytes:
         """The payload to publish by now."""
         self.senses.look(now)
-        if not self.senses.sound and self._drive.told != STILL and not self._blind:
+        if not self.senses.sound and self._drive.velocity != STILL and not self._blind:
             self._blind = True
             return self.stand(now)
         return self._advance(now)
@@ -119,7 +119,7 @@ class Ros2Base:
         """The velocity for the base by now."""
         self._drive.advance(now)
         self.due = min(now + self._every, self._drive.due)
-        ahead, aside = self._drive.told
+        ahead, aside = self._drive.velocity
         if self._offset > 0.0:
             velocity = Velocity([ahead, 0.0, 0.0], [0.0, 0.0, aside / self._offset])
         else:

@@ -71,8 +71,8 @@ class Encounters:
 
     def _crossing(self, picture: FarPicture, view: View, way: Vector) -> list[PeerState]:
         """Peers in a summary that may be met before the next one, as if by their States."""
-        (x, y, dx, dy, radii), told = picture.courses(), picture.places.tick
-        age = view.tick - told
+        (x, y, dx, dy, radii), tick = picture.courses(), picture.places.tick
+        age = view.tick - tick
         vx, vy = dx / self._period, dy / self._period
         rx, ry = x + age * dx - view.position[0], y + age * dy - view.position[1]
         ux, uy = way[0] - vx, way[1] - vy
@@ -87,7 +87,7 @@ class Encounters:
             if robot != self._robot:
                 place, velocity = (x.item(row), y.item(row)), (vx.item(row), vy.item(row))
                 radius: float = radii.item(row)
-                found.append(PeerState(robot, 0, told, True, *place, 0.0, 0.0, 0.0, *velocity, radius=radius))
+                found.append(PeerState(robot, 0, tick, True, *place, 0.0, 0.0, 0.0, *velocity, radius=radius))
         return found
 
 

@@ -175,17 +175,17 @@ class Arrivals:
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         self._period, self._wait = period(scenario), LEAD + stagger(scenario, robot)
-        self._said = self._due = -1  # ticks of the newest summary, and of the one due
+        self._newest = self._due = -1  # ticks of the newest summary, and of the one due
         self._arrived: dict[int, SummaryPlaces] = {}
         self._picture: FarPicture | None = None  # applied last
 
     def open(self, tick: int) -> None:
         """Begin a tick."""
-        if self._due != self._said and tick >= self._said + self._wait:
-            self._due = self._said
+        if self._due != self._newest and tick >= self._newest + self._wait:
+            self._due = self._newest
             self._arrived = {each: self._arrived[each] for each in self._arrived if each >= self._due}
         if tick % self._period == 0:
-            self._said = tick
+            self._newest = tick
 
     def on_summary(self, places: SummaryPlaces) -> None:
         """Receive a summary."""

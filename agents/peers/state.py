@@ -85,10 +85,10 @@ class PeerState(Peer):
         self.transit = tick + 1 - self.tick
         return True
 
-    def size(self, told: float) -> None:
+    def size(self, listed: float) -> None:
         """Set the radius, m, as the State is delivered: that of the roster, or the larger one of its
         claim."""
-        self.radius = told if self.claim is None else max(told, self.claim.radius)
+        self.radius = listed if self.claim is None else max(listed, self.claim.radius)
 
     @property
     def position(self) -> Vector | None:

@@ -71,7 +71,7 @@ class RosTools:
         self._tell_tf = link.publisher(Topic(base.topic("/tf"), ros.TF))
         self._tell_odometry = link.publisher(Topic(base.topic("disknav/odom"), ros.ODOMETRY))
         self._tell_markers = link.publisher(Topic(base.topic("disknav/markers"), ros.MARKERS))
-        self._due, self._told = -math.inf, 0
+        self._due, self._published = -math.inf, 0
 
     def hear(self, topic: Topic, payload: bytes) -> None:
         """Receive a message; raises MessageError, also for a goal in another frame than the map."""
@@ -111,9 +111,9 @@ class RosTools:
         self._tell_tf(Transforms([moved]).serialize())
         velocity = turned(*command.velocity, -heading)
         self._tell_odometry(_located(header, self._frame, pose, bound, velocity).serialize())
-        if self._told % _DRAWN == 0:
+        if self._published % _DRAWN == 0:
             self._tell_markers(Markers(_drawn(header, pose, core)).serialize())
-        self._told += 1
+        self._published += 1
 
 
 def _located(header: Header, frame: str, pose: Pose, bound: float, velocity: Vector) -> Odometry:

@@ -234,9 +234,9 @@ def stop(run: options.Run, router: options.Router = None, secure: options.Secure
     Exit status: 0 all stand, 1 some do not after 10 s, 2 invalid, 3 no answer.
     """
     with _operating(run, router, secure) as operator:
-        told = operator.stop(_STANDING)
-    if told.moving or not told.halted:
-        names = ", ".join(map(str, told.moving)) or "unknown"
+        reply = operator.stop(_STANDING)
+    if reply.moving or not reply.halted:
+        names = ", ".join(map(str, reply.moving)) or "unknown"
         print(f"run {run}: asked to stop, but these robots do not stand after {_STANDING:g} s: {names}")
         raise typer.Exit(EXIT_OTHERWISE)
     print(f"run {run}: all robots stand")
@@ -251,10 +251,10 @@ def release(run: options.Run, router: options.Router = None, secure: options.Sec
     Exit status: 0 released, 1 refused, 2 invalid, 3 no answer.
     """
     with _operating(run, router, secure) as operator:
-        told = operator.operate()
-        if told.halted:
-            told = _done(operator, Operation(halt=False))
-            print(f"run {run}: released from tick {told.tick} on")
+        reply = operator.operate()
+        if reply.halted:
+            reply = _done(operator, Operation(halt=False))
+            print(f"run {run}: released from tick {reply.tick} on")
         else:
             print(f"run {run}: no stop is in force")
 

@@ -235,8 +235,8 @@ def study(
     found.cells[0].build(found.cells[0].seeds[0])  # an invalid setting is found before any run
     with RunLog(None if file is None else file.with_name(f"{file.name}.runs.jsonl"), fresh=fresh) as log:
         outcome = execute(found, bus, log, jobs=jobs, quiet=silent, shard=part)
-    told = {"shard": str(part), "settings": setting or [], "complete": outcome.complete}
-    document = {"study": name, "rows": outcome.rows, "provenance": provenance(seed, bus, jobs) | told}
+    about = {"shard": str(part), "settings": setting or [], "complete": outcome.complete}
+    document = {"study": name, "rows": outcome.rows, "provenance": provenance(seed, bus, jobs) | about}
     write_json(document, json_file)
     if not silent:
         print_whole(table(found, outcome.rows))

@@ -51,10 +51,10 @@ def _run() -> int:
         LOG.error(error)
         return EXIT_INVALID if isinstance(error, invalid) else EXIT_FAULT
     except ModuleNotFoundError as error:
-        if (said := explained(error)) is None:
+        if (explanation := explained(error)) is None:
             raise
-        LOG.error(said)
-        return EXIT_INVALID if isinstance(said, invalid) else EXIT_FAULT
+        LOG.error(explanation)
+        return EXIT_INVALID if isinstance(explanation, invalid) else EXIT_FAULT
     except SystemExit as ending:
         return ending.code if isinstance(ending.code, int) else EXIT_FAULT
     return 0

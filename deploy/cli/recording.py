@@ -164,10 +164,10 @@ def _check(recording: Recording) -> str:
         found = recomputed(recording)
     except RecordingError as error:
         return f"cannot be checked: {error}"
-    said = (recording.result or {}).get("trajectory_sha256")
-    if said is None:
+    recorded = (recording.result or {}).get("trajectory_sha256")
+    if recorded is None:
         return f"{found.sha256}, no result to compare with{found.remark}"
-    same = found.sha256 == said
+    same = found.sha256 == recorded
     return f"{found.sha256}, {'as in the result' if same else 'NOT the one in the result'}{found.remark}"
 
 

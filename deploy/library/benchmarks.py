@@ -156,15 +156,15 @@ _KINDS = {
 
 
 def _db_cbs(file: Path, found: Any) -> Document:
-    said = converted(file, found, _Cbs)
+    instance = converted(file, found, _Cbs)
     kinds = []
-    for n, robot in enumerate(said.robots):
+    for n, robot in enumerate(instance.robots):
         kind = _KINDS.get(robot.type.replace("_0", ""))
         if kind is None:
             text = f"unknown kind {robot.type!r}; known are {', '.join(_KINDS)}"
             raise as_map_error(file, f"robots[{n}].type", text)
         kinds.append(kind)
-    for n, each in enumerate(said.environment.obstacles):
+    for n, each in enumerate(instance.environment.obstacles):
         if each.type != "box":
             raise as_map_error(
                 file, f"environment.obstacles[{n}].type", f"{each.type!r} is not known: only box is"
@@ -172,9 +172,9 @@ def _db_cbs(file: Path, found: Any) -> Document:
     return _document(
         file,
         "db-CBS",
-        [robot.robot(radius) for robot, (radius, _, _) in zip(said.robots, kinds, strict=True)],
-        corners=(said.environment.min, said.environment.max),
-        obstacles=[_box(*each.center, *each.size) for each in said.environment.obstacles],
+        [robot.robot(radius) for robot, (radius, _, _) in zip(instance.robots, kinds, strict=True)],
+        corners=(instance.environment.min, instance.environment.max),
+        obstacles=[_box(*each.center, *each.size) for each in instance.environment.obstacles],
         speed=min(speed for _, speed, _ in kinds),
         left_out=sorted({lost for _, _, lost in kinds if lost}),
     )
@@ -201,21 +201,21 @@ class _Lsc(msgspec.Struct):
 
 def _lsc(file: Path, options: Options) -> Document:
     try:
-        said = converted(file, json.loads(file.read_bytes()), _Lsc)
+        instance = converted(file, json.loads(file.read_bytes()), _Lsc)
     except (ValueError, RecursionError) as error:
         raise as_map_error(file, "", f"is not JSON: {error}") from None
     lost = ["heights and limits of acceleration"]
-    if said.obstacles:
-        lost.append(f"{len(said.obstacles)} obstacles that move")
-    for n, agent in enumerate(said.agents):
-        if agent.type not in said.quadrotors:
+    if instance.obstacles:
+        lost.append(f"{len(instance.obstacles)} obstacles that move")
+    for n, agent in enumerate(instance.agents):
+        if agent.type not in instance.quadrotors:
             raise as_map_error(file, f"agents[{n}].type", f"{agent.type!r} is none of `quadrotors`")
-    kinds = [said.quadrotors[agent.type] for agent in said.agents]
-    x0, y0, _, x1, y1, _ = said.world[0].dimension
+    kinds = [instance.quadrotors[agent.type] for agent in instance.agents]
+    x0, y0, _, x1, y1, _ = instance.world[0].dimension
     return _document(
         file,
         "LSC-DR",
-        [agent.robot(kind.radius) for agent, kind in zip(said.agents, kinds, strict=True)],
+        [agent.robot(kind.radius) for agent, kind in zip(instance.agents, kinds, strict=True)],
         corners=((x0, y0), (x1, y1)),
         obstacles=[] if options.obstacles is None else _columns(options.obstacles),
         speed=min(min(kind.max_vel[:2]) for kind in kinds),
@@ -312,14 +312,14 @@ def _smglib(file: Path, _: Options) -> Document:
         raise as_map_error(file, "", f"is not XML: {error}") from None
 
     def number(element: ElementTree.Element | None, key: str) -> float:
-        said = "" if element is None else element.get(key, "") or (element.findtext(key) or "")
+        text = "" if element is None else element.get(key, "") or (element.findtext(key) or "")
         try:
-            value = float(said)
+            value = float(text)
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
             where = "root" if element is None else element.tag
-            raise as_map_error(file, f"{where}.{key}", f"must be a number, is {said!r}")
+            raise as_map_error(file, f"{where}.{key}", f"must be a number, is {text!r}")
         return value
 
     plain, map_ = root.find("agents/default_parameters"), root.find("map")

@@ -137,7 +137,7 @@ class Operator:
         Returns the last reply; its `moving` lists the robots that do not stand after `within` s. Raises as
         `operate`.
         """
-        return self._repeat(Operation(halt=True), lambda told: told.halted and not told.moving, within)
+        return self._repeat(Operation(halt=True), lambda reply: reply.halted and not reply.moving, within)
 
     def _repeat(self, operation: Operation | None, done: Callable[[Reply], bool], within: float) -> Reply:
         """Repeat a request until its reply is `done`, at most `within` s; returns the last reply.

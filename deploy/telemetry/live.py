@@ -84,16 +84,16 @@ class RobotView:
         self.velocity: Vector = (0.0, 0.0)
         self.trail: Thinned[Vector] = Thinned(trail, lambda _, later: later)
         self._first, self._aims = first, aims
-        self._said: float | None = None
+        self._seen: float | None = None
         self._reported = 0.0
         self._rate: float | None = None
 
-    def said(self, tick: int, now: float) -> None:
+    def on_state(self, tick: int, now: float) -> None:
         """Note that a message shows this robot's State of `tick`."""
-        if tick > self.tick or self._said is None:
-            self.tick, self._said = tick, now
+        if tick > self.tick or self._seen is None:
+            self.tick, self._seen = tick, now
 
-    def report(self, health: Health, now: float) -> None:
+    def on_health(self, health: Health, now: float) -> None:
         """Take the robot's Health; one from an earlier life is ignored."""
         if health.incarnation < self.incarnation:
             return
@@ -104,14 +104,14 @@ class RobotView:
             # A robot publishes two messages a tick: State and Command.
             self._rate = max(0, health.published - self.health.published) / 2.0 / (now - self._reported)
         self.health, self._reported = health, now
-        self.said(health.tick, now)
+        self.on_state(health.tick, now)
 
-    def ordered(self, status: GoalStatus) -> None:
+    def on_goal(self, status: GoalStatus) -> None:
         """Take the status of an order, unless a newer one is known."""
         if (status.number, status.tick) >= (self.errand.number, self.errand.tick):
             self.errand, self._aims = status, True
 
-    def moved(self, position: Vector, seconds: float) -> None:
+    def move(self, position: Vector, seconds: float) -> None:
         """Take the true position, `seconds` of simulated time after the previous one."""
         x, y = self.position
         if seconds > 0.0:
@@ -136,7 +136,7 @@ class RobotView:
 
     def age(self, now: float) -> float | None:
         """Age of its newest State, s; None before the first."""
-        return None if self._said is None else max(0.0, now - self._said)
+        return None if self._seen is None else max(0.0, now - self._seen)
 
     def status(self, now: float, newest: int, tolerance: float, *, ended: bool) -> str:
         """Status in one word; those in `ALARMS` are alarms.
@@ -147,7 +147,7 @@ class RobotView:
             return "fenced"
         if self.alive is False:
             return "dead"
-        if not ended and self._said is None and not self.active:
+        if not ended and self._seen is None and not self.active:
             return "joining" if self.alive else "absent"
         if not ended and self.tick < newest and (self.age(now) or 0.0) > SILENCE:
             return "silent"
@@ -231,7 +231,7 @@ class FleetView:
         self.strangers: Set[int] = frozenset()
         self._newcomers: tuple[RobotSpec, ...] = ()
         self._announced: dict[int, float] = {}  # radii by rosters, m
-        self._told: tuple[int, ...] = ()  # robots of the newest Truth
+        self._shown: tuple[int, ...] = ()  # robots of the newest Truth
         self._pace: deque[tuple[float, int]] = deque(maxlen=32)
 
     def begin(self, scenario: Scenario, lockstep: bool, goals: Iterable[GoalStatus] = ()) -> None:
@@ -240,7 +240,7 @@ class FleetView:
         self.epoch += 1
         self.scenario, self.lockstep = scenario, lockstep
         self._trail = max(32, _TRAILS // len(scenario.robots))
-        self._newcomers, self._told = scenario.newcomers, scenario.ids
+        self._newcomers, self._shown = scenario.newcomers, scenario.ids
         first = 1 if self.epoch == 1 else None  # incarnations count on in later scenarios
         self.robots = {robot: RobotView(scenario.spec(robot), self._trail, first) for robot in scenario.ids}
         for robot, alive in self._tokens.items():
@@ -249,10 +249,10 @@ class FleetView:
         for status in goals:
             self._on_goal(status)
 
-    def meet(self, scenario: Scenario, goals: Iterable[GoalStatus] = ()) -> None:
+    def update(self, scenario: Scenario, goals: Iterable[GoalStatus] = ()) -> None:
         """Take the specs of strangers from the world's present scenario; the next Truth shows them."""
         self._newcomers += tuple(spec for spec in scenario.robots if spec.id in self.strangers)
-        self._told, self.strangers = (), frozenset()
+        self._shown, self.strangers = (), frozenset()
         for status in goals:
             self._on_goal(status)
 
@@ -264,7 +264,7 @@ class FleetView:
 
     # -- events
 
-    def present(self, robot: int | None, alive: bool) -> None:
+    def on_token(self, robot: int | None, alive: bool) -> None:
         """Note that a liveliness token appeared or went; `robot` is None for the world's."""
         if robot is None:
             self.world_alive = alive
@@ -290,7 +290,7 @@ class FleetView:
         elif isinstance(message, Tick) and message.roster is not None:
             for each in message.roster.members:
                 if each.status != "gone" and each.robot not in self.robots:
-                    self._announced[each.robot], self._told = each.radius, ()
+                    self._announced[each.robot], self._shown = each.radius, ()
 
     def _on_clock(self, clock: Clock) -> None:
         self.tick, self.verdict, self.reason = max(self.tick, clock.tick), clock.verdict, clock.reason
@@ -316,18 +316,20 @@ class FleetView:
         elapsed = (truth.tick - known) * step if known or truth.tick == 1 else 0.0
         for robot, position in zip(truth.robots, truth.positions, strict=False):
             if (view := self.robots.get(robot)) is not None:
-                view.moved(position, elapsed)
+                view.move(position, elapsed)
                 if self.lockstep and view.active and view.alive is not False:
-                    view.said(truth.tick - 1, now)  # the tick ended once all active robots had sent States
+                    view.on_state(
+                        truth.tick - 1, now
+                    )  # the tick ended once all active robots had sent States
         self.history.append((truth.tick * step, truth.clearance, truth.log_potential))
         self.recent.append(truth)
         self.tick = max(self.tick, truth.tick)
 
     def _set_fleet(self, truth: Truth) -> None:
         """Add robots that appeared and delete those that left; viewers then redraw everything."""
-        if truth.robots == self._told:
+        if truth.robots == self._shown:
             return
-        self._told = truth.robots
+        self._shown = truth.robots
         places = dict(zip(truth.robots, truth.positions, strict=False))
         known = self.robots.keys() | {spec.id for spec in self._newcomers} | self._announced.keys()
         self.strangers = frozenset(truth.robots) - known
@@ -354,11 +356,11 @@ class FleetView:
     def _on_health(self, health: Health, now: float) -> None:
         if health.robot in self.robots:
             robot = self.robots[health.robot]
-            robot.report(health, now)
+            robot.on_health(health, now)
             robot.lines = tuple(line for line in health.lines if self._is_near(robot, line[0]))
         for peer, tick in health.heard:
             if peer in self.robots:
-                self.robots[peer].said(tick, now)
+                self.robots[peer].on_state(tick, now)
 
     def _is_near(self, robot: RobotView, peer: int) -> bool:
         reach = _NEAR * robot.spec.radius
@@ -366,7 +368,7 @@ class FleetView:
 
     def _on_goal(self, status: GoalStatus) -> None:
         if status.robot in self.robots:
-            self.robots[status.robot].ordered(status)
+            self.robots[status.robot].on_goal(status)
 
     # -- state of the run
 

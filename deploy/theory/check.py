@@ -152,9 +152,11 @@ class CheckReport:
             *_assumption_text("Assumption 2 (goals off the boundary)", self.assumption_2),
         ]
         bounds: list[RenderableType] = [] if self.bounds is None else [_bounds(self.bounds), Text()]
-        said = (*_verdict(self), CAVEAT, *_certificate(self), "", *_practice(self))
+        notes = (*_verdict(self), CAVEAT, *_certificate(self), "", *_practice(self))
         method = Text(_method(self), style="dim")
-        return Group(self.facts.table(), Text(), *map(Text, lines), method, Text(), *bounds, *map(Text, said))
+        return Group(
+            self.facts.table(), Text(), *map(Text, lines), method, Text(), *bounds, *map(Text, notes)
+        )
 
 
 def _orientation(b: Array, triple: tuple[int, int, int]) -> float:
@@ -255,18 +257,18 @@ CAVEAT = (
 
 def scope(scenario: Scenario) -> list[str]:
     """Validity of the report for other laws, and the bounds that external bases must keep."""
-    law, said = scenario.control.law, []
+    law, notes = scenario.control.law, []
     if law == "external":
-        said.append("The law is external: bounds on k do not apply, and arrival depends on the planners.")
+        notes.append("The law is external: bounds on k do not apply, and arrival depends on the planners.")
     elif law != "gradient":
-        said.append(f"Bounds on k are for the law gradient; arrival with {law} is not proven for any k.")
+        notes.append(f"Bounds on k are for the law gradient; arrival with {law} is not proven for any k.")
     if scenario.is_external and scenario.control.filter != "none":
-        said += [
+        notes += [
             "",
             "External bases: no collision as long as these stated bounds hold, which are not measured here.",
             *_stated(scenario),
         ]
-    return said
+    return notes
 
 
 def _stated(scenario: Scenario) -> Iterator[str]:

@@ -67,21 +67,21 @@ class _Words(logging.Formatter):
 
 class _Lines(_Words):
     def format(self, record: logging.LogRecord) -> str:
-        said = msgspec.structs.asdict(getattr(record, "speaker", self._speaker))
+        speaker = msgspec.structs.asdict(getattr(record, "speaker", self._speaker))
         time, level = datetime.fromtimestamp(record.created, UTC), record.levelname.lower()
         return msgspec.json.encode(
-            {"time": time, "level": level} | said | {"text": logging.Formatter.format(self, record)}
+            {"time": time, "level": level} | speaker | {"text": logging.Formatter.format(self, record)}
         ).decode()
 
 
 class _File(WatchedFileHandler):
     """Appends; starts a new file after a rotation. Drops lines that it cannot write, with one warning."""
 
-    _said = False
+    _warned = False
 
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: ARG002, N802  as in logging
-        if not self._said:
-            self._said = True
+        if not self._warned:
+            self._warned = True
             print(f"{self.baseFilename}: {sys.exc_info()[1]}", file=sys.stderr, flush=True)
 
 

@@ -64,8 +64,8 @@ def _table(steps: Steps, value: Document, table: Any, findings: list[Finding]) -
     read: dict[str, Any] = {}
     for key in value:
         if key not in known:
-            said = key if isinstance(key, str) and _is_unicode(key) else "?"
-            findings.append(((*steps, said), unknown_key(said, table)))
+            shown = key if isinstance(key, str) and _is_unicode(key) else "?"
+            findings.append(((*steps, shown), unknown_key(shown, table)))
     for field in fields(table):
         key, hint = field.name.rstrip("_"), hints[field.name]
         if key in value:

@@ -60,9 +60,9 @@ class Interest:
             goals = {spec.id: goal(spec.id) or spec.goal for spec in scenario.robots}
             offsets = places - np.array([goals[robot] for robot in ids], dtype=np.float64)
             gammas = (offsets**2).sum(axis=1)
-            said = np.array([self._slices.get(robot, np.nan) for robot in ids])
+            known = np.array([self._slices.get(robot, np.nan) for robot in ids])
             # Of a robot that has published no slice, that of the attraction alone.
-            slices = np.where(np.isnan(said), 2.0 * np.sqrt(gammas), said)
+            slices = np.where(np.isnan(known), 2.0 * np.sqrt(gammas), known)
             where, far, pace = (each.astype("<f4").tobytes() for each in (places, gammas, slices))
             self.summary = Summary(tick, runs(ids), where, far, pace)
 
@@ -109,7 +109,7 @@ class Exchange:
     Attributes:
         tick: the open tick, or the next one.
         active: ids of the robots in the tick opened last.
-        told: the Tick for each robot that may listen; None while no tick is open.
+        ticks: the Tick for each robot that may listen; None while no tick is open.
         taken: Commands in this tick, by robot.
         waiting: active robots that still owe one.
         missed: number of missing Commands, over all active robots and ticks.
@@ -120,7 +120,7 @@ class Exchange:
     def __init__(self, scenario: Scenario, lives: Lives, missions: Missions, tick: int = 0) -> None:
         self.tick = tick
         self.active: tuple[int, ...] = ()
-        self.told: dict[int, Tick] | None = None
+        self.ticks: dict[int, Tick] | None = None
         self.taken: dict[int, Command] = {}
         self.waiting: set[int] = set()
         self.missed, self.refused = 0, Counter[str]()
@@ -134,14 +134,14 @@ class Exchange:
         return None if self._interest is None else self._interest.summary
 
     def open(self, scenario: Scenario, sensed: Mapping[int, Sense], halted: bool) -> dict[int, Tick]:
-        """Begin the tick, with measurement and odometry of every robot of the scenario; returns `told`."""
+        """Begin the tick, with measurement and odometry of every robot of the scenario; returns `ticks`."""
         self.active = self._lives.up
         self.taken, self._missing, self.waiting = {}, {}, set(self.active)
         interest, keeper = self._interest, self._lives.keeper
         if interest is None:
             keeper.advance({})
-            self.told = self._ticks(dict.fromkeys(self._lives.of, self.active), sensed, halted)
-            return self.told
+            self.ticks = self._build_ticks(dict.fromkeys(self._lives.of, self.active), sensed, halted)
+            return self.ticks
         interest.open(self.tick, scenario, sensed, self._missions.goal)
         keeper.advance(interest.places)
         present = frozenset(self.active)
@@ -152,18 +152,18 @@ class Exchange:
             )
             for robot, life in self._lives.listeners()
         }
-        self.told = self._ticks(heard, sensed, halted)
-        return self.told
+        self.ticks = self._build_ticks(heard, sensed, halted)
+        return self.ticks
 
     def fenced(self, halted: bool) -> dict[int, Tick]:
         """Ticks that inform robots of their fencing while the run waits. They bypass `Interest`, whose state
         must not depend on how often these are sent. A live incarnation receives nothing before the tick
         opens: its last Command is not settled yet."""
         lives = self._lives
-        ticks = self._ticks(dict.fromkeys(lives.of, lives.up), {}, halted)
+        ticks = self._build_ticks(dict.fromkeys(lives.of, lives.up), {}, halted)
         return {robot: tick for robot, tick in ticks.items() if lives.of[robot].fenced}
 
-    def _ticks(
+    def _build_ticks(
         self, heard: Mapping[int, tuple[int, ...]], sensed: Mapping[int, Sense], halted: bool
     ) -> dict[int, Tick]:
         """Ticks for all that may listen, each with the active robots whose States it receives."""
@@ -187,19 +187,19 @@ class Exchange:
     def close(self) -> None:
         """End the tick; outstanding commands are missed."""
         self.missed += len(self.waiting)
-        self.waiting, self.told = set(), None
+        self.waiting, self.ticks = set(), None
         self.tick += 1
 
     def drop(self, robot: int) -> None:
-        """Remove a robot from the open tick with its Command; `told` informs the others."""
+        """Remove a robot from the open tick with its Command; `ticks` informs the others."""
         if robot not in self.active:
             return
         self.active = tuple(other for other in self.active if other != robot)
-        if self.told is not None:
+        if self.ticks is not None:
             self.missed += 1
             self.waiting.discard(robot)
             self.taken.pop(robot, None)
-            self.told = {other: _without(robot, tick) for other, tick in self.told.items()}
+            self.ticks = {other: _without(robot, tick) for other, tick in self.ticks.items()}
 
     def accept(self, command: Command) -> bool:
         """Accept a command, or count its refusal; a robot that cannot command lists missing States."""
@@ -225,7 +225,7 @@ class Exchange:
             return "incarnation"
         if life.fenced or self._lives.refuses(command):
             return "fenced" if life.fenced else "ledger"
-        if command.tick != self.tick or self.told is None:
+        if command.tick != self.tick or self.ticks is None:
             return "late" if command.tick < self.tick else "early"
         if command.robot not in self.waiting:
             return "duplicate" if command.robot in self.taken else "inactive"
@@ -234,8 +234,8 @@ class Exchange:
     def blamed(self) -> dict[int, str]:
         """Robots to give up in the open tick, with reasons; clears the reports of missing States."""
         missing, self._missing = self._missing, {}
-        told = self.told or {}
-        heard_by = Counter(peer for robot in self.active for peer in told[robot].active)
+        ticks = self.ticks or {}
+        heard_by = Counter(peer for robot in self.active for peer in ticks[robot].active)
         return blamed(heard_by, self.waiting, missing)
 
 

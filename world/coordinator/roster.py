@@ -148,9 +148,9 @@ class RosterDirectory:
 
     def follow(self, parts: tuple[PartPlace, ...] | None = None) -> None:
         """Make a new version if obstacles or parts have changed."""
-        told = self.obstacles.changes, self._parts if parts is None else parts
-        if told != (self._changes, self._parts):
-            self._changes, self._parts = told
+        present = self.obstacles.changes, self._parts if parts is None else parts
+        if present != (self._changes, self._parts):
+            self._changes, self._parts = present
             self.version += 1
 
     def acknowledge(self, robot: int, incarnation: int, version: int) -> None:

@@ -27,7 +27,7 @@ class Publishers:
     def __init__(self, bus: Bus, run: str, robots: Iterable[int], epoch: int) -> None:
         self.published = 0
         self._epoch = epoch
-        self._told = -inf
+        self._sent = -inf
         self._clock, self._truth, self._summary, self._result = (
             bus.publisher(STREAMS[name], world_key(run, name))
             for name in ("clock", "truth", "summary", "result")
@@ -55,19 +55,19 @@ class Publishers:
     def summary(self, summary: Summary) -> None:
         self._summary(encode(msgspec.structs.replace(summary, epoch=self._epoch)))
 
-    def ticks(self, told: Mapping[int, Tick]) -> None:
-        for robot, tick in told.items():
+    def ticks(self, ticks: Mapping[int, Tick]) -> None:
+        for robot, tick in ticks.items():
             self._tick[robot](encode(msgspec.structs.replace(tick, epoch=self._epoch)))
-        self.published += len(told)
+        self.published += len(ticks)
 
     @property
     def is_due(self) -> bool:
         """Whether enough time has passed since the last publication for monitors."""
-        return time.monotonic() >= self._told + CLOCK_PERIOD
+        return time.monotonic() >= self._sent + CLOCK_PERIOD
 
     def watched(self, clock: Clock, truths: Iterable[Truth]) -> None:
         """Publish the time, and all positions since the last call."""
-        self._told = time.monotonic()
+        self._sent = time.monotonic()
         for truth in truths:
             self._truth(encode(truth))
         self._clock(encode(clock))

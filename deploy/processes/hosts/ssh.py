@@ -141,26 +141,26 @@ class Relay:
         if self._thread is not None:
             self._thread.join(_LAST_WORDS)
 
-    def take(self, said: bytes) -> None:
+    def take(self, raw: bytes) -> None:
         """Relay one line: of a log, or plain text."""
         try:
-            line = _decoder.decode(said)
+            line = _decoder.decode(raw)
             text = printable(line.text).replace("\n", f"\n{self._host}: ")
             record = msgspec.structs.replace(line, text=text).record(self._host)
         except DAMAGED:
-            self._logger.warning(printable(said.decode(errors="replace")))
+            self._logger.warning(printable(raw.decode(errors="replace")))
         else:
             self._logger.handle(record)
 
     def _read(self, stream: IO[bytes]) -> None:
         with stream:
-            while said := stream.readline(_LONGEST):
-                self.take(said)
+            while raw := stream.readline(_LONGEST):
+                self.take(raw)
 
 
-def printable(said: str) -> str:
+def printable(raw: str) -> str:
     """The text without terminal control characters; line breaks stay."""
-    return "".join(each if each.isprintable() or each == "\n" else " " for each in said).rstrip()
+    return "".join(each if each.isprintable() or each == "\n" else " " for each in raw).rstrip()
 
 
 _STALL = 5.0  # s for one message, from or to a host

@@ -18,10 +18,10 @@ _SAMPLES = 8  # past samples in a snapshot
 
 def overview(view: FleetView) -> dict[str, Any]:
     """Constants of a run, and its past, for a new viewer."""
-    told: dict[str, Any] = {"kind": "overview", "epoch": view.epoch, "run": view.run, "scenario": None}
+    document: dict[str, Any] = {"kind": "overview", "epoch": view.epoch, "run": view.run, "scenario": None}
     if view.scenario is not None:
         scenario = view.scenario
-        told |= {
+        document |= {
             "scenario": scenario.name,
             "description": scenario.description,
             "room": _outline(scenario.workspace.shape),
@@ -35,7 +35,7 @@ def overview(view: FleetView) -> dict[str, Any]:
             "history": view.history.items,
             "tick": view.recent[-1].tick if view.recent else -1,
         }
-    return told
+    return document
 
 
 def _outline(shape: Shape) -> dict[str, Any]:

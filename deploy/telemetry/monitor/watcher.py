@@ -89,7 +89,7 @@ class Watcher(Source):
         self.deadline = now + PERIOD
         unknown = self._view.strangers if self._known else self._there
         if unknown and now >= self._ask_at:
-            (self._meet if self._known else self._learn)()
+            (self._update if self._known else self._learn)()
             self._ask_at = time.monotonic() + RETRY
         while self._known and not self._wishes.empty():
             self._wishes.get()()
@@ -103,7 +103,7 @@ class Watcher(Source):
         tokens = self._tokens[robot]
         (tokens.add if event.alive else tokens.discard)(event.key)
         alive = bool(tokens)
-        self.change(lambda view, _: view.present(robot, alive))
+        self.change(lambda view, _: view.on_token(robot, alive))
         if robot is None:
             if alive and not self._there:
                 self._known, self._ask_at = False, 0.0  # it may be another world of this name
@@ -132,11 +132,11 @@ class Watcher(Source):
             self.change(lambda view, _: self.follow(view, None))
             self._ask_for(Steer())  # changes nothing; the answer has the settings in force
 
-    def _meet(self) -> None:
+    def _update(self) -> None:
         reply = overview(self._bus, self._run, _ANSWER)
         self._known = reply is not None
         if reply is not None:
-            self.change(lambda view, _: view.meet(reply.scenario, reply.goals))
+            self.change(lambda view, _: view.update(reply.scenario, reply.goals))
 
     def _request(self, operation: Operation) -> Outcome:
         """Outcome of an operation; a refusal if one of several worlds refuses."""

@@ -41,14 +41,14 @@ def measurement_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     ages = np.full((len(ticks), len(ids)), np.nan)
     row = {int(tick): index for index, tick in enumerate(ticks)}
     newest = dict.fromkeys(ids, -1)
-    for told in recording.said(Tick):
-        robot, sense = told.robot, told.sense
+    for tick in recording.messages(Tick):
+        robot, sense = tick.robot, tick.sense
         if robot not in newest:
             continue
         if sense is not None and sense.position is not None:
             newest[robot] = max(newest[robot], sense.stamp)
-        if newest[robot] >= 0 and told.tick in row:
-            ages[row[told.tick], ids.index(robot)] = told.tick - newest[robot]
+        if newest[robot] >= 0 and tick.tick in row:
+            ages[row[tick.tick], ids.index(robot)] = tick.tick - newest[robot]
     return ticks, ages * recording.scenario.time.step
 
 
@@ -64,7 +64,7 @@ def state_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray, float]:
     links = {robot: StateLink(recording.scenario, robot) for robot in ids}
     newest: dict[int, dict[int, int]] = {robot: {} for robot in ids}
     ticks, rows = [], []
-    for tick, states in groupby(recording.said(State), attrgetter("tick")):
+    for tick, states in groupby(recording.messages(State), attrgetter("tick")):
         said = [state for state in states if state.robot in newest]
         places = {state.robot: state.position for state in said}
         for robot, link in links.items():

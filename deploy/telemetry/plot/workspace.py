@@ -92,15 +92,15 @@ class Stay(NamedTuple):
 
 def stays(recording: Recording) -> list[Stay]:
     """All obstacles of the run, by number, as the world's Clock reports them."""
-    listed = recording.scenario.shapes
-    found = {number: Stay(shape, 0.0, math.inf) for number, shape in listed.items()}
-    for clock in recording.said(Clock):
-        told = {obstacle.number: obstacle for obstacle in clock.obstacles}
-        for number, obstacle in told.items():
+    in_scenario = recording.scenario.shapes
+    found = {number: Stay(shape, 0.0, math.inf) for number, shape in in_scenario.items()}
+    for clock in recording.messages(Clock):
+        listed = {obstacle.number: obstacle for obstacle in clock.obstacles}
+        for number, obstacle in listed.items():
             if obstacle.status == "standing" and number not in found:
                 found[number] = Stay(obstacle.shape, clock.time, math.inf)
         for number, stay in found.items():
-            gone = told[number].status == "gone" if number in told else number not in listed
+            gone = listed[number].status == "gone" if number in listed else number not in in_scenario
             if gone:
                 found[number] = stay._replace(until=min(stay.until, clock.time))
     return [found[number] for number in sorted(found)]

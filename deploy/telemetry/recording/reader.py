@@ -247,7 +247,7 @@ class Recording:
     preceding: str
     cut: bool
 
-    def said(self, kind: type[_M]) -> Iterator[_M]:
+    def messages(self, kind: type[_M]) -> Iterator[_M]:
         """All messages of a kind, in order."""
         for entry in self.entries.of(kind):
             assert isinstance(entry.message, kind)
@@ -279,8 +279,8 @@ def read(path: Path | str, progress: Progress = lambda _: None) -> Recording:
     """
     path = Path(path)
     found = Contents(path)
-    scenario, said = _scenario(path, found), found.metadata.get("run", {})
-    run, preceding = said.get("name", ""), said.get("preceding", "")
+    scenario, about = _scenario(path, found), found.metadata.get("run", {})
+    run, preceding = about.get("name", ""), about.get("preceding", "")
     result = found.metadata.get("result")
     with _by_this_version(path):
         counts, trajectory = _looked_through(found, scenario, not preceding, progress)
@@ -315,7 +315,7 @@ def _looked_through(
     found: Contents, scenario: Scenario, whole: bool, progress: Progress
 ) -> tuple[Counter[str], Trajectory]:
     counts: Counter[str] = Counter()
-    said: dict[int, CompactTruth] = {}
+    places: dict[int, CompactTruth] = {}
     robots: tuple[int, ...] = ()
     truths = world_key(found.metadata.get("run", {}).get("name", ""), "truth")
     for key, _, data in found.messages(progress):
@@ -324,7 +324,7 @@ def _looked_through(
             truth = from_json(Truth, data)
             assert isinstance(truth, Truth)
             robots = robots if truth.robots == robots else truth.robots  # share equal tuples
-            said[truth.tick] = CompactTruth.of(truth)._replace(robots=robots)
-    if whole or not said:
-        said.setdefault(0, CompactTruth.of(WorldCore(scenario).truth))  # the starts
-    return counts, Trajectory.of((said[tick] for tick in sorted(said)), scenario.time.step)
+            places[truth.tick] = CompactTruth.of(truth)._replace(robots=robots)
+    if whole or not places:
+        places.setdefault(0, CompactTruth.of(WorldCore(scenario).truth))  # the starts
+    return counts, Trajectory.of((places[tick] for tick in sorted(places)), scenario.time.step)

@@ -71,7 +71,7 @@ def participants(recording: Recording) -> list[Participant]:
 def _announced(recording: Recording, robots: set[int]) -> dict[int, float]:
     """Radii of robots that operators added, m, from recorded rosters."""
     radii: dict[int, float] = {}
-    for tick in recording.said(Tick) if robots else ():
+    for tick in recording.messages(Tick) if robots else ():
         members = () if tick.roster is None else tick.roster.members
         radii.update({each.robot: each.radius for each in members if each.robot in robots})
         if len(radii) == len(robots):
@@ -152,19 +152,19 @@ class _Moves:
 
     def __init__(self, recording: Recording, ticks: Set[int]) -> None:
         self._path = recording.path
-        self._said: defaultdict[int, dict[int, Vector]] = defaultdict(dict)
+        self._sensed: defaultdict[int, dict[int, Vector]] = defaultdict(dict)
         self._commanded: dict[tuple[int, int], Vector] = {}
         for _, _, message in recording.entries.of(Tick, Command):
             if isinstance(message, Command) and message.tick + 1 in ticks:
                 self._commanded[message.robot, message.tick] = message.velocity
             elif isinstance(message, Tick) and message.tick in ticks and message.sense is not None:
-                self._said[message.tick][message.robot] = message.sense.displacement
+                self._sensed[message.tick][message.robot] = message.sense.displacement
 
     def follow(self, before: _Plane, tick: int) -> _Plane:
         """Positions at the start of `tick`; a robot without Tick and Command did not move."""
         after = []
         for robot, (x, y) in zip(before.robots, before.places, strict=True):
-            move, velocity = self._said[tick].get(robot), self._commanded.get((robot, tick - 1))
+            move, velocity = self._sensed[tick].get(robot), self._commanded.get((robot, tick - 1))
             if move is None and velocity is not None:
                 raise RecordingError(
                     f"{self._path}: the Truth of tick {tick} was not recorded, nor the odometry of robot "
@@ -196,13 +196,13 @@ def verify(recording: Recording) -> CheckedTrajectory | None:
     Raises:
         RecordingError: it differs from the result's, or cannot be recomputed.
     """
-    said = (recording.result or {}).get("trajectory_sha256")  # None: of a world that was lost
-    if said is None or recording.preceding:
+    recorded = (recording.result or {}).get("trajectory_sha256")  # None: of a world that was lost
+    if recorded is None or recording.preceding:
         return None
     found = recomputed(recording)
-    if found.sha256 != said:
+    if found.sha256 != recorded:
         raise RecordingError(
-            f"{recording.path}: the recorded trajectory has hash {found.sha256}, its result says {said}: "
+            f"{recording.path}: the recorded trajectory has hash {found.sha256}, its result says {recorded}: "
             f"the file was changed, or recorded from another run; record the run again"
         )
     return found

@@ -101,7 +101,7 @@ class Process:
     def _send(self) -> None:
         self.drive.advance(self.now / 1000 + 1e-9)  # what is due by rounding, too
         self.times.append(self.now)
-        self.velocities.append(self.drive.told)
+        self.velocities.append(self.drive.velocity)
 
 
 def excess(process: Process, passed: Sweep, since: int, died: int, worst, toward: float) -> float:
@@ -232,7 +232,7 @@ def test_without_this_term_it_leaves_it(term, monkeypatch):
 
 
 def brakes(drive: Drive, now: float) -> None:
-    if drive.told != STILL and now > drive.due + 0.5 * drive._base.latency:
+    if drive.velocity != STILL and now > drive.due + 0.5 * drive._base.latency:
         drive._brake(round(now, 6))
 
 
@@ -276,21 +276,21 @@ def test_a_process_that_goes_on_late_commands_rest_and_drives_when_its_base_stan
     sent = 0.0
     for _ in range(steps):
         drive.advance(sent := drive.due)
-    now, held = drive.due + pause, drive.told
+    now, held = drive.due + pause, drive.velocity
     drive.advance(now)
     if pause < 0.5 * base.latency:
-        assert drive.told[0] > held[0]
+        assert drive.velocity[0] > held[0]
         return
-    assert drive.told == STILL
+    assert drive.velocity == STILL
     if steps == 0:  # it had not begun
         assert drive.motion(0.0, now) is not None
     while drive.motion(0.0, now) is None:
         drive.command((0.06, 0.0), 0.0, now, math.inf)
         drive.advance(now)
-        assert drive.told == STILL
+        assert drive.velocity == STILL
         now += 0.01
     unknown = base.lateness.alone + base.lateness.window + BURGER.speed / BURGER.acceleration
     assert steps == 0 or sent + unknown <= now <= sent + unknown + 0.02
     drive.command((0.06, 0.0), 0.0, now, math.inf)
     drive.advance(now)
-    assert drive.told[0] > 0.0
+    assert drive.velocity[0] > 0.0

@@ -163,7 +163,7 @@ MUTANTS = (
     without(
         "as-large-as-told",
         "it never is a smaller disk than the roster says",
-        Edit(_ROBOT, "        radius = max(told, radius)\n", ""),
+        Edit(_ROBOT, "        radius = max(listed, radius)\n", ""),
         first=24,
     ),
     without(

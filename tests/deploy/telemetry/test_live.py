@@ -27,7 +27,7 @@ def view(*, alive: bool = True, lockstep: bool = True) -> FleetView:
     it = FleetView("r")
     it.begin(SCENARIO, lockstep)
     for robot in (None, 1, 2, 3):
-        it.present(robot, alive)
+        it.on_token(robot, alive)
     return it
 
 
@@ -136,7 +136,7 @@ def test_whatever_is_heard_can_be_told_as_json(events: list[Message | tuple[int 
     it = view(alive=False)
     for n, event in enumerate(events):
         if isinstance(event, tuple):
-            it.present(*event)
+            it.on_token(*event)
         else:
             it.on_message(event, n * 0.1)
         json.loads(msgspec.json.encode(telling.snapshot(it, n * 0.1)))
@@ -146,7 +146,7 @@ def test_whatever_is_heard_can_be_told_as_json(events: list[Message | tuple[int 
 
 def test_before_the_scenario_is_known_there_is_nothing_but_the_name() -> None:
     it = FleetView("r")
-    it.present(1, True)
+    it.on_token(1, True)
     it.on_message(truth(1), 0.0)
     assert telling.overview(it)["scenario"] is None
     frame = telling.snapshot(it, 0.0)
@@ -161,7 +161,7 @@ def test_a_newcomer_is_a_robot_like_the_others_and_one_that_leaves_is_none() -> 
     it.begin(
         replace(SCENARIO, orders=(Order(0.1, add=guest),), parts=(Part(0.035, (0.2, 0.2), (0.2, 0.1)),)), True
     )
-    it.present(9, True)
+    it.on_token(9, True)
     run_to(it, 2, 0.1)
     epoch = it.epoch
     there = Truth(3, (1, 2, 3, 5), (*truth(3).positions, guest.start), 0.02, 0.5)
@@ -173,7 +173,7 @@ def test_a_newcomer_is_a_robot_like_the_others_and_one_that_leaves_is_none() -> 
     it.on_message(Truth(4, (1, 3, 9), ((0.0, 0.0), (0.1, 0.0), (0.0, -0.2)), 0.02, 0.5), 0.2)
     assert rows(it, 0.2).keys() == {1, 3}
     assert it.strangers == {9}  # its radius is unknown
-    it.meet(replace(SCENARIO, robots=(*SCENARIO.robots, RobotSpec(9, 0.01, (0.0, -0.2), (0.0, 0.2)))))
+    it.update(replace(SCENARIO, robots=(*SCENARIO.robots, RobotSpec(9, 0.01, (0.0, -0.2), (0.0, 0.2)))))
     assert it.strangers == set()
     it.on_message(Truth(5, (1, 3, 9), ((0.0, 0.0), (0.1, 0.0), (0.0, -0.1)), 0.02, 0.5), 0.25)
     assert rows(it, 0.3)[9]["distance"] == pytest.approx(0.3)
@@ -192,7 +192,7 @@ def test_a_robot_that_stays_says_why(errand: Errand, said: str) -> None:
 def test_a_dead_robot_is_an_alarm_at_once_and_the_others_are_not() -> None:
     it = view()
     run_to(it, 1, 0.0)
-    it.present(2, False)
+    it.on_token(2, False)
     assert statuses(it, 0.0) == ["under way", "dead", "under way"]
     assert [row["alarm"] for row in rows(it, 0.0).values()] == [False, True, False]
 
@@ -231,7 +231,7 @@ def test_after_the_verdict_everybody_leaves_and_that_is_no_alarm() -> None:
     it.on_message(truth(7, y=0.1), 0.0)
     it.on_message(clock(7, verdict="arrived"), 0.0)
     for robot in (1, 2, 3, None):
-        it.present(robot, False)
+        it.on_token(robot, False)
     frame = telling.snapshot(it, 5.0)
     assert (frame["phase"], frame["verdict"]) == ("ended", "arrived")
     assert statuses(it, 5.0) == ["at goal"] * 3
@@ -259,7 +259,7 @@ def _printed(what: RenderableType) -> str:
 def test_a_world_that_goes_without_a_verdict_is_lost() -> None:
     it = view()
     run_to(it, 2, 0.0)
-    it.present(None, False)
+    it.on_token(None, False)
     assert telling.snapshot(it, 0.0)["phase"] == "lost"
 
 

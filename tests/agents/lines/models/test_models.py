@@ -73,7 +73,7 @@ MUTANTS = (
     without(
         "command-of-this-tick",
         "a command counts only in the tick that it names",
-        Edit(_EXCHANGE, "if command.tick != self.tick or self.told is None:", "if self.told is None:"),
+        Edit(_EXCHANGE, "if command.tick != self.tick or self.ticks is None:", "if self.ticks is None:"),
     ),
     without(
         "watchdog",

@@ -27,7 +27,7 @@ def watched() -> Source:
     source = Source("yard", lambda: float(next(seconds)))
     source.change(lambda view, _: view.begin(SCENARIO, False))
     for robot in (None, 1):
-        source.change(lambda view, _, robot=robot: view.present(robot, True))
+        source.change(lambda view, _, robot=robot: view.on_token(robot, True))
     clock = Clock(7, 0.35, (1,), (), "", 0.005, missed=3, rejected={"identity": 4})
     truths = [Truth(tick, (1, 2), ((0.0, 0.0), (0.0, 0.2)), gap, 0.5) for tick, gap in ((6, 0.01), (7, 0.02))]
     healths = [

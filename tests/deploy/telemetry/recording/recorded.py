@@ -30,7 +30,7 @@ def record(path: Path, **changes: Any) -> dict[str, Any]:
 
 
 def said_by(recording: Recording, kind: type[Any], robot: int) -> list[Any]:
-    return [message for message in recording.said(kind) if message.robot == robot]
+    return [message for message in recording.messages(kind) if message.robot == robot]
 
 
 class FakeWorld:

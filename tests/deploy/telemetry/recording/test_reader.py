@@ -203,7 +203,7 @@ def test_what_is_read_is_what_was_run(recorded):
         assert [command.tick for command in said_by(found, Command, spec.id)] == told
         assert [state.tick for state in said_by(found, State, spec.id)] == list(range(report["ticks"]))
         assert said_by(found, Health, spec.id)
-    assert list(found.said(Clock))[-1].verdict == report["verdict"]
+    assert list(found.messages(Clock))[-1].verdict == report["verdict"]
 
 
 def test_recording_does_not_change_the_run(recorded):

@@ -93,7 +93,7 @@ def test_a_recording_goes_on_in_another_file_and_is_read_as_one(tmp_path: Path) 
     whole = read(path)
     assert (whole.cut, whole.result) == (False, {"verdict": "arrived"})
     assert whole.trajectory.ticks.tolist() == list(range(201))
-    assert [clock.tick for clock in whole.said(Clock)] == list(range(1, 201))
+    assert [clock.tick for clock in whole.messages(Clock)] == list(range(1, 201))
     assert whole.counts == {world_key("r", "truth"): 200, world_key("r", "clock"): 200}
     assert all(one.time <= other.time for one, other in pairwise(whole.entries))
     later = read(Path(named[1]))
