@@ -41,6 +41,8 @@ ALIKE = {  # by loops: of each element something else
 OWN = r"self\.(\w+|begin\(listed\.first\)|_geometry\.note\(disk\))"  # what is done by whatever is made
 OF_EACH = r"self\._geometry\.(clear\(other\.held, region\)|apart\(other\.held, disk\.held\)"
 OF_EACH += r"|keeps\(covered, bound\)|note\(disk\))"  # what is asked by loops: there may be no element
+ELEMENT = {"pair", "peer", "bound", "listed", "line", "other"}  # what a loop may name it, or something of it
+OF_ELEMENT = r"self\.disks\[(element)\]|known\.get\((element)\.number\)|Bound\((element), .+\)"
 OF_PAIR = r"(pair|living|static)\..+"  # what `_end` and `_begin` read, ask and store for a loop
 
 KINDS = {
@@ -359,13 +361,21 @@ class Kernel:
                 self._check_loop(owner, node, each)
 
     def _check_loop(self, owner: str, node: ast.FunctionDef, loop: Any) -> None:
-        """Nothing goes from an element to another, or to what follows."""
+        """What is asked and done is of the element; nothing goes to another, or to what follows."""
         inside = [each for statement in loop.body for each in ast.walk(statement)]
+        made = [each for each in inside if isinstance(each, ast.Assign | ast.AnnAssign)]
+        mine = names_in(loop.target)
+        of = OF_ELEMENT.replace("element", "|".join(mine))
+        given = {(ast.unparse(to), said(what, of)) for to, what in chain(*map(assigned, made))}
+        mine |= {to for to, is_of in given if is_of} - {to for to, is_of in given if not is_of}
         acts = set(self._acts(owner, loop.body, deep=False))
         changes = not acts <= {"require"}
         need(not changes or acts <= ALIKE, loop, "stores what is of no element, or requires, too")
         for each in inside:
             need(not is_loop(each) and not isinstance(each, ast.Return | ast.ListComp), each, "is in a loop")
+            if (isinstance(each, ast.Expr) and not said(each, GROWS)) or (each in made and changes):
+                about = names_in(each) & {*mine, *ELEMENT}
+                need(about and about <= mine, each, "is of no element")
             if isinstance(each, ast.Call):
                 called = [self.methods[name] for name in self._called(each, owner)]
                 need(not any(map(is_loop, chain(*map(ast.walk, called)))), each, "loops in a loop")

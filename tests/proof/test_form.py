@@ -41,6 +41,11 @@ REFUSED = {  # words of the kernel, and what may not follow them
         "; break",
     ],
     'disk.held), "appear: apart from others, or tied")': ["; require(disk.still, 'appear: still')"],
+    '"part: what they hold is apart")': [
+        "\n        for pair in self.pairs[one.name].values():\n            disk = one\n"
+        "            require(self._geometry.apart(other.held, disk.held), 'part: too')",
+    ],
+    "            pair.static = binding": ["\n        for disk in self.disks.values(): self._end(pair, disk)"],
     "\n        living, static = pair.living, pair.static": ["; disk.still = True", "; static = self.pairs"],
     "\n            bound = known.get(listed.number)": ["; known = self.bound", "; listed = bound"],
     "\n                found.extend(bound.obeyed)": ["; asked = found[0]", "; found = bound.obeyed"],
