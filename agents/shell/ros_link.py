@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from agents.bases.dialects import Kind, Topic, dialect_of
 from protocol.bus.bus import Bus, Publish, RawSample
-from protocol.errors import MessageError
 from protocol.keys import driver_token
 from protocol.scenario.body import Base
 
@@ -45,10 +44,8 @@ class RosLink:
             self._announce("MS", topic)
 
     def topic_of(self, event: RawSample) -> Topic:
-        """The topic of an event; raises MessageError without one, or if type, hash or attachment differ."""
-        topic = self._topics.get(self._dialect.name(event.key))
-        if topic is None:
-            raise MessageError("key", f"{event.key} is no topic of this robot")
+        """The topic of an event; raises MessageError if type, hash or attachment differ."""
+        topic = self._topics[self._dialect.name(event.key)]
         self._dialect.check(topic, event.key, event.attachment)
         return topic
 

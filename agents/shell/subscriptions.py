@@ -40,7 +40,12 @@ class Subscriptions:
 
     def hear(self, robots: Iterable[int]) -> None:
         """Subscribe to all of some robots that are peers."""
-        self._subscribe([self._know(robot) for robot in robots if robot != self._robot])
+        keys = {self._key(robot): robot for robot in robots if robot != self._robot}
+        for key, peer in keys.items():
+            if key not in self.readers:
+                self.readers[key] = PeerReader(self._robot, peer, self._epoch, self._limits)
+        self._bus.subscribe(*[key for key in keys if key not in self._heard])
+        self._heard.update(keys)
 
     def attend(self, near: Iterable[int]) -> None:
         """Set the peers that are near now or soon; `apply` applies it."""
@@ -51,35 +56,15 @@ class Subscriptions:
         """Once a tick, when no peer waits for this robot: subscribe to near peers; in later ticks, which
         differ by robot, withdraw from others."""
         if self._kept is not None:
-            self._hear_near({self._key(peer) for peer in self._kept})
+            self.hear(sorted(self._near))
+            self._dropped = self._heard - {self._key(peer) for peer in self._kept}
             self._kept = None
         elif self._dropped and (tick + self._robot) % _TURNS == 0:
-            self._withdraw()
-
-    def _hear_near(self, kept: set[str]) -> None:
-        for peer in sorted(self._near):
-            self._know(peer)
-        self._subscribe([key for key in self.readers if key in kept])
-        self._dropped = self._heard - kept
-
-    def _withdraw(self) -> None:
-        for key in sorted(self._dropped):
-            self._bus.unsubscribe(key)
-            self._heard.discard(key)
-            self.readers.pop(key, None)
-        self._dropped = set()
+            for key in sorted(self._dropped):
+                self._bus.unsubscribe(key)
+                self._heard.discard(key)
+                self.readers.pop(key, None)
+            self._dropped = set()
 
     def _key(self, peer: int) -> str:
         return robot_key(self._run, peer, "state")
-
-    def _know(self, peer: int) -> str:
-        key = self._key(peer)
-        if key not in self.readers:
-            self.readers[key] = PeerReader(self._robot, peer, self._epoch, self._limits)
-        return key
-
-    def _subscribe(self, keys: Iterable[str]) -> None:
-        fresh = [key for key in keys if key not in self._heard]
-        if fresh:
-            self._bus.subscribe(*fresh)
-            self._heard.update(fresh)

@@ -120,7 +120,7 @@ class WorldSession:
     def admitted(self, admission: joining.Admission) -> None:
         """Note the admission of an incarnation."""
         self.epoch, self._gone, self._told_gone = admission.epoch, inf, False
-        self.grace, self._refused = admission.grace, 0
+        self.grace = admission.grace
         self._bearable, self._timeout = max(PATIENCE, admission.grace), _TIMEOUT
 
     def over(self) -> None:
@@ -129,26 +129,23 @@ class WorldSession:
 
     def is_own(self, session: str) -> bool:
         """Whether a token is that of the coordinator which admitted this process."""
-        return self.epoch > 0 and session == session_of(self.epoch)
+        return session == session_of(self.epoch)
 
     def on_token(self, session: str, alive: bool) -> None:
         """A world's token appeared or disappeared. Without its own the robot stands, and joins another."""
-        own = self.is_own(session)
+        was_gone = self._gone < inf
         (self._present.add if alive else self._present.discard)(session)
-        if own and not alive:
-            self._gone = time.monotonic()
-        elif own and self._gone == inf:
-            return  # nothing was missed
+        if self.is_own(session):
+            self._gone = inf if alive else time.monotonic()
+        returns = was_gone and self._gone == inf
         # Its own may have disappeared before this process saw it.
-        is_lost = self.epoch > 0 and session_of(self.epoch) not in self._present
-        if not (own and alive) and not (is_lost and self._present):
+        is_replaced = bool(self._present) and session_of(self.epoch) not in self._present
+        if not (returns or is_replaced):
             return
         if self._told_gone:
-            which = "is back" if own and alive else "has been started again"
+            which = "is back" if returns else "has been started again"
             self._warn(f"the world of run {self._run!r} {which}")
         self.back, self._told_gone = True, False
-        if own and alive:
-            self._gone = inf
 
     def check(self, now: float) -> bool:
         """Check the presence of the world at `now`, s. Returns whether to ask a silent one once: it confirms

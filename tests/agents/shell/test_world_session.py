@@ -29,6 +29,7 @@ def session() -> WorldSession:
         pytest.param([(NEXT, True)], True, id="its own died before its token was seen"),
         pytest.param([(OWN, True), (NEXT, True)], False, id="another is beside its own"),
         pytest.param([(OWN, True), (OWN, False)], False, id="its own disappears"),
+        pytest.param([(OWN, True), (OWN, False), (NEXT, False)], False, id="and another does"),
         pytest.param([(OWN, True), (OWN, False), (OWN, True)], True, id="and returns"),
     ],
 )
@@ -38,6 +39,8 @@ def test_a_world_that_takes_the_place_of_its_own_is_asked(
     for epoch, alive in tokens:
         session.on_token(session_of(epoch), alive=alive)
     assert session.back is back
+    if tokens[-1] == (OWN, True):
+        assert session.check(time.monotonic() + 100.0), "it is silent, not gone"
 
 
 @pytest.mark.parametrize("gone", [False, True])
@@ -80,7 +83,7 @@ def admission(epoch: int) -> Admission:
 def test_of_two_worlds_its_own_is_believed() -> None:
     worlds = admission(OWN), admission(NEXT)
     assert answered(*worlds, epoch=0) is None, "it knows neither"
-    assert answered(*worlds) == worlds[0]
+    assert answered(*worlds) == worlds[0] == answered(Wait(0.2, "paused"), *worlds)
     assert answered(*worlds, epoch=NEXT) == worlds[1]
 
 
