@@ -22,12 +22,15 @@ import numpy as np
 from deploy.theory.function import FleetProblem, obstacle_functions
 from protocol.errors import DocumentError, UsageError
 from protocol.errors import Problem as Fault
-from protocol.scenario.model import Scenario
+from protocol.scenario.body import Length
+from protocol.scenario.model import Point, Scenario
 
 EMPTY, FALLS = 255, 254  # leaves of the branching; other bytes are halved rows
 FORMAT = "disknav certificate 2"
 SUFFIX = ".certificate.json"
 MOST_ROBOTS = 7  # each box is examined for every set of robots
+DEEPEST = 500  # boxes that wait at a time
+MOST_BOXES = 1 << 28  # of a slab; a small file may hold far more, and they are kept in memory
 BLOCKED = "goals that touch, overlap or are not inside the workspace have no certificate"
 
 
@@ -38,9 +41,9 @@ class ProofError(DocumentError):
 class GoalSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The certified goals, radii and workspace, by robot id, m."""
 
-    goals: Annotated[tuple[tuple[float, float], ...], msgspec.Meta(max_length=MOST_ROBOTS)]
-    radii: tuple[float, ...]
-    workspace: float
+    goals: Annotated[tuple[Point, ...], msgspec.Meta(max_length=MOST_ROBOTS)]
+    radii: tuple[Length, ...]
+    workspace: Length
 
     @classmethod
     def of(cls, scenario: Scenario) -> GoalSet:
@@ -64,22 +67,22 @@ class GoalSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     def is_free(self) -> bool:
         """Whether all robots can be at their goals at once, apart from each other and the boundary."""
         problem = self.problem
-        is_sized = min(self.radii) > 0.0 and max(self.radii) < self.workspace
-        return is_sized and bool((obstacle_functions(problem, problem.goals) > 0.0).all())
+        return bool((obstacle_functions(problem, problem.goals) > 0.0).all())
 
 
 class Slab(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """Proof for every k from `k` to the previous slab. boxes: nodes of the branching; seconds: CPU time."""
 
     k: float
-    boxes: int
+    boxes: Annotated[int, msgspec.Meta(ge=1, le=MOST_BOXES)]
     seconds: float
     branching: str
 
     @property
     def nodes(self) -> bytes:
-        """One byte per node."""
-        return zlib.decompress(base64.b64decode(self.branching, validate=True))
+        """One byte per node; one more than `boxes` if there are more."""
+        packed = base64.b64decode(self.branching, validate=True)
+        return zlib.decompressobj().decompress(packed, self.boxes + 1)
 
 
 class Trial(NamedTuple):

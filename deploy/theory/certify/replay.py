@@ -14,7 +14,7 @@ from itertools import combinations
 from flint import arb
 
 from deploy.output import bar
-from deploy.theory.certify.certificate import EMPTY, Certificate, GoalSet
+from deploy.theory.certify.certificate import DEEPEST, EMPTY, Certificate, GoalSet
 from deploy.theory.certify.conditions import ZERO, BoxConditions, Rows, middle, whole
 from deploy.theory.certify.descent import descends, newton
 from protocol.process.signals import Stopped
@@ -87,28 +87,26 @@ class Walk:
         self._unit = goals.radii[0] + goals.radii[1] if p > 1 else goals.workspace - goals.radii[0]
 
     def run(self, rows: Rows) -> Iterator[int]:
-        """Yields the number of stored nodes so far, now and then. Raises _StoppedError if a box is neither
-        refuted nor shown to descend.
+        """Yields the number of stored nodes so far. Raises _StoppedError if a box is neither refuted nor
+        shown to descend.
         """
-        stack = [(rows, True)]
+        stack: list[tuple[Rows | None, bool]] = [(rows, True)]
         while stack:
             stack.extend(reversed(self._node(*stack.pop())))
-            if self.boxes % 100 == 0:
-                yield self._at
+            if len(stack) > DEEPEST + _FURTHER:
+                raise _StoppedError("the branching is too deep: the certificate is damaged")
+            yield self._at
         if self._at != len(self._nodes):
             raise _StoppedError("the branching has nodes after its last one: the certificate is damaged")
 
-    def _node(self, rows: Rows, stored: bool) -> list[tuple[Rows, bool]]:
-        """Halves of a box, or nothing if it is decided; each, and the box, with whether the branching has a
-        node for it.
+    def _node(self, rows: Rows | None, stored: bool) -> list[tuple[Rows | None, bool]]:
+        """Halves of a box, or of None, which is decided already; each, and the box, with whether the
+        branching has a node for it.
         """
-        self.boxes += 1
-        box = BoxConditions(self._goals, rows)
         advice = self._next() if stored else EMPTY
-        if self.settled(box):
-            self._skip(advice)
-            return []
         leaf = advice >= self._leaf
+        if rows is None or self.settled(box := self._box(rows)):
+            return [] if leaf else [(None, True), (None, True)]
         self._further = 0 if stored else self._further + 1
         if self._further > _FURTHER:
             raise _StoppedError("a box was not verified after many halvings")
@@ -118,17 +116,15 @@ class Walk:
         left[row][1] = right[row][0] = cut
         return [(half, not leaf) for half in (left, right)]
 
+    def _box(self, rows: Rows) -> BoxConditions:
+        self.boxes += 1
+        return BoxConditions(self._goals, rows)
+
     def _next(self) -> int:
         if self._at >= len(self._nodes):
             raise _StoppedError("the branching ends before its last node: the certificate is damaged")
         self._at += 1
         return self._nodes[self._at - 1]
-
-    def _skip(self, advice: int) -> None:
-        """Skip the stored nodes below a box that is decided here."""
-        pending = 0 if advice >= self._leaf else 2
-        while pending:
-            pending += -1 if self._next() >= self._leaf else 1
 
     def settled(self, box: BoxConditions) -> bool:
         """Narrow a box in place; whether it contains no minimum."""

@@ -34,7 +34,7 @@ from deploy.theory.certify.boxes import (
     sub,
     whole,
 )
-from deploy.theory.certify.certificate import EMPTY, FALLS
+from deploy.theory.certify.certificate import DEEPEST, EMPTY, FALLS, MOST_BOXES
 from deploy.theory.certify.contractors import (
     contract_balance,
     contract_distances,
@@ -160,7 +160,6 @@ _ROUNDS = 8
 _WORTH = 0.9  # contract again while the box shrinks below this share
 _NEWTON_BELOW = 0.75  # largest span of b for interval Newton, contact distances
 _KAPPA_WIDTH = 0.5  # width of the whole range of kappa, contact distances
-_DEEPEST = 500
 
 
 class Search:
@@ -168,14 +167,14 @@ class Search:
 
     Attributes:
         nodes: number of boxes processed.
-        stuck: a box was halved to the depth limit.
+        stuck: a box was halved to the depth limit, or there are too many.
     """
 
     def __init__(self, scene: Scene, kappa: tuple[float, float]) -> None:
         root = whole(scene, kappa)
         self._scene, self._largest, self._out = scene, kappa[1], derived(scene)
-        self._stack = np.empty((_DEEPEST, *root.shape))
-        self._level = np.zeros(_DEEPEST, dtype=np.int64)  # a box is 2^-level of the whole
+        self._stack = np.empty((DEEPEST, *root.shape))
+        self._level = np.zeros(DEEPEST, dtype=np.int64)  # a box is 2^-level of the whole
         self._stack[0], self._height = root, 1
         self._tape: list[bytes] = []
         self.nodes, self.stuck = 0, False
@@ -202,7 +201,7 @@ class Search:
         self._height, written = _advance(self._scene, *state, self._out, tape, self._largest)
         self._tape.append(tape[:written].tobytes())
         self.nodes += written
-        self.stuck = self._height == _DEEPEST
+        self.stuck = self._height == DEEPEST or self.nodes > MOST_BOXES
         return self._height > 0 and not self.stuck
 
 

@@ -47,7 +47,7 @@ def test_what_is_stored_has_a_second_opinion(goals: GoalSet, k: float, tmp_path:
 
 def test_it_stops_after_any_slab_and_goes_on() -> None:
     certificate = Certificate(goals=TRIPLE, scenario="test")
-    next(prove(certificate, 100.0))
+    next(found for found in prove(certificate, 100.0) if found.proven)
     assert certificate.proven == 1000.0
     list(prove(certificate, 300.0))
     assert certificate.proven == 300.0
@@ -97,16 +97,37 @@ def test_forged_claims_do_not_survive_a_second_opinion(pair: Certificate) -> Non
         assert "damaged" in str(checked.failed)
 
 
+def test_a_branching_that_never_ends_is_not_followed(pair: Certificate) -> None:
+    checked = replay(msgspec.structs.replace(pair, slabs=[_slab(1.0, bytes(3000))]), 3.0)
+    assert "too deep" in str(checked.failed)
+    assert checked.boxes < 1500
+
+
+def test_the_clock_is_looked_at_between_boxes(pair: Certificate) -> None:
+    """Of a small slab too, and of seven robots, whose boxes take longest."""
+    assert all(slab.boxes < 100 for slab in pair.slabs)
+    checked = replay(pair, 0.0)
+    assert (checked.verified, checked.boxes) == (None, 1)
+    assert "time is up" in str(checked.failed)
+    goals = tuple((0.1 * n, 0.0) for n in range(-3, 4))
+    found = next(prove(Certificate(goals=GoalSet(goals, (0.01,) * 7, 1.0)), 1000.0))
+    assert found.trial
+    assert found.trial.boxes < 1000
+
+
+def _slab(k: float, nodes: bytes, boxes: int | None = None) -> Slab:
+    text = base64.b64encode(zlib.compress(nodes)).decode()
+    return Slab(k, len(nodes) if boxes is None else boxes, 0.0, text)
+
+
 def _with(certificate: Certificate, nodes: bytes) -> Certificate:
     first, slab, *others = certificate.slabs
-    text = base64.b64encode(zlib.compress(nodes)).decode()
-    return msgspec.structs.replace(certificate, slabs=[first, Slab(slab.k, len(nodes), 0.0, text), *others])
+    return msgspec.structs.replace(certificate, slabs=[first, _slab(slab.k, nodes), *others])
 
 
 BLOCKED = [
     GoalSet(((0.0, 0.0), (0.08, 0.0)), (0.04, 0.04), 0.3),
     GoalSet(PAIR.goals, PAIR.radii, 0.05),
-    GoalSet(PAIR.goals, (0.04, -0.05), 0.3),
 ]
 
 
@@ -115,6 +136,9 @@ BLOCKED = [
     [
         *(({"goals": goals}, "touch, overlap") for goals in BLOCKED),
         ({"goals": GoalSet(PAIR.goals * 4, PAIR.radii * 4, 0.3)}, "is not a certificate"),
+        ({"goals": GoalSet(PAIR.goals, (0.04, -0.05), 0.3)}, "is not a certificate"),
+        ({"goals": GoalSet(PAIR.goals, PAIR.radii, 1e300)}, "is not a certificate"),
+        ({"slabs": [Slab(1000.0, 1 << 40, 0.0, "eJz7DwABAAEA")]}, "is not a certificate"),
         ({"slabs": [Slab(1000.0, 2, 0.0, "eJz7DwABAAEA")]}, "another number of nodes"),
         ({"slabs": [Slab(1000.0, 1, 0.0, "eJz7")]}, "is not a certificate"),
         ({"slabs": [Slab(1000.0, 1, 0.0, "!")]}, "is not a certificate"),
@@ -126,6 +150,10 @@ def test_a_forged_file_is_refused(
     store(msgspec.structs.replace(pair, **forged), tmp_path / "forged.json")
     with pytest.raises(ProofError, match=says):
         fetch(tmp_path / "forged.json")
+
+
+def test_a_small_file_does_not_fill_the_memory() -> None:
+    assert len(_slab(1000.0, bytes(1_000_000), boxes=1).nodes) == 2
 
 
 def test_parts_are_obstacles_and_have_no_certificate() -> None:
