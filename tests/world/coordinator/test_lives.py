@@ -2,7 +2,7 @@ import pytest
 
 from protocol.errors import JoinError
 from protocol.messages import Command, Member, Standing
-from protocol.scenario.model import ProcessFault, Time
+from protocol.scenario.model import Operation, ProcessFault, Time
 from tests.world.driving import STEP, advance, joined, two
 from world.report import result_of
 from world.world import WorldCore
@@ -75,6 +75,14 @@ def test_a_lost_robot_that_is_started_again_is_waited_for():
     assert not world.lives.keeper.lives(1)
 
 
+def test_the_next_life_of_a_removed_robot_is_not_waited_for():
+    world = joined(two(time=PATIENT))
+    advance(world)
+    assert world.operate(Operation(remove=2)).accepted
+    assert not world.lives.expect(2)
+    assert world.lives.awaited == frozenset()
+
+
 def test_a_live_robot_is_fenced_unless_it_sends_a_command_in_time():
     world = joined(two(time=PATIENT))
     for tick in range(11 * FENCE):
@@ -110,6 +118,17 @@ def test_a_life_begins_once_its_disk_was_reported_at_rest():
     for unsettled in ({2}, set()):
         assert world.lives.begin({2: place(world, 2)}, {}, unsettled) == ""
         assert world.lives.keeper.lives(2) == (not unsettled)
+
+
+def test_a_life_begins_where_its_disk_was_reported_no_matter_how_little_was_known_at_its_fencing():
+    world = joined(two(time=PATIENT))
+    advance(world)
+    world.lives.fence(world.tick + FENCE, 2, place(world, 2), 0.05)
+    disk = world.lives.keeper._ledger.disks[2]
+    assert disk.held.regions[0][1].shape.around.radius == pytest.approx(0.04 + 0.05)
+    world.join(2)
+    assert world.lives.begin({2: place(world, 2)}, {2: 0.001}) == ""
+    assert disk.held.regions[0][1].shape.around.radius == pytest.approx(0.04 + 0.001)
 
 
 def test_kill_excludes_from_its_tick_on_and_the_dead_are_told_nothing():
@@ -151,6 +170,13 @@ def test_a_long_pause_ends_in_a_new_life():
     assert world.open_tick()[1].active == (1, 2)
     world.close_tick()
     assert world.lives.up == (1, 2)  # its silence has begun
+
+
+def test_a_process_that_is_paused_while_it_restarts_is_awaited_once_it_is_resumed():
+    world = faulty((2, 3, "restart"), (2, 3, "pause"), (2, 6, "resume"))
+    advance_to(world, 6)
+    assert world.open_tick().keys() == set()
+    assert world.lives.awaited == {2}
 
 
 @pytest.mark.parametrize("event", ["kill", "pause", "restart"])

@@ -1,6 +1,8 @@
 """Joining: idempotent for each process, one process for each robot, and no wait for dead processes. Leaving:
 robots that owe a report, those to be notified, and for how long. There is no bus, and time is injected."""
 
+from pathlib import Path
+
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -9,8 +11,10 @@ from protocol.messages import Health, Member
 from tests.world.driving import Stopwatch, two
 from world.coordinator.records import Life, Status
 from world.shell.admission import RESERVATION, Admissions
+from world.shell.checkpoint import Checkpoint
 from world.shell.pacing import Pacing
 from world.shell.run import SHUTDOWN, JudgedRun, Phase, Shutdown
+from world.world import WorldCore
 
 
 class Desk:
@@ -53,6 +57,18 @@ def test_a_life_that_was_lived_is_not_lived_again() -> None:
     assert desk.admitted("a", lived=1) == 2
     assert desk.admitted("a", lived=1) == 2  # the reply was lost
     assert desk.goes_on(2)
+
+
+def test_robots_wait_for_another_world_only_if_one_can_continue(tmp_path: Path) -> None:
+    path = tmp_path / "state"
+    Checkpoint.create(path)
+    checkpoint = Checkpoint(path, "r", two())
+    for kept in (True, False):
+        checkpoint.kept = kept
+        admissions = Admissions("r", WorldCore(two()), True, checkpoint=checkpoint)
+        reply = admissions.enlist(Join(1, "a"))
+        assert isinstance(reply, Admission)
+        assert (reply.grace > 0.0) == kept
 
 
 def test_one_that_dies_before_its_token_is_there_makes_room() -> None:

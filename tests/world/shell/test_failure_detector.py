@@ -8,7 +8,7 @@ from protocol.joining import Join
 from protocol.messages import Command, Tick
 from tests.world.driving import Stopwatch, two
 from world.shell.admission import CHANCES, Admissions
-from world.shell.failure_detector import FailureDetector
+from world.shell.failure_detector import FailureDetector, returning
 from world.shell.pacing import REPEAT, Pacing
 from world.shell.run import JudgedRun, Phase
 
@@ -74,6 +74,15 @@ class Watch:
         self.failures.wait(self.clock.now)
 
 
+@pytest.mark.parametrize(
+    ("restarts", "lockstep", "waits"), [(0, False, False), (1, False, True), (1, True, False)]
+)
+def test_real_time_goes_on_while_a_process_may_be_started_again(
+    restarts: int, lockstep: bool, waits: bool
+) -> None:
+    assert returning(GATHERING, restarts, lockstep=lockstep) == (GATHERING if waits else 0.0)
+
+
 def test_no_tick_opens_before_all_have_joined_and_show_their_tokens() -> None:
     watch = Watch()
     assert watch.gathered() is None
@@ -109,6 +118,7 @@ def test_without_a_grace_a_token_that_goes_takes_its_robot_along() -> None:
 def test_within_the_grace_a_token_comes_back_and_the_tick_is_told_again() -> None:
     watch = Watch(grace=GRACE)
     watch.open()
+    watch.go_by(REPEAT)
     watch.miss(1)
     watch.miss(2)
     watch.go_by(0.9 * GRACE)
@@ -117,6 +127,8 @@ def test_within_the_grace_a_token_comes_back_and_the_tick_is_told_again() -> Non
     assert watch.told == []  # the other is missing yet
     watch.failures.arrive(2, "session 2")
     assert [set(told) for told in watch.told] == [{1, 2}]
+    watch.go_by(REPEAT)
+    assert len(watch.told) == 2  # soon again, as if it had just begun
     watch.go_by(GRACE)
     assert watch.turn.world.exchange.active == (1, 2)
     assert watch.said == []
