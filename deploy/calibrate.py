@@ -12,7 +12,6 @@ from itertools import pairwise
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from agents.bases import dialects as ros
 from agents.bases.dialects import Topic
@@ -27,11 +26,11 @@ from agents.bases.ros_messages import (
 )
 from agents.bases.senses import planar_yaw, wrapped
 from agents.shell.ros_link import RosLink
+from protocol.arrays import Reals
 from protocol.bus.bus import Bus, Event, RawSample
 from protocol.errors import BusError
 from protocol.scenario.body import Base
 
-Array = NDArray[np.float64]
 PAUSE: Final = 1.5  # s at rest between two motions, in which poses are compared
 EVERY: Final = 0.05  # s between two velocity commands
 SILENCE: Final = 3.0  # s without commands, in which the base has to stop by itself
@@ -46,7 +45,7 @@ class Manoeuvre(NamedTuple):
     commanded: bool = True  # False: no command is sent
 
 
-class Row(NamedTuple):
+class PoseRow(NamedTuple):
     """A position from odometry or from a pose."""
 
     time: float  # s, of arrival
@@ -57,12 +56,12 @@ class Row(NamedTuple):
     rate: float = 0.0  # rad/s, odometry only
 
 
-class Log(NamedTuple):
+class DriveLog(NamedTuple):
     """Manoeuvres and messages of a calibration."""
 
     moves: list[tuple[float, Manoeuvre]]  # with the time of its start, s
-    odometry: list[Row]
-    poses: list[Row]
+    odometry: list[PoseRow]
+    poses: list[PoseRow]
 
 
 def square(side: float, speed: float, rate: float) -> list[Manoeuvre]:
@@ -104,7 +103,7 @@ class Calibration:
         self._given_up = time.monotonic() + wait
         self._link.subscribe(*self.hears)
         self.deadline, self.finished = 0.0, False
-        self.log = Log([], [], [])
+        self.log = DriveLog([], [], [])
         self._base, self._ahead = base, list(reversed(moves))
         self._until = math.inf
 
@@ -122,12 +121,12 @@ class Calibration:
         else:
             self._append(self.log.poses, now, decode(StampedPose, payload).pose)
 
-    def _append(self, rows: list[Row], now: float, pose: Pose, *speeds: float) -> None:
+    def _append(self, rows: list[PoseRow], now: float, pose: Pose, *speeds: float) -> None:
         yaw = planar_yaw(pose)
         if yaw is not None:
             last = rows[-1].yaw if rows else 0.0
             x, y, _ = pose.position
-            rows.append(Row(now, x, y, last + wrapped(yaw - last), *speeds))
+            rows.append(PoseRow(now, x, y, last + wrapped(yaw - last), *speeds))
 
     def on_timer(self, now: float) -> None:
         """Publish the command that is due."""
@@ -176,7 +175,7 @@ class MeasuredBounds(NamedTuple):
     interval: float  # s, longest time between two odometry messages
 
 
-def bounds(log: Log) -> MeasuredBounds:
+def bounds(log: DriveLog) -> MeasuredBounds:
     """Measured properties, from the log of a square."""
     rests = [
         begin + move.duration
@@ -229,24 +228,24 @@ def _stated(value: float, rounded: Callable[[float], int] = math.ceil) -> str:
     return f"{rounded(value / unit - 1e-9) * unit:.6g}"
 
 
-def _standing(rows: Array, end: float) -> Array:
+def _standing(rows: Reals, end: float) -> Reals:
     """Positions and headings in the second half of a rest, when the base stands; else the nearest one."""
     chosen = rows[(rows[:, 0] >= end - 0.5 * PAUSE) & (rows[:, 0] <= end), 1:4]
     return chosen if len(chosen) else rows[[np.abs(rows[:, 0] - end).argmin()], 1:4]
 
 
-def _place(rows: Array, end: float) -> Array:
+def _place(rows: Reals, end: float) -> Reals:
     return np.asarray(_standing(rows, end)[:, :2].mean(axis=0))
 
 
-def _slip(driven: Sequence[Array], really: Sequence[Array]) -> float:
+def _slip(driven: Sequence[Reals], really: Sequence[Reals]) -> float:
     """Largest relative difference of a side's length between odometry and poses."""
     ways, true = (np.linalg.norm(np.diff(places, axis=0), axis=1) for places in (driven, really))
     sides = ways > 0.05
     return float((np.abs(true - ways)[sides] / ways[sides]).max(initial=0.0))
 
 
-def _off(log: Log, odometry: Array) -> float:
+def _off(log: DriveLog, odometry: Reals) -> float:
     """Largest relative difference of a side's length between odometry and command."""
     worst = 0.0
     for (begin, move), (end, _) in pairwise(log.moves):
@@ -256,7 +255,7 @@ def _off(log: Log, odometry: Array) -> float:
     return worst
 
 
-def _lag(log: Log) -> float:
+def _lag(log: DriveLog) -> float:
     """Longest time from the first command of a side to odometry that shows motion, s."""
     begun = []
     for begin, move in log.moves:
@@ -266,7 +265,7 @@ def _lag(log: Log) -> float:
     return max(begun)
 
 
-def _stop(log: Log) -> tuple[float, float]:
+def _stop(log: DriveLog) -> tuple[float, float]:
     """Time to the start of braking without commands, s, and deceleration, m/s^2."""
     silent, last = log.moves[-1][0], log.moves[-2][1]
     after = [row for row in log.odometry if row.time >= silent]

@@ -105,7 +105,7 @@ def _processor() -> str:
     return platform.processor() or platform.machine()
 
 
-Level = Literal["good", "note", "bad"]
+Grade = Literal["good", "note", "bad"]
 _EXTRA = re.compile(r"([\w.-]+).*;\s*extra\s*==\s*['\"](\w+)['\"]")
 _COLLECTIONS = ("all", "demo", "test")  # extras made of others
 _UNSYNCHRONISED = 5  # TIME_ERROR of <sys/timex.h>
@@ -123,7 +123,7 @@ class Finding(NamedTuple):
     """
 
     what: str
-    level: Level
+    level: Grade
     text: str
     remedy: str = ""
 

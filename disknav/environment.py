@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deploy.run.local import seldom_collecting
-from disknav.filtering import Floats
 from disknav.running import Simulation
 from disknav.scenarios import Source, ready
+from protocol.arrays import Reals
 from protocol.draws import LARGEST_SEED, checked_seed
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
@@ -150,7 +150,7 @@ class FleetEnv(ParallelEnv):  # type: ignore[misc]  # PettingZoo has no types
             self.agents = []
         return results
 
-    def state(self) -> Floats:
+    def state(self) -> Reals:
         """Positions of all robots in the order of their ids, m, shape (p, 2)."""
         return self.simulation.positions
 
@@ -196,7 +196,7 @@ class Observer:
         self.limits = np.array([reach, reach, 2.0 * reach, 2.0 * reach, *each * neighbours], np.float32)
         self.begin(scenario, np.array([scenario.spec(robot).start for robot in scenario.ids]))
 
-    def begin(self, scenario: Scenario, positions: Floats) -> None:
+    def begin(self, scenario: Scenario, positions: Reals) -> None:
         """Begin an episode with all disks at `positions`, m, shape (p, 2)."""
         specs = [scenario.spec(robot) for robot in scenario.ids]
         radii = np.array([spec.radius for spec in specs])
@@ -207,7 +207,7 @@ class Observer:
         self._rows = np.arange(len(specs))[:, None]
         self._positions, self._velocities = positions, np.zeros_like(positions)
 
-    def move(self, positions: Floats) -> None:
+    def move(self, positions: Reals) -> None:
         """Set the positions after another tick, m."""
         self._velocities = (positions - self._positions) / self._step
         self._positions = positions

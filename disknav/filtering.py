@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from protocol.arrays import Reals
 from protocol.errors import UsageError
 
-Floats = NDArray[np.float64]
 _ROUNDS = 8  # projections onto all half-planes; scaling removes the rest
 _ROOM = 1e-9  # m, allowance for rounding
 _TINY = np.finfo(np.float64).tiny
@@ -21,7 +21,7 @@ def filtered(
     period: float,
     speed: float = np.inf,
     workspace: float | None = None,
-) -> Floats:
+) -> Reals:
     """Velocities near the desired ones, with which no two disks touch within a period if all follow theirs,
     or any part of them.
 
@@ -70,18 +70,18 @@ def filtered(
     return velocity if workspace is None else _inside(at, velocity, workspace - size - _ROOM, period)
 
 
-def _inside(at: Floats, velocity: Floats, room: Floats, period: float) -> Floats:
+def _inside(at: Reals, velocity: Reals, room: Reals, period: float) -> Reals:
     """The velocities, shortened so that each centre is within `room` (m) of the origin after a period, or no
     farther from it than before."""
     step = period * velocity
     along, square = (at * step).sum(axis=-1), (step * step).sum(axis=-1)
     left = np.maximum(room * room * np.sign(room) - (at * at).sum(axis=-1), 0.0)
     chord = np.sqrt(along * along + square * left) - along
-    inside: Floats = velocity * np.clip(chord / np.maximum(square, _TINY), 0.0, 1.0)[..., None]
+    inside: Reals = velocity * np.clip(chord / np.maximum(square, _TINY), 0.0, 1.0)[..., None]
     return inside
 
 
-def _half_planes(at: Floats, radii: Floats, period: float, workspace: float | None) -> tuple[Floats, Floats]:
+def _half_planes(at: Reals, radii: Reals, period: float, workspace: float | None) -> tuple[Reals, Reals]:
     """Of every disk: normals (..., n, m, 2), and the greatest speed along each, m/s."""
     offsets = at[..., None, :, :] - at[..., :, None, :]
     distance = np.hypot(offsets[..., 0], offsets[..., 1])
@@ -98,7 +98,7 @@ def _half_planes(at: Floats, radii: Floats, period: float, workspace: float | No
     return normals, limits
 
 
-def _slowed(velocity: Floats, speed: float) -> Floats:
+def _slowed(velocity: Reals, speed: float) -> Reals:
     size = np.hypot(velocity[..., 0], velocity[..., 1])
-    slowed: Floats = velocity * np.minimum(1.0, speed / np.maximum(size, _TINY))[..., None]
+    slowed: Reals = velocity * np.minimum(1.0, speed / np.maximum(size, _TINY))[..., None]
     return slowed

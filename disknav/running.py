@@ -18,9 +18,10 @@ from deploy.run.operator import Operator
 from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name
 from deploy.run.result import complete
 from deploy.telemetry.recording.reader import read
-from deploy.telemetry.recording.trajectory import CompactTruth, Floats, Trajectory
+from deploy.telemetry.recording.trajectory import CompactTruth, Trajectory
 from disknav.orders import Orders, finite
 from disknav.scenarios import Settings, Source, ready
+from protocol.arrays import Reals
 from protocol.errors import UsageError
 from protocol.keys import checked_run
 from protocol.messages import Truth
@@ -72,7 +73,7 @@ class Simulation:
         return self._truths[-1].clearance
 
     @property
-    def positions(self) -> Floats:
+    def positions(self) -> Reals:
         """Positions of all present disks, m, shape (p, 2), in the order of ids."""
         return np.array(self._truths[-1].positions)
 
@@ -114,7 +115,7 @@ class Simulation:
             self._truths.append(self._truth)
         return True
 
-    def __iter__(self) -> Iterator[Floats]:
+    def __iter__(self) -> Iterator[Reals]:
         """Positions after each further tick, up to the verdict."""
         while self.step():
             yield self.positions

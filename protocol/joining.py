@@ -84,13 +84,13 @@ class Overview(msgspec.Struct, frozen=True, tag="scenario", tag_field="reply"):
     goals: tuple[GoalStatus, ...] = ()
 
 
-Reply = Admission | Refusal | OtherRun | Wait | Finished | Overview
+JoinReply = Admission | Refusal | OtherRun | Wait | Finished | Overview
 
 LIMIT = 2 * STREAMS["health"].limit  # bytes of a request
 
 _encode = msgspec.msgpack.encode
 _request = msgspec.msgpack.Decoder(dict[str, Any])
-_reply: msgspec.msgpack.Decoder[Reply] = msgspec.msgpack.Decoder(Reply)
+_reply: msgspec.msgpack.Decoder[JoinReply] = msgspec.msgpack.Decoder(JoinReply)
 
 
 def encode_request(join: Join) -> bytes:
@@ -112,12 +112,12 @@ def decode_request(robot: Id, payload: bytes) -> Join:
 
 
 @keeps_newest
-def encode_reply(reply: Reply) -> bytes:
+def encode_reply(reply: JoinReply) -> bytes:
     """Payload of a reply, encoded once for all processes that receive it. A reply is never changed."""
     return _encode(reply)
 
 
-def decode_reply(payload: bytes) -> Reply:
+def decode_reply(payload: bytes) -> JoinReply:
     """Read a reply; raises MessageError."""
     try:
         return _reply.decode(payload)

@@ -132,7 +132,7 @@ class Standing(msgspec.Struct, frozen=True, array_like=True, gc=False):
     position: Vector  # m, centre of the disk; of an external base as last reported
 
 
-Status = Literal["live", "appearing", "standing", "gone"]
+DiskStatus = Literal["live", "appearing", "standing", "gone"]
 
 
 class Member(msgspec.Struct, frozen=True, array_like=True, gc=False):
@@ -140,7 +140,7 @@ class Member(msgspec.Struct, frozen=True, array_like=True, gc=False):
 
     robot: Id  # the robot of this disk
     incarnation: Count  # newest life that was admitted, 0 for none
-    status: Status  # live: may move; appearing: nothing is there yet; standing: never moves in this life
+    status: DiskStatus  # live: may move; appearing: nothing is there yet; standing: never moves in this life
     radius: Size  # m, of the disk
     position: Vector | None = None  # m, centre of a disk that is appearing or static
     bound: Size = 0.0  # m, the centre is at most this far from `position`
@@ -150,14 +150,14 @@ class Member(msgspec.Struct, frozen=True, array_like=True, gc=False):
             raise ValueError(f"robot {self.robot} is {self.status}, and has no place")
 
 
-Presence = Literal["appearing", "standing", "gone"]
+ObstacleStatus = Literal["appearing", "standing", "gone"]
 
 
 class PlacedObstacle(msgspec.Struct, frozen=True, array_like=True, gc=False):
     """An obstacle: a disk or a convex polygon."""
 
     number: Id  # of the obstacle; those that the scenario lists come first
-    status: Presence  # appearing: nothing is there yet; gone: nothing is there any more
+    status: ObstacleStatus  # appearing: nothing is there yet; gone: nothing is there any more
     points: tuple[Vector, ...] = ()  # m, corners of a polygon, or the centre of a disk
     radius: Size = 0.0  # m, of a disk
 
@@ -348,7 +348,7 @@ class Health(Message, frozen=True, array_like=True, gc=False):
     note: str = ""  # for people
 
 
-Errand = Literal["under way", "arrived", "cancelled", "given up"]
+OrderStatus = Literal["under way", "arrived", "cancelled", "given up"]
 
 
 class GoalStatus(Message, frozen=True, array_like=True, gc=False):
@@ -357,7 +357,7 @@ class GoalStatus(Message, frozen=True, array_like=True, gc=False):
     robot: Id  # the robot of this goal
     tick: Count  # tick of this change
     number: Count  # of the order, counted by robot; 0 for the scenario's goal
-    status: Errand  # under way; arrived at the last point; cancelled; given up: its time was over
+    status: OrderStatus  # under way; arrived at the last point; cancelled; given up: its time was over
     goal: Vector  # m, the goal, or the place where it stays
     ahead: Count = 0  # points after this one; those of a patrol without end
 

@@ -39,7 +39,7 @@ _GID: Final = 16  # bytes
 _QUALITY: Final = "1:2:1,10:,:,:,,"
 
 Attach = Callable[[], bytes]
-Kind = Literal["NN", "MP", "MS"]  # node, publisher, subscription
+EntityKind = Literal["NN", "MP", "MS"]  # node, publisher, subscription
 
 
 class Topic(NamedTuple):
@@ -71,7 +71,7 @@ class Dialect:
         """The attachments of messages of the publisher with `token`; None if there are none."""
         return None
 
-    def token(self, session: str, number: int, kind: Kind, topic: Topic | None) -> str:  # noqa: ARG002
+    def token(self, session: str, number: int, kind: EntityKind, topic: Topic | None) -> str:  # noqa: ARG002
         """The liveliness token of a session's node, or its numbered publisher or subscription; "" if none."""
         return ""
 
@@ -115,7 +115,7 @@ class RmwZenoh(Dialect):
 
         return attachment
 
-    def token(self, session: str, number: int, kind: Kind, topic: Topic | None) -> str:
+    def token(self, session: str, number: int, kind: EntityKind, topic: Topic | None) -> str:
         node = f"@ros2_lv/{self._domain}/{session}/0/{number}/{kind}/%/{self._namespace}/{NODE}"
         return node if topic is None else f"{node}/{_mangled(topic.name)}/{_typed(topic)}/{_QUALITY}"
 

@@ -32,7 +32,7 @@ _TURNED: Final = 0.05  # rad, error of a direction by odometry besides its share
 _LEVEL: Final = 0.01  # tolerance of a quaternion's length and tilt
 
 
-class Place(NamedTuple):
+class OdometryPlace(NamedTuple):
     """Position of the control point by odometry, m, heading of the base, rad, and path length, m."""
 
     stamp: float  # s, by the clock of the base
@@ -87,7 +87,7 @@ class Odometer:
     """
 
     def __init__(self, base: Base, body: Body) -> None:
-        self.newest: Place | None = None
+        self.newest: OdometryPlace | None = None
         self.arrived = self.timely = -math.inf
         self._frames = base.odometry_frame, base.base_frame
         self._link, self._least, self._latency = LinkDelay(), base.delay, base.latency
@@ -98,7 +98,7 @@ class Odometer:
         if body.track > 0.0:
             self._speed *= max(1.0, 2.0 * body.offset / body.track)
             self._rate = 2.0 * body.speed / body.track
-        self._places: deque[Place] = deque(maxlen=KEPT)
+        self._places: deque[OdometryPlace] = deque(maxlen=KEPT)
 
     def forget(self) -> None:
         """Restart with the next message."""
@@ -121,13 +121,13 @@ class Odometer:
         else:
             since = 0.0  # a link that was slow may be why nothing came
         if last is None:
-            self._keep(Place(stamp, x, y, yaw, 0.0))
+            self._keep(OdometryPlace(stamp, x, y, yaw, 0.0))
             return ""
         passed, step = stamp - last.stamp, math.hypot(x - last.x, y - last.y)
         turn = wrapped(yaw - last.yaw)
         wrong = self._restarted(max(passed, since)) or self._impossible(passed, step, abs(turn))
         if not wrong and passed > 0.0:
-            self._keep(Place(stamp, x, y, last.yaw + turn, last.way + step))
+            self._keep(OdometryPlace(stamp, x, y, last.yaw + turn, last.way + step))
         return wrong
 
     def age(self, now: float) -> float:
@@ -167,7 +167,7 @@ class Odometer:
             return f"odometry turns by {turn:.3g} rad in {passed:.3g} s"
         return ""
 
-    def at(self, stamp: float) -> Place | None:
+    def at(self, stamp: float) -> OdometryPlace | None:
         """The interpolated place of a time within the kept messages, otherwise None."""
         places = self._places
         index = bisect_left(places, stamp, key=lambda place: place.stamp)
@@ -179,13 +179,13 @@ class Odometer:
         before = places[index - 1]
         part = (stamp - before.stamp) / (after.stamp - before.stamp)
         x, y, yaw, way = (a + part * (b - a) for a, b in zip(before[1:], after[1:], strict=True))
-        return Place(stamp, x, y, yaw, way)
+        return OdometryPlace(stamp, x, y, yaw, way)
 
     def spread(self, way: float) -> float:
         """Error bound of odometry over a path, m."""
         return (self._share * way + self._drift) / (1.0 - self._share)
 
-    def _keep(self, place: Place) -> None:
+    def _keep(self, place: OdometryPlace) -> None:
         self.newest = place
         self._places.append(place)
 
@@ -200,7 +200,7 @@ def planar_yaw(pose: Pose) -> float | None:
     return 2.0 * math.atan2(z, w)
 
 
-def _has_moved(rest: Place, to: Place) -> bool:
+def _has_moved(rest: OdometryPlace, to: OdometryPlace) -> bool:
     return math.hypot(to.x - rest.x, to.y - rest.y) > _MOVED
 
 
@@ -212,7 +212,7 @@ def wrapped(angle: float) -> float:
 class Fix(NamedTuple):
     """A pose together with the odometry of its time."""
 
-    place: Place  # by odometry
+    place: OdometryPlace  # by odometry
     x: float  # m, of the control point in the map
     y: float
     askew: float  # rad, direction in the map less that by odometry
@@ -238,9 +238,9 @@ class Senses:
         self._stamp = -math.inf  # stamp of the newest pose
         self._fix: Fix | None = None
         self._fresh = False  # whether the fix is unread
-        self._rest: Place | None = None  # by odometry, since the streams are free of faults
+        self._rest: OdometryPlace | None = None  # by odometry, since the streams are free of faults
         self._settled_from = math.inf  # s, begin of that time
-        self._read: Place | None = None  # known past positions
+        self._read: OdometryPlace | None = None  # known past positions
 
     @property
     def sound(self) -> bool:
@@ -354,7 +354,7 @@ class Senses:
 
     # -- inside
 
-    def _take_poses(self, newest: Place) -> None:
+    def _take_poses(self, newest: OdometryPlace) -> None:
         """Compare poses with earlier ones, carried forward by odometry, which has come up to `newest`."""
         waiting = list(self._poses)
         self._poses.clear()
@@ -385,7 +385,7 @@ class Senses:
             return f"a pose and odometry exclude each other by {off:.2g} rad: a stated bound is wrong"
         return ""
 
-    def _carried(self, fix: Fix, to: Place) -> Vector:
+    def _carried(self, fix: Fix, to: OdometryPlace) -> Vector:
         """Position of the control point of a fix, carried forward by odometry, m."""
         dx, dy = turned(to.x - fix.place.x, to.y - fix.place.y, fix.askew)
         return fix.x + dx, fix.y + dy

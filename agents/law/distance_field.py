@@ -15,14 +15,11 @@ from heapq import heappop, heappush
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from agents.law.passages import Gap, crosses
+from protocol.arrays import Complexes, Reals
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.messages import Vector
-
-Reals = NDArray[np.float64]
-Plane = NDArray[np.complex128]
 
 MARGIN: Final = 0.02  # clearance of paths from obstacles, own radii
 REACH: Final = 8.0  # distance within which obstacles repel, own radii
@@ -306,7 +303,7 @@ class FieldRoute:
             self._sent += 1  # clearance may be smaller between two grid points
 
 
-def _sides(shapes: Sequence[Shape]) -> tuple[Plane, Plane]:
+def _sides(shapes: Sequence[Shape]) -> tuple[Complexes, Complexes]:
     """Both ends of all sides of polygons, as complex numbers x + iy."""
     points = [shape.points for shape in shapes if isinstance(shape, ConvexPolygon)]
     ends = [

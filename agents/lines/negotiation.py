@@ -27,7 +27,7 @@ from protocol.messages import Answer, FirstLine, Proposal, Vector
 from protocol.region import Region
 
 Kernel: TypeAlias = "RobotLife[Region, Line, Cover]"
-Span = tuple[Vector, Vector]  # closest points of two segments
+ClosestPoints = tuple[Vector, Vector]  # closest points of two segments
 
 _BISECTIONS: Final = 8
 _NEED: Final = 4.0 * ROUNDING  # gap that a line needs, m
@@ -119,11 +119,11 @@ def fit_line(
     return Line(nx, ny, edge + share * (length - need))
 
 
-def _length(span: Span) -> float:
+def _length(span: ClosestPoints) -> float:
     return math.hypot(span[1][0] - span[0][0], span[1][1] - span[0][1])
 
 
-def _closest(one: MovingDisk, other: MovingDisk, ahead: float, begin: float, end: float) -> Span:
+def _closest(one: MovingDisk, other: MovingDisk, ahead: float, begin: float, end: float) -> ClosestPoints:
     """Closest points of the paths of the two centres in `fit_line`."""
     px, py, ux, uy = one.x, one.y, one.vx * ahead, one.vy * ahead
     qx, qy = other.x + other.ux * begin, other.y + other.uy * begin

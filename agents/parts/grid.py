@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.law.distance_field import distances
+from protocol.arrays import Reals
 from protocol.geometry import Disk, Shape
 from protocol.messages import Vector
 from protocol.scenario.model import Part, Scenario
 
-Reals = NDArray[np.float64]
 Cells = NDArray[np.bool_]
 
 _NEAR: Final = 2  # cells around a point that may replace its own

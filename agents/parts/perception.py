@@ -15,9 +15,10 @@ from typing import Final
 
 import numpy as np
 
-from agents.parts.grid import Cells, Grid, Layout, Reals
+from agents.parts.grid import Cells, Grid, Layout
 from agents.peers.neighbours import Neighbours, radii_of
 from agents.peers.state import PeerState
+from protocol.arrays import Reals
 from protocol.geometry import Disk, Shape
 from protocol.messages import Claim, Member, Vector
 from protocol.scenario.model import Scenario

@@ -13,14 +13,15 @@ from collections.abc import Collection, Iterator, Sequence
 from itertools import islice
 from typing import Final, NamedTuple
 
-from agents.parts.grid import MARGIN, Grid, GridPlaces, Layout, Reach, Reals
+from agents.parts.grid import MARGIN, Grid, GridPlaces, Layout, Reach
 from agents.parts.perception import Perception
+from protocol.arrays import Reals
 from protocol.geometry import Disk
 from protocol.messages import Vector
 from protocol.scenario.model import CELLS, Scenario
 
 _Regions = tuple[int, ...]  # cells that each robot can reach, ascending
-_State = tuple[tuple[tuple[int, Vector], ...], tuple[object, ...], _Regions]
+_Key = tuple[tuple[tuple[int, Vector], ...], tuple[object, ...], _Regions]
 
 MOST: Final = 2000  # deliveries tried by one search
 _KEPT: Final = 20_000  # cached outcomes
@@ -31,7 +32,7 @@ class PartOrders:
 
     def __init__(self, places: GridPlaces, reach: Reach) -> None:
         self._places, self._reach = places, reach
-        self._known: dict[_State, bool] = {}
+        self._known: dict[_Key, bool] = {}
 
     def exists(self, layout: Layout, robots: Sequence[Vector]) -> bool:
         """Whether robots at these positions (m) can bring every part to its goal, unless that is covered."""
@@ -64,7 +65,7 @@ class PartOrders:
         self._known[self._state(layout, regions)] = found
         return found
 
-    def _state(self, layout: Layout, regions: _Regions) -> _State:
+    def _state(self, layout: Layout, regions: _Regions) -> _Key:
         return tuple(sorted(layout.parts.items())), (*layout.others, *sorted(layout.held)), regions
 
     def _search(self, layout: Layout, regions: _Regions, budget: list[int]) -> bool:

@@ -10,13 +10,12 @@ import numpy as np
 from mypy_extensions import mypyc_attr
 from numpy.typing import NDArray
 
+from protocol.arrays import Reals
 from protocol.codec import decode, keeps_newest
 from protocol.crowd import LEAD, period, stagger
 from protocol.errors import MessageError
 from protocol.messages import LARGEST, Summary, Vector
 from protocol.scenario.model import Scenario
-
-Array = NDArray[np.float64]
 
 
 @final
@@ -44,8 +43,8 @@ class SummaryPlaces:
         places = np.ascontiguousarray(_numbers(summary.positions).reshape(-1, 2).T)
         places.setflags(write=False)
         self.x, self.y = places
-        self.gammas: Array = _numbers(summary.gammas)
-        self.slices: Array = _numbers(summary.slices)
+        self.gammas: Reals = _numbers(summary.gammas)
+        self.slices: Reals = _numbers(summary.slices)
         sizes = np.concatenate((np.abs(places).ravel(), self.gammas, self.slices))
         if not ((sizes >= 0.0) & (sizes <= LARGEST**2)).all():
             raise MessageError("shape", "summary: holds a number that is infinite, absurd or none")
@@ -64,7 +63,7 @@ def read_summary(key: str, payload: bytes) -> SummaryPlaces:
 
 
 @lru_cache(maxsize=16)
-def drift(before: SummaryPlaces, after: SummaryPlaces) -> tuple[Array, Array]:
+def drift(before: SummaryPlaces, after: SummaryPlaces) -> tuple[Reals, Reals]:
     """Mean displacement of each robot per tick between two summaries, m; zero if their robots differ."""
     ticks = after.tick - before.tick
     if before.runs != after.runs or ticks <= 0:
@@ -73,10 +72,10 @@ def drift(before: SummaryPlaces, after: SummaryPlaces) -> tuple[Array, Array]:
 
 
 @keeps_newest
-def _sizes(known: tuple[Mapping[int, int], Mapping[int, float]]) -> Array:
+def _sizes(known: tuple[Mapping[int, int], Mapping[int, float]]) -> Reals:
     """Radii of the robots of a summary's index, m. Immutable: robots of one process share them."""
     index, radii = known
-    sizes: Array = np.array([radii.get(robot, 0.0) for robot in index], dtype=np.float64)
+    sizes: Reals = np.array([radii.get(robot, 0.0) for robot in index], dtype=np.float64)
     sizes.setflags(write=False)
     return sizes
 
@@ -126,7 +125,7 @@ class FarPicture:
         self._before = places if before is None else before.places
         self._sizes = _sizes((places.index, radii))
 
-    def courses(self) -> tuple[Array, Array, Array, Array, Array]:
+    def courses(self) -> tuple[Reals, Reals, Reals, Reals, Reals]:
         """Of all robots: x and y, mean displacement in x and y per tick since the summary before (0 if that
         has other robots), and radii, m."""
         return self.places.x, self.places.y, *drift(self._before, self.places), self._sizes
@@ -216,9 +215,9 @@ class Arrivals:
         return self._picture
 
 
-def _numbers(payload: bytes) -> Array:
+def _numbers(payload: bytes) -> Reals:
     with np.errstate(invalid="ignore"):  # NaN is refused below, without a warning
-        numbers: Array = np.frombuffer(payload, dtype="<f4").astype(np.float64)
+        numbers: Reals = np.frombuffer(payload, dtype="<f4").astype(np.float64)
     numbers.setflags(write=False)
     return numbers
 

@@ -21,7 +21,7 @@ from agents.robot import Robot
 from agents.shell.attached_base import AttachedBase
 from agents.shell.ros_link import RosLink
 from agents.shell.subscriptions import Subscriptions
-from agents.shell.world_session import PATIENCE, RETRY, Log, Read, WorldSession
+from agents.shell.world_session import PATIENCE, RETRY, Emit, Read, WorldSession
 from protocol import joining
 from protocol.bus.bus import Bus, Event, Presence, RawSample, Sample
 from protocol.codec import SHOWN, decode, encode
@@ -57,8 +57,8 @@ class RobotNode:
         *,
         wait: float = PATIENCE,
         namespace: str | None = None,
-        warn: Log = lambda _: None,
-        info: Log = lambda _: None,
+        warn: Emit = lambda _: None,
+        info: Emit = lambda _: None,
         read: Read = joining.decode_reply,
     ) -> None:
         self.finished = False

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from agents.bases.dialects import Kind, Topic, dialect_of
+from agents.bases.dialects import EntityKind, Topic, dialect_of
 from protocol.bus.bus import Bus, Publish, RawSample
 from protocol.keys import driver_token
 from protocol.scenario.body import Base
@@ -49,7 +49,7 @@ class RosLink:
         self._dialect.check(topic, event.key, event.attachment)
         return topic
 
-    def _announce(self, kind: Kind, topic: Topic | None = None) -> str:
+    def _announce(self, kind: EntityKind, topic: Topic | None = None) -> str:
         token = self._dialect.token(self._bus.identity, self._number, kind, topic)
         self._number += 1
         if token:

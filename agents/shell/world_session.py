@@ -14,8 +14,8 @@ from protocol.errors import BusError, JoinError, MessageError
 from protocol.keys import robot_key, session_of
 from protocol.messages import Health
 
-Log = Callable[[str], None]
-Read = Callable[[bytes], joining.Reply]
+Emit = Callable[[str], None]
+Read = Callable[[bytes], joining.JoinReply]
 
 PATIENCE: Final = 10.0  # s without a message of the world before it is asked, or before giving up
 RETRY: Final = 0.2  # s until the next question after one that was of no use
@@ -44,7 +44,7 @@ class WorldSession:
     """
 
     def __init__(
-        self, bus: Bus, run: str, robot: int, wait: float, warn: Log, read: Read = joining.decode_reply
+        self, bus: Bus, run: str, robot: int, wait: float, warn: Emit, read: Read = joining.decode_reply
     ) -> None:
         self.session = os.urandom(8).hex()
         self.epoch = 0
@@ -60,7 +60,7 @@ class WorldSession:
         self._probed = -inf  # s, monotonic: newest request to a silent world
         self._strange = -inf  # s, monotonic: first reply of another run since the world was heard
 
-    def ask(self, health: Health | None, *, begun: bool = False) -> joining.Reply | None:
+    def ask(self, health: Health | None, *, begun: bool = False) -> joining.JoinReply | None:
         """Request to join, with `health` if an incarnation of this process has ended; without it the reply
         only confirms the present life. Returns the reply; None to ask again a little later.
 
@@ -96,22 +96,20 @@ class WorldSession:
         self._refused = 0
         return reply
 
-    def _answer(self, request: bytes) -> joining.Reply:
+    def _answer(self, request: bytes) -> joining.JoinReply:
         """The reply of the only coordinator, or of its own; raises BusError if two others reply.
 
         Worlds of another run do not count beside one of its own, which may be the successor of the last.
         """
         key = robot_key(self._run, self._robot, "join")
         replies = [self._read(each) for each in self._bus.ask(key, request, self._timeout)]
-        of_its_run: list[joining.Reply] = [each for each in replies if not isinstance(each, joining.OtherRun)]
-        found = of_its_run or replies[:1]
-        if len(found) > 1:
-            found = [
-                each for each in found if isinstance(each, joining.Admission) and each.epoch == self.epoch
-            ]
-        if len(found) != 1:
+        mine: list[joining.JoinReply] = [each for each in replies if not isinstance(each, joining.OtherRun)]
+        mine = mine or replies[:1]
+        if len(mine) > 1:
+            mine = [each for each in mine if isinstance(each, joining.Admission) and each.epoch == self.epoch]
+        if len(mine) != 1:
             raise BusError("several worlds of this run answer, end all but one")
-        return found[0]
+        return mine[0]
 
     def hear(self) -> None:
         """Note a Tick of its own world, which is there whatever its token says."""

@@ -57,7 +57,7 @@ def goal(
     within: Annotated[float | None, typer.Option(help="Give up after this many simulated seconds.")] = None,
     cancel: Annotated[bool, typer.Option("--cancel", help="Cancel the goals; the robot stays.")] = False,
     wait: Annotated[bool, typer.Option("--wait", help="Return when the order has ended.")] = False,
-    json_file: options.Json = None,
+    json_file: options.JsonFile = None,
     router: options.Router = None,
     secure: options.Secure = None,
 ) -> None:
@@ -206,7 +206,7 @@ def take(
 @app.command("things")
 def obstacles(
     run: options.Run,
-    json_file: options.Json = None,
+    json_file: options.JsonFile = None,
     router: options.Router = None,
     secure: options.Secure = None,
 ) -> None:

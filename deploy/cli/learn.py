@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 def check(
     scenario: options.Scenario,
     seed: options.Seed = None,
-    setting: options.Settings = None,
-    json_file: options.Json = None,
+    setting: options.SettingOptions = None,
+    json_file: options.JsonFile = None,
 ) -> None:
     """Validate a scenario and evaluate the theory: whether its goals are admissible, and the required k.
 
@@ -95,8 +95,8 @@ def certify(
         Path | None,
         options.out("Certificate to write or continue; default SCENARIO.certificate.json."),
     ] = None,
-    setting: options.Settings = None,
-    json_file: options.Json = None,
+    setting: options.SettingOptions = None,
+    json_file: options.JsonFile = None,
     quiet: options.Quiet = False,
 ) -> None:
     """Find and prove a K: for every k >= K the goal is the only minimum of phi, all other critical points
@@ -186,7 +186,7 @@ def study(
         ),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the first run; the others count up.")] = 0,
-    setting: options.Settings = None,
+    setting: options.SettingOptions = None,
     transport: Annotated[
         Transport | None, typer.Option(help="Real processes (routed, mesh) or one process (local).")
     ] = None,
@@ -198,7 +198,7 @@ def study(
         list[str] | None,
         typer.Option(metavar="TEXT", help="peers: only scenarios whose names contain this text; repeatable."),
     ] = None,
-    json_file: options.Json = None,
+    json_file: options.JsonFile = None,
     fresh: Annotated[bool, typer.Option("--fresh", help="Discard the results of an earlier call.")] = False,
     quiet: options.Quiet = False,
 ) -> None:

@@ -21,7 +21,9 @@ from protocol.process.log import LOG, begin, set_process_title
 from protocol.process.signals import STOP
 from protocol.scenario.body import ros_name
 
-Wait = Annotated[float, typer.Option(min=1.0, help="Seconds to wait for the router and the other processes.")]
+WaitSeconds = Annotated[
+    float, typer.Option(min=1.0, help="Seconds to wait for the router and the other processes.")
+]
 Alive = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="Touch this file every second while the main loop runs, for probes."),
@@ -38,7 +40,7 @@ def robot(
     run: options.RunName = None,
     router: options.Router = None,
     secure: options.Secure = None,
-    wait: Wait = _WAIT,
+    wait: WaitSeconds = _WAIT,
     alive: Alive = None,
     base: Annotated[
         Literal["ros2"] | None,
@@ -48,7 +50,7 @@ def robot(
         str | None,
         typer.Option(help="Namespace of the base's topics; default: the scenario's, else /bot and the id."),
     ] = None,
-    log: options.Log = None,
+    log: options.LogFile = None,
 ) -> None:
     """Run one robot; it receives its scenario from the world.
 
@@ -83,7 +85,7 @@ def world(
     router: options.Router = None,
     mode: options.ModeOption = "lockstep",
     seed: options.Seed = None,
-    setting: options.Settings = None,
+    setting: options.SettingOptions = None,
     secure: options.Secure = None,
     plant: Annotated[
         str | None,
@@ -93,9 +95,9 @@ def world(
         Path | None,
         typer.Option(metavar="FILE", help="Checkpoint; continue from it if it exists."),
     ] = None,
-    wait: Wait = _WAIT,
+    wait: WaitSeconds = _WAIT,
     alive: Alive = None,
-    log: options.Log = None,
+    log: options.LogFile = None,
 ) -> None:
     """Run the world of a scenario: wait for the robots, keep the clock, judge, and print the report.
 
@@ -153,7 +155,7 @@ def router(
         bool,
         typer.Option("--admin", help="Show connections and declarations in zenoh's admin space."),
     ] = False,
-    log: options.Log = None,
+    log: options.LogFile = None,
     print_config: Annotated[
         bool, typer.Option("--print-config", help="Print the equivalent configuration for zenohd, and end.")
     ] = False,

@@ -34,13 +34,13 @@ RecordingFile = Annotated[
 Seed = Annotated[
     int | None, typer.Option("--seed", metavar="N", min=0, help="Seed; overrides the scenario's.")
 ]
-Settings = Annotated[
+SettingOptions = Annotated[
     list[str] | None,
     typer.Option(
         "--set", metavar="PATH=VALUE", help="Override a key of the scenario: path.to.key=VALUE; repeatable."
     ),
 ]
-Json = Annotated[
+JsonFile = Annotated[
     Path | None,
     typer.Option("--json", metavar="FILE", help="Write the result as JSON; '-' prints it alone."),
 ]
@@ -87,7 +87,7 @@ Secure = Annotated[
     Path | None,
     typer.Option("--secure", metavar="DIR", help="Certificates and access rules of `disknav setup keys`."),
 ]
-Log = Annotated[
+LogFile = Annotated[
     Path | None,
     typer.Option("--log", metavar="DIR", help="Write one log file per process to this directory."),
 ]

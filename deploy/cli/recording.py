@@ -24,7 +24,7 @@ app = typer.Typer(name="recording", help="Inspect, draw and replay recordings.",
 @app.command()
 def info(
     recording: options.RecordingFile,
-    json_file: options.Json = None,
+    json_file: options.JsonFile = None,
 ) -> None:
     """Print scenario, verdict and streams of a recording, and whether its trajectory matches the result.
 

@@ -22,7 +22,7 @@ _KEPT = "on-failure:1000"  # restarts of a fleet that stays up
 def run(
     scenario: options.Scenario,
     seed: options.Seed = None,
-    setting: options.Settings = None,
+    setting: options.SettingOptions = None,
     keep: Annotated[
         bool,
         typer.Option(
@@ -53,7 +53,7 @@ def run(
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Draw the run; .gif, .webp and .mp4 are animations.")
     ] = None,
-    json_file: options.Json = None,
+    json_file: options.JsonFile = None,
     web: options.Web = False,
     router: options.RouterThere = None,
     listen: Annotated[
@@ -78,7 +78,7 @@ def run(
             help="Restart failed processes: never, on-failure[:N]; with --keep by default 1000 times.",
         ),
     ] = None,
-    log: options.Log = None,
+    log: options.LogFile = None,
     quiet: options.Quiet = False,
 ) -> None:
     """Run a scenario with a router, a world and one process per robot, and print the result. The default mode

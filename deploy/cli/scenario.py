@@ -35,7 +35,7 @@ def list_() -> None:
 def show(
     scenario: options.Scenario,
     seed: options.Seed = None,
-    setting: options.Settings = None,
+    setting: options.SettingOptions = None,
 ) -> None:
     """Print a scenario as a TOML file, checked and complete.
 

@@ -118,7 +118,7 @@ def deploy(
     run: options.FreshRun = None,
     mode: options.ModeOption = "realtime",
     seed: options.Seed = None,
-    setting: options.Settings = None,
+    setting: options.SettingOptions = None,
     image: Annotated[
         str | None,
         typer.Option(help="compose, kubernetes: image with this software; default localhost/disknav."),
@@ -179,7 +179,7 @@ def calibrate(
     rate: Annotated[float, typer.Option(min=0.05, help="Turning rate, rad/s.")] = 0.6,
     wait: Annotated[float, typer.Option(min=1.0, help="Seconds to wait for the base's messages.")] = 10.0,
     router: options.Router = None,
-    setting: options.Settings = None,
+    setting: options.SettingOptions = None,
 ) -> None:
     """Drive a square with one robot's base, and print bounds for the scenario.
 
@@ -217,7 +217,7 @@ def calibrate(
 
 
 @app.command()
-def doctor(json_file: options.Json = None) -> None:
+def doctor(json_file: options.JsonFile = None) -> None:
     """Examine this installation and machine, run two robots, and print a remedy for each problem.
 
     ok: works; --: an optional part is missing; !!: fleets will not run.

@@ -23,14 +23,14 @@ from deploy.maps.pieces import floor_plan, hull
 from deploy.maps.scenario import map_scenario
 from protocol.errors import UsageError
 from protocol.scenario.file import parse_document
-from protocol.scenario.model import Coordinate, Point, Scenario
+from protocol.scenario.model import Coordinate, Position, Scenario
 from protocol.scenario.tables import Document
 
 _LARGEST = 50_000_000  # bytes of a file
 _SPACIOUS = 20.0  # time limit over the time of the straight way across
-Size = Annotated[float, Meta(gt=0, le=1e6)]
-Place = Annotated[list[Coordinate], Meta(min_length=2)]
-Pair = tuple[Coordinate, Coordinate]
+Dimension = Annotated[float, Meta(gt=0, le=1e6)]
+Coordinates = Annotated[list[Coordinate], Meta(min_length=2)]
+Extent = tuple[Coordinate, Coordinate]
 
 
 class Options(NamedTuple):
@@ -80,10 +80,10 @@ def imported(file: Path, options: Options) -> Scenario:
 def _document(
     file: Path,
     tool: str,
-    robots: Iterable[tuple[float, Point, Point]],
+    robots: Iterable[tuple[float, Position, Position]],
     *,
-    corners: tuple[Point, Point],
-    obstacles: Iterable[Sequence[Point]],
+    corners: tuple[Position, Position],
+    obstacles: Iterable[Sequence[Position]],
     speed: float,
     left_out: Iterable[str],
 ) -> Document:
@@ -110,15 +110,15 @@ def _document(
 
 class _Agent(msgspec.Struct):
     type: str
-    start: Place
-    goal: Place
+    start: Coordinates
+    goal: Coordinates
 
-    def robot(self, radius: float) -> tuple[float, Point, Point]:
+    def robot(self, radius: float) -> tuple[float, Position, Position]:
         """Radius, start and goal, without heights or headings."""
         return radius, (self.start[0], self.start[1]), (self.goal[0], self.goal[1])
 
 
-def _box(x: float, y: float, wide: float, high: float) -> list[Point]:
+def _box(x: float, y: float, wide: float, high: float) -> list[Position]:
     u, v = 0.5 * wide, 0.5 * high
     return [(x - u, y - v), (x + u, y - v), (x + u, y + v), (x - u, y + v)]
 
@@ -128,13 +128,13 @@ def _box(x: float, y: float, wide: float, high: float) -> list[Point]:
 
 class _CbsObstacle(msgspec.Struct):
     type: str
-    center: Pair
-    size: tuple[Size, Size]
+    center: Extent
+    size: tuple[Dimension, Dimension]
 
 
 class _CbsEnvironment(msgspec.Struct):
-    min: Pair
-    max: Pair
+    min: Extent
+    max: Extent
     obstacles: list[_CbsObstacle] = []
 
 
@@ -184,8 +184,8 @@ def _db_cbs(file: Path, found: Any) -> Document:
 
 
 class _Quadrotor(msgspec.Struct):
-    max_vel: Annotated[list[Size], Meta(min_length=2)]
-    radius: Size
+    max_vel: Annotated[list[Dimension], Meta(min_length=2)]
+    radius: Dimension
 
 
 class _World(msgspec.Struct):
@@ -223,7 +223,7 @@ def _lsc(file: Path, options: Options) -> Document:
     )
 
 
-def _columns(file: Path) -> list[list[Point]]:
+def _columns(file: Path) -> list[list[Position]]:
     """Boxes of a world file, one per line: x, y, z of the centre and the sizes along them, m."""
     try:
         rows = [[float(each) for each in row] for row in csv.reader(_text(file).splitlines()) if row]

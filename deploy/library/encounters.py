@@ -14,7 +14,7 @@ from deploy.library.instances import numbered
 from protocol.draws import Purpose, generator
 from protocol.errors import UsageError
 from protocol.scenario.body import PRESETS
-from protocol.scenario.model import Control, Obstacle, Point, RobotSpec, Scenario, Time, Workspace
+from protocol.scenario.model import Control, Obstacle, Position, RobotSpec, Scenario, Time, Workspace
 
 RADIUS = 0.03  # m
 CIRCLE = 0.40  # m, of the starts
@@ -82,7 +82,7 @@ def turtlebots(count: int, seed: int = 0) -> Scenario:
 
 
 def _opposite(
-    places: list[Point], radius: float, jitter: float = 0.0, seed: int = 0
+    places: list[Position], radius: float, jitter: float = 0.0, seed: int = 0
 ) -> tuple[RobotSpec, ...]:
     draws = generator(seed, Purpose.SCENARIO).uniform(size=(len(places), 2))
     robots = []
@@ -93,7 +93,7 @@ def _opposite(
     return tuple(robots)
 
 
-def _circle(count: int, radius: float) -> list[Point]:
+def _circle(count: int, radius: float) -> list[Position]:
     angles = [math.tau * n / count for n in range(count // 2 if count % 2 == 0 else count)]
     points = [(round(radius * math.cos(a), 12) + 0.0, round(radius * math.sin(a), 12) + 0.0) for a in angles]
     return points if count % 2 else points + [(0.0 - x, 0.0 - y) for x, y in points]
@@ -102,7 +102,7 @@ def _circle(count: int, radius: float) -> list[Point]:
 # -- among obstacles
 
 _TRIES = 20_000  # random places tried in all
-_Corners = tuple[Point, ...]
+_Corners = tuple[Position, ...]
 
 
 def forest(count: int, seed: int = 0) -> Scenario:
@@ -180,7 +180,7 @@ def beads(count: int, seed: int = 0) -> Scenario:
     )
 
 
-def _box(centre: Point, ahead: float, aside: float, turn: float = 0.0) -> _Corners:
+def _box(centre: Position, ahead: float, aside: float, turn: float = 0.0) -> _Corners:
     cos, sin = math.cos(turn), math.sin(turn)
     corners = ((ahead, aside), (-ahead, aside), (-ahead, -aside), (ahead, -aside))
     return tuple((centre[0] + cos * u - sin * v, centre[1] + sin * u + cos * v) for u, v in corners)
@@ -188,7 +188,7 @@ def _box(centre: Point, ahead: float, aside: float, turn: float = 0.0) -> _Corne
 
 def _scattered(
     random: np.random.Generator,
-    keep: list[tuple[Point, float]] | tuple[()],
+    keep: list[tuple[Position, float]] | tuple[()],
     *,
     many: int,
     reach: float,
@@ -209,9 +209,9 @@ def _scattered(
     raise UsageError(f"no room for {many} boxes")
 
 
-def _free_places(random: np.random.Generator, obstacles: tuple[Obstacle, ...], count: int) -> list[Point]:
+def _free_places(random: np.random.Generator, obstacles: tuple[Obstacle, ...], count: int) -> list[Position]:
     """Centres at least 0.2 m apart and 0.1 m from every obstacle and wall."""
-    shapes, places = [obstacle.shape for obstacle in obstacles], list[Point]()
+    shapes, places = [obstacle.shape for obstacle in obstacles], list[Position]()
     for _ in range(_TRIES):
         x, y = (float(part) for part in 3.8 * random.random(2) - 1.9)
         apart = all(math.dist((x, y), other) > 0.2 for other in places)

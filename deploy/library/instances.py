@@ -9,12 +9,21 @@ from itertools import repeat
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from protocol.arrays import Reals
 from protocol.draws import Purpose, generator
 from protocol.errors import UsageError
 from protocol.scenario.file import read_document
-from protocol.scenario.model import Control, Part, Point, ProcessFault, RobotSpec, Scenario, Time, Workspace
+from protocol.scenario.model import (
+    Control,
+    Part,
+    Position,
+    ProcessFault,
+    RobotSpec,
+    Scenario,
+    Time,
+    Workspace,
+)
 from protocol.scenario.network import Link
 
 RADIUS = 0.04  # m
@@ -23,7 +32,7 @@ GAIN = 60.0  # the paper's k
 
 
 def numbered(
-    radii: Iterable[float], starts: Iterable[Point], goals: Iterable[Point]
+    radii: Iterable[float], starts: Iterable[Position], goals: Iterable[Position]
 ) -> tuple[RobotSpec, ...]:
     """Robots 1, 2, ... with these radii, starts and goals, m."""
     ends = zip(radii, zip(starts, goals, strict=True), strict=False)
@@ -31,7 +40,7 @@ def numbered(
 
 
 _SETS = read_document(Path(__file__).with_name("goal-sets.toml"))
-GOAL_SETS: dict[str, tuple[Point, ...]] = {
+GOAL_SETS: dict[str, tuple[Position, ...]] = {
     letter: tuple((x, y) for x, y in each["goals"]) for letter, each in _SETS.items()
 }
 TIGHTNESS: dict[str, float] = {letter: each["tight"] for letter, each in _SETS.items()}  # by the paper
@@ -68,8 +77,6 @@ def crash(seed: int = 0) -> Scenario:
     )
 
 
-Array = NDArray[np.float64]
-
 PAPER_DENSITY = 6 * RADIUS**2 / WORKSPACE**2  # area of all disks over that of the workspace
 LARGEST_DENSITY = 0.35
 LARGEST_UNEQUAL = 0.5
@@ -79,7 +86,7 @@ _SWEEPS = 2000
 _ATTEMPTS = 50
 
 
-def random_starts(radii: Sequence[float], workspace: float, seed: int, stream: int = 0) -> list[Point]:
+def random_starts(radii: Sequence[float], workspace: float, seed: int, stream: int = 0) -> list[Position]:
     """Random centres of disks of `radii` (m) in a round workspace (radius, m), without overlap.
 
     Args:
@@ -149,7 +156,7 @@ def workspace_for(radii: Sequence[float], density: float) -> float:
     return round(max(filled, (1.0 + 2.0 * _GAP) * sum(sorted(radii)[-2:])) + 5e-7, 6)
 
 
-def _thrown(random: np.random.Generator, radii: Array, workspace: float) -> Array:
+def _thrown(random: np.random.Generator, radii: Reals, workspace: float) -> Reals:
     """Uniform random centres, large disks first, each with at most `_DARTS` draws until it is free."""
     points = np.zeros((len(radii), 2))
     placed: list[int] = []
@@ -165,7 +172,7 @@ def _thrown(random: np.random.Generator, radii: Array, workspace: float) -> Arra
     return points
 
 
-def _relaxed(points: Array, radii: Array, workspace: float) -> Array | None:
+def _relaxed(points: Reals, radii: Reals, workspace: float) -> Reals | None:
     apart = (radii[:, None] + radii[None, :]) * (1.0 + _GAP)
     np.fill_diagonal(apart, 0.0)
     enough = apart * (1.0 + 0.5 * _GAP) / (1.0 + _GAP)

@@ -25,7 +25,7 @@ _SAVED_UNKNOWN = 205  # grey in which map_saver paints the unknown
 Mask = NDArray[np.bool_]
 _Struct = TypeVar("_Struct")
 Threshold = Annotated[float, Meta(ge=0, le=1)]
-Angle = Annotated[float, Meta(ge=-math.tau, le=math.tau)]
+Yaw = Annotated[float, Meta(ge=-math.tau, le=math.tau)]
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class _Head(msgspec.Struct):
 
     image: str
     resolution: Annotated[float, Meta(ge=FINEST, le=COARSEST)]
-    origin: tuple[Coordinate, Coordinate, Angle]
+    origin: tuple[Coordinate, Coordinate, Yaw]
     occupied_thresh: Threshold = 0.65
     free_thresh: Threshold = 0.196
     negate: Annotated[int, Meta(ge=0, le=1)] = 0

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from deploy.maps.occupancy import Mask, Occupancy
-from protocol.scenario.model import Point
+from protocol.scenario.model import Position
 
 _AROUND: Final = np.ones((3, 3), dtype=bool)
 _CUTS: Final = (0.25, 0.5, 0.75)  # quantiles at which a set may be split along each axis
@@ -25,7 +25,7 @@ _MANY: Final = 500  # cells; a larger set is halved without comparing cuts
 _MOST_CORNERS: Final = 64  # of a polygon in a scenario
 Ints = NDArray[np.intp]
 _Corner = tuple[int, int]
-_Point = TypeVar("_Point", _Corner, Point)
+_Point = TypeVar("_Point", _Corner, Position)
 
 
 class PlanOfPieces(NamedTuple):
@@ -33,8 +33,8 @@ class PlanOfPieces(NamedTuple):
     in it (corners, m), and the cells of that free space.
     """
 
-    workspace: tuple[Point, ...]
-    obstacles: list[tuple[Point, ...]]
+    workspace: tuple[Position, ...]
+    obstacles: list[tuple[Position, ...]]
     free: Mask
 
 

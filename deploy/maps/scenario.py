@@ -17,7 +17,7 @@ from protocol.draws import Purpose, generator
 from protocol.errors import Problem, ScenarioError, UsageError
 from protocol.geometry import ConvexPolygon
 from protocol.scenario.file import parse_document
-from protocol.scenario.model import FloorPlan, Point, Scenario
+from protocol.scenario.model import FloorPlan, Position, Scenario
 from protocol.scenario.places import lies_outside
 from protocol.scenario.tables import Document, read_table, written
 
@@ -151,8 +151,10 @@ def _room(grid: Occupancy, clear: float) -> Mask:
     return room
 
 
-def _places(grid: Occupancy, room: Mask, count: int, apart: float, draw: np.random.Generator) -> list[Point]:
-    cells, found = np.argwhere(room), list[Point]()
+def _places(
+    grid: Occupancy, room: Mask, count: int, apart: float, draw: np.random.Generator
+) -> list[Position]:
+    cells, found = np.argwhere(room), list[Position]()
     for index in draw.integers(len(cells), size=_TRIES).tolist():
         row, column = cells[index].tolist()
         x, y = grid.place(column + 0.5, row + 0.5)

@@ -31,7 +31,7 @@ from typing import Any, NoReturn
 
 from deploy.processes.spawn import (
     Exited,
-    Facts,
+    HostFacts,
     Look,
     News,
     Process,
@@ -246,7 +246,7 @@ class ForkServer:
                 if life == request.life:
                     os.kill(pid, request.number)
 
-    def _facts(self, look: Look) -> Facts:
+    def _facts(self, look: Look) -> HostFacts:
         """Facts about this host; from the first request on it listens on the router's port."""
         import agents.robot
 
@@ -259,7 +259,7 @@ class ForkServer:
                 why = str(error)
         compiled = not (agents.robot.__file__ or "").endswith(".py")
         free = shutil.disk_usage(tempfile.gettempdir()).free
-        return Facts(0, platform.python_version(), compiled, free, why, time.monotonic())
+        return HostFacts(0, platform.python_version(), compiled, free, why, time.monotonic())
 
     def _fork(self, start: Start) -> None:
         reading, writing = os.pipe() if start.process.reports else (None, None)

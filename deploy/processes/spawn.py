@@ -132,7 +132,7 @@ class Exited(_News, frozen=True):
     max_rss_mb: Annotated[float, Meta(ge=0, le=1e9)]
 
 
-class Facts(_News, frozen=True):
+class HostFacts(_News, frozen=True):
     """News: facts about the host; of no process."""
 
     python: str
@@ -143,7 +143,7 @@ class Facts(_News, frozen=True):
 
 
 Request = Start | Signal | Store | Beat | Look
-News = Started | ProcessReport | Exited | Facts
+News = Started | ProcessReport | Exited | HostFacts
 
 MAX_NEWS = 1 << 23  # bytes; twice the largest result
 
@@ -224,13 +224,13 @@ class Spawner:
         except (EOFError, ConnectionError):
             raise self._gone() from None
 
-    def look(self, listen: str, port: int, timeout: float) -> Facts:
+    def look(self, listen: str, port: int, timeout: float) -> HostFacts:
         """Facts about the host, while no process runs; raises ProcessError after `timeout` s."""
         self._send(Look(listen, port))
         deadline = time.monotonic() + timeout
         while (remaining := deadline - time.monotonic()) > 0.0:
             for news in self.news(remaining):
-                if isinstance(news, Facts):
+                if isinstance(news, HostFacts):
                     return news
         raise ProcessError(f"no answer within {timeout:g} s")
 

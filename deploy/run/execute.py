@@ -15,7 +15,7 @@ from deploy.output import bar, check_json, check_target, write_json
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
-from deploy.run.result import INTERRUPTED, Result, complete, unjudged
+from deploy.run.result import INTERRUPTED, RunResult, complete, unjudged
 from deploy.security.membership import KeyRing
 from deploy.telemetry.monitor.watcher import Attachment, Watcher
 from deploy.telemetry.plot.draw import check, draw
@@ -56,8 +56,8 @@ def execute(
     web: bool = False,
     json_file: Path | None = None,
     quiet: bool,
-    tell: Callable[[Result], None] = lambda _: None,
-) -> Result:
+    tell: Callable[[RunResult], None] = lambda _: None,
+) -> RunResult:
     """Run `scenario` to its verdict. There is a result even after signals, at any time and repeatedly.
 
     Args:

@@ -13,9 +13,9 @@ from typing import Any
 from deploy.processes import table
 from deploy.processes.supervisor import Exit, Usage
 from deploy.run.assembly import Assembly, Topology, places
-from deploy.run.launcher import Launcher, Watcher
+from deploy.run.launcher import Launcher, OnClock
 from deploy.run.options import RunOptions
-from deploy.run.result import INTERRUPTED, Report, read_report, unjudged
+from deploy.run.result import INTERRUPTED, RunReport, read_report, unjudged
 from deploy.security.roster import MONITOR, WORLD, robot_role
 from protocol.bus.bus import Event, Sample
 from protocol.bus.zenoh import ZenohBus
@@ -25,8 +25,7 @@ from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.process.log import LOG
 from protocol.process.signals import STOP
-from protocol.scenario.model import Event as ProcessEvent
-from protocol.scenario.model import Scenario
+from protocol.scenario.model import FaultKind, Scenario
 
 _LAST_WORDS = 5.0  # s for the report of an interrupted world
 _LEAVING = 2.0  # s for processes to end by themselves after the run
@@ -57,7 +56,7 @@ class Fleet:
         scenario: Scenario,
         options: RunOptions,
         *,
-        watch: Watcher = lambda _: None,
+        watch: OnClock = lambda _: None,
         record: Path | None = None,
     ) -> None:
         self._scenario, self._options = scenario, options
@@ -65,7 +64,7 @@ class Fleet:
         self._launcher = Launcher(scenario, self)
         self._clock: Clock | None = None
         self._began = time.monotonic()
-        self._report: Report | None = None
+        self._report: RunReport | None = None
         self._leaving = _LEAVING
         self._stack = ExitStack()
         self.rejected: Counter[str] = Counter()
@@ -92,7 +91,7 @@ class Fleet:
         stack.callback(self._bus.close)
         self._bus.subscribe(world_key(self._options.run, "clock"))
 
-    def execute(self, enough: Callable[[], bool] = lambda: False) -> Report:
+    def execute(self, enough: Callable[[], bool] = lambda: False) -> RunReport:
         """Watch the run until its report arrives, or `enough` returns true.
 
         Signals and lost processes also end the run; its report then gives the reason and the world's measures
@@ -184,7 +183,7 @@ class Fleet:
     def runs(self, robot: int) -> bool:
         return robot_role(robot) in self.supervisor.running()
 
-    def act(self, robot: int, event: ProcessEvent) -> None:
+    def act(self, robot: int, event: FaultKind) -> None:
         getattr(self.supervisor, event)(robot_role(robot))
 
     def welcome(self, robot: int) -> bool:

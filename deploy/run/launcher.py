@@ -7,9 +7,9 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from protocol.messages import Clock
-from protocol.scenario.model import Event, ProcessFault, Scenario
+from protocol.scenario.model import FaultKind, ProcessFault, Scenario
 
-Watcher = Callable[[Clock], None]
+OnClock = Callable[[Clock], None]
 
 
 class RobotProcesses(Protocol):
@@ -21,7 +21,7 @@ class RobotProcesses(Protocol):
     def runs(self, robot: int) -> bool:
         """Whether its process has not ended, as far as is known."""
 
-    def act(self, robot: int, event: Event) -> None:
+    def act(self, robot: int, event: FaultKind) -> None:
         """Kill, pause, resume or restart its process."""
 
     def welcome(self, robot: int) -> bool:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from agents.shell.node import RobotNode
-from deploy.run.launcher import Launcher, Watcher
+from deploy.run.launcher import Launcher, OnClock
 from deploy.run.result import INTERRUPTED
 from deploy.telemetry.recording.recorder import Recorder
 from deploy.telemetry.recording.writer import RecordingWriter
@@ -28,8 +28,7 @@ from protocol.keys import everything, world_key
 from protocol.messages import Clock
 from protocol.process.log import LOG
 from protocol.process.signals import STOP
-from protocol.scenario.model import Event as ProcessEvent
-from protocol.scenario.model import Scenario
+from protocol.scenario.model import FaultKind, Scenario
 from world.shell.checkpoint import Checkpoint
 from world.shell.node import WorldNode
 
@@ -73,7 +72,7 @@ class LocalFleet:
         *,
         lockstep: bool = True,
         speed: float = 0.0,
-        watch: Watcher = lambda _: None,
+        watch: OnClock = lambda _: None,
         record: Path | None = None,
         network: LocalNetwork | None = None,
     ) -> None:
@@ -153,7 +152,7 @@ class LocalFleet:
         bus = self.robots.get(robot)
         return bus is not None and bus.node is not None
 
-    def act(self, robot: int, event: ProcessEvent) -> None:
+    def act(self, robot: int, event: FaultKind) -> None:
         getattr(self, event)(robot)
 
     def kill(self, robot: int) -> None:

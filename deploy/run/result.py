@@ -20,8 +20,8 @@ from world.judge.verdict import VERDICTS
 from world.report import result_of
 from world.world import WorldCore
 
-Report = dict[str, Any]
-Result = dict[str, Any]
+RunReport = dict[str, Any]
+RunResult = dict[str, Any]
 
 INTERRUPTED = "stopped by the user"  # reason after Ctrl-C
 # Fields of a report that the launcher needs.
@@ -36,7 +36,7 @@ _COLUMNS = ("robot", "arrived", "path, m", "aside, m", "pid", "restarts", "cpu, 
 _STYLES = {"arrived": "bold green", "collision": "bold red", "interrupted": "yellow"}
 
 
-def read_report(text: str) -> Report:
+def read_report(text: str) -> RunReport:
     """Parse the report of a world's process; raises MessageError if it is not JSON, or fields are missing."""
     try:
         report = json.loads(text)
@@ -47,7 +47,7 @@ def read_report(text: str) -> Report:
     return report
 
 
-def unjudged(scenario: Scenario, last: Clock | None, wall_time: float) -> Report:
+def unjudged(scenario: Scenario, last: Clock | None, wall_time: float) -> RunReport:
     """Substitute for the report of a lost world, as of the last Clock received; unknown values are None.
 
     Args:
@@ -70,7 +70,7 @@ def complete(
     options: RunOptions,
     processes: list[dict[str, Any]],
     recordings: Sequence[str] = (),
-) -> Result:
+) -> RunResult:
     """The result: report, options, processes, rates, and the files of the recording."""
     result = dict(report)
     wall = float(result.get("wall_time", 0.0))

@@ -12,7 +12,8 @@ from typing import Any, Literal
 from deploy.library.encounters import swap
 from deploy.library.instances import figure_3, random_robots, workspace_for
 from deploy.library.load import resolved
-from deploy.studies.study import Build, Cell, Result, Row, Study, arrived, error, figures, mean, untouched
+from deploy.run.result import RunResult
+from deploy.studies.study import Build, Cell, Row, Study, arrived, error, figures, mean, untouched
 from protocol.draws import Purpose, generator
 from protocol.scenario.model import Scenario, Sensing, Time, Workspace
 from protocol.scenario.network import Link
@@ -102,7 +103,7 @@ PLACES: dict[str, Build] = {"swap 10": partial(swap, 10, JITTER), "tight 3.30": 
 class Delays(Study):
     """Adds the ratio of the time to that of the runs without delay."""
 
-    def rows(self, results: Mapping[tuple[int, int], Result]) -> list[Row]:
+    def rows(self, results: Mapping[tuple[int, int], RunResult]) -> list[Row]:
         rows = super().rows(results)
         prompt = {(row["scenario"], row["pace"]): row["times"] for row in rows if row["delay"] == 0.0}
         return [row | against(row["times"], prompt.get((row["scenario"], row["pace"]), {})) for row in rows]
@@ -141,7 +142,7 @@ def delayed(build: Build, pace: Pace, late: float, seed: int) -> Scenario:
     )
 
 
-def _with_times(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
+def _with_times(labels: Mapping[str, Any], results: Sequence[RunResult]) -> Row:
     times = {str(result["seed"]): result["sim_time"] for result in arrived(results)}
     return {**labels, **figures(results), "times": times}
 
@@ -231,7 +232,7 @@ def room(scenario: Scenario) -> float:
     return min(*beside, *inside, math.inf)
 
 
-def _of_those_with_room(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
+def _of_those_with_room(labels: Mapping[str, Any], results: Sequence[RunResult]) -> Row:
     scenarios = (crowd(labels["density"], labels["noise"], result["seed"]) for result in results)
     due = [result for result, scenario in zip(results, scenarios, strict=True) if room(scenario) >= 0.0]
     of_due = figures(due)

@@ -27,9 +27,9 @@ from deploy.processes.fork_server import end_with_pipe
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, Transport
-from deploy.run.result import complete
+from deploy.run.result import RunResult, complete
 from deploy.software import code_digest
-from deploy.studies.study import Build, Result, Row, Shard, Study, StudyRun
+from deploy.studies.study import Build, Row, Shard, Study, StudyRun
 from protocol.errors import ProcessError
 from protocol.process.log import set_process_title
 from protocol.process.signals import STOP, Stopped
@@ -52,7 +52,7 @@ def begin(lifeline: Channel[Any, Any]) -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
-def run_one(build: Build, seed: int, transport: Transport) -> Result:
+def run_one(build: Build, seed: int, transport: Transport) -> RunResult:
     """Execute one run, and return the fields of its result that studies need.
 
     Raises:
@@ -62,7 +62,7 @@ def run_one(build: Build, seed: int, transport: Transport) -> Result:
     return {name: result[name] for name in KEPT if name in result}
 
 
-def _in_process(build: Build, seed: int) -> Result:
+def _in_process(build: Build, seed: int) -> RunResult:
     began = time.thread_time()
     try:
         report = LocalFleet(build(seed)).execute()
@@ -73,7 +73,7 @@ def _in_process(build: Build, seed: int) -> Result:
     return complete(report, RunOptions("local"), [whole])
 
 
-def _on_processes(build: Build, seed: int, transport: Transport) -> Result:
+def _on_processes(build: Build, seed: int, transport: Transport) -> RunResult:
     options = RunOptions(transport)
     with Fleet(build(seed), options) as fleet:
         report = fleet.execute()
@@ -105,7 +105,7 @@ class RunLog:
         text = ""
         if path is not None and path.exists() and not fresh:
             text = path.read_text(encoding="utf-8", errors="replace")
-        self.known: dict[str, Result] = dict(filter(None, map(_entry, text.splitlines())))
+        self.known: dict[str, RunResult] = dict(filter(None, map(_entry, text.splitlines())))
         self._file = None if path is None else path.open("w" if fresh else "a", encoding="utf-8")
         if self._file is not None and text and not text.endswith("\n"):
             self._file.write("\n")
@@ -117,14 +117,14 @@ class RunLog:
         if self._file is not None:
             self._file.close()
 
-    def add(self, key: str, result: Result) -> None:
+    def add(self, key: str, result: RunResult) -> None:
         self.known[key] = result
         if self._file is not None:
             self._file.write(json.dumps({"key": key, "result": result}) + "\n")
             self._file.flush()
 
 
-def _entry(line: str) -> tuple[str, Result] | None:
+def _entry(line: str) -> tuple[str, RunResult] | None:
     try:
         entry = json.loads(line)
         return str(entry["key"]), dict(entry["result"])
@@ -155,8 +155,8 @@ def execute(
     return StudyOutcome(study.rows(results), len(results) == len(runs))
 
 
-def _executed(study: Study, runs: Sequence[StudyRun], jobs: int) -> Iterator[tuple[StudyRun, Result]]:
-    waiting: dict[Future[Result], StudyRun] = {}
+def _executed(study: Study, runs: Sequence[StudyRun], jobs: int) -> Iterator[tuple[StudyRun, RunResult]]:
+    waiting: dict[Future[RunResult], StudyRun] = {}
     with _workers(min(jobs, max(1, len(runs)))) as pool:
         try:
             for run in runs:

@@ -17,7 +17,8 @@ from typing import Any
 from deploy.library.instances import TIGHTNESS, figure_3, random_instance
 from deploy.library.load import resolved
 from deploy.run.options import Transport
-from deploy.studies.study import Cell, Result, Row, Study, figures, growth, mean
+from deploy.run.result import RunResult
+from deploy.studies.study import Cell, Row, Study, figures, growth, mean
 from protocol.scenario.model import Scenario
 
 PERIOD = 0.01  # s
@@ -78,7 +79,7 @@ def _row(
     printed: Mapping[float, float],
     exact: Mapping[float, float],
     labels: Mapping[str, Any],
-    results: Sequence[Result],
+    results: Sequence[RunResult],
 ) -> Row:
     x = labels[axis]
     return {**labels, **figures(results), "paper": printed.get(x), "exact": exact.get(x)}
@@ -122,7 +123,7 @@ def instance(count: int, seed: int) -> Scenario:
     return replace(drawn, time=replace(drawn.time, limit=2.0 * LIMIT))
 
 
-def _costs(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
+def _costs(labels: Mapping[str, Any], results: Sequence[RunResult]) -> Row:
     """Adds speed, CPU and memory; resident memory is summed, so shared pages count for each process."""
     robots = labels["robots"]
     rows = [process for result in results for process in result["processes"]]
@@ -140,7 +141,7 @@ def _costs(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
     }
 
 
-def _sum(result: Result, name: str) -> float:
+def _sum(result: RunResult, name: str) -> float:
     """Over all processes, their start and end included."""
     return float(sum(process[name] for process in result["processes"]))
 

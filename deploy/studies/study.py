@@ -14,12 +14,13 @@ from typing import Any, Self
 
 from deploy.library.load import resolved
 from deploy.run.options import Transport
+from deploy.run.result import RunResult
 from protocol.errors import UsageError
 from protocol.scenario.file import apply_settings, document_of, parse_document
 from protocol.scenario.model import Scenario
 
 Row = dict[str, Any]
-Result = dict[str, Any]
+
 Build = Callable[[int], Scenario]
 
 
@@ -62,7 +63,7 @@ class Study:
     name: str
     cells: Sequence[Cell]
     columns: str
-    row: Callable[[Mapping[str, Any], Sequence[Result]], Row] = lambda labels, results: {
+    row: Callable[[Mapping[str, Any], Sequence[RunResult]], Row] = lambda labels, results: {
         **labels,
         **figures(results),
     }
@@ -89,7 +90,7 @@ class Study:
             found += [StudyRun(n, seed, bus, f"{self.name}/{digest}/{seed}") for seed in cell.seeds]
         return found
 
-    def rows(self, results: Mapping[tuple[int, int], Result]) -> list[Row]:
+    def rows(self, results: Mapping[tuple[int, int], RunResult]) -> list[Row]:
         """One row for every cell with results; `results` by cell and seed."""
         rows = []
         for n, cell in enumerate(self.cells):
@@ -135,7 +136,7 @@ class Shard:
         return runs[self.number - 1 :: self.of]
 
 
-def arrived(results: Iterable[Result]) -> list[Result]:
+def arrived(results: Iterable[RunResult]) -> list[RunResult]:
     """Results in which every robot arrived without contact."""
     return [result for result in results if result["verdict"] == "arrived"]
 
@@ -150,7 +151,7 @@ def error(values: Sequence[float]) -> float | None:
     return stdev(values) / math.sqrt(len(values)) if len(values) > 1 else None
 
 
-def figures(results: Sequence[Result]) -> dict[str, Any]:
+def figures(results: Sequence[RunResult]) -> dict[str, Any]:
     """Statistics of every row: numbers of runs, of those with collisions and of those that arrived; nrl and
     time (s) of the latter, with deviations and standard errors; smallest clearance (m) of all runs.
     """

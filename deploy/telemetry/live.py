@@ -190,10 +190,10 @@ _NEAR = 8  # radii; lines to robots farther away are not shown
 
 # The messages of which a view is made.
 VIEWED = frozenset((Clock, Truth, Health, GoalStatus, Tick))
-Point = tuple[float, float, float]  # simulated time, s; clearance, m; log_potential
+HistoryPoint = tuple[float, float, float]  # simulated time, s; clearance, m; log_potential
 
 
-def _worst(earlier: Point, later: Point) -> Point:
+def _worst(earlier: HistoryPoint, later: HistoryPoint) -> HistoryPoint:
     return later[0], min(earlier[1], later[1]), later[2]
 
 
@@ -226,7 +226,7 @@ class FleetView:
         self.halted, self.stops = False, 0  # an emergency stop is in force; number of them so far
         self.smallest: float | None = None
         self.obstacles: tuple[PlacedObstacle, ...] = ()  # placed or removed during the run
-        self.history: Thinned[Point] = Thinned(HISTORY, _worst)
+        self.history: Thinned[HistoryPoint] = Thinned(HISTORY, _worst)
         self.recent: deque[Truth] = deque(maxlen=self._recent)
         self.strangers: Set[int] = frozenset()
         self._newcomers: tuple[RobotSpec, ...] = ()

@@ -24,7 +24,7 @@ from protocol.geometry import ConvexPolygon, Shape
 from protocol.messages import Clock, GoalStatus, Line, Message, Truth, Vector
 from protocol.scenario.model import RobotSpec
 
-Json = dict[str, Any]
+JsonObject = dict[str, Any]
 WORLD = "world"  # frame of all positions
 _DIGITS = 5  # decimals of a metre
 _NEAR = 3  # largest gap between robots whose line is drawn, radii
@@ -41,13 +41,13 @@ def frame(robot: int) -> str:
     return f"robot_{robot}"
 
 
-def update(entities: list[Json], gone: Json | None = None) -> Json:
+def update(entities: list[JsonObject], gone: JsonObject | None = None) -> JsonObject:
     """An update with new or replaced `entities`; all from before the time `gone` are deleted."""
     deletions = [] if gone is None else [{"timestamp": gone, "type": _ALL, "id": ""}]
     return {"entities": entities, "deletions": deletions}
 
 
-def frames(stamp: Json, robots: Iterable[RobotView]) -> Json:
+def frames(stamp: JsonObject, robots: Iterable[RobotView]) -> JsonObject:
     """Frames of robots, without rotation."""
     return {
         "transforms": [
@@ -63,7 +63,7 @@ def frames(stamp: Json, robots: Iterable[RobotView]) -> Json:
     }
 
 
-def room(stamp: Json, boundary: Shape, shapes: Iterable[Shape]) -> Json:
+def room(stamp: JsonObject, boundary: Shape, shapes: Iterable[Shape]) -> JsonObject:
     """Boundary and obstacles."""
     outlines = [boundary.outline(), *(shape.outline() for shape in shapes)]
     edges = [_line(_LOOP, [_point(x, y) for x, y in each], _color(_GREY)) for each in outlines]
@@ -71,7 +71,7 @@ def room(stamp: Json, boundary: Shape, shapes: Iterable[Shape]) -> Json:
     return _entity(stamp, WORLD, "room", lines=edges, triangles=solid)
 
 
-def disk(stamp: Json, robot: RobotView) -> Json:
+def disk(stamp: JsonObject, robot: RobotView) -> JsonObject:
     """One robot, in its own frame; red without a life."""
     number, height = robot.spec.id, robot.radius / 2
     color = _color(_RED) if robot.fenced else _hue(number)
@@ -87,7 +87,7 @@ def disk(stamp: Json, robot: RobotView) -> Json:
     return _entity(stamp, frame(number), f"robot {number}", cylinders=[cylinder], texts=[label])
 
 
-def goals(stamp: Json, robots: Iterable[RobotView]) -> Json:
+def goals(stamp: JsonObject, robots: Iterable[RobotView]) -> JsonObject:
     """Known goals of robots."""
     disks = [
         _disk(robot.goal, robot.spec.radius, robot.spec.radius / 50, _hue(robot.spec.id, 0.3))
@@ -97,7 +97,7 @@ def goals(stamp: Json, robots: Iterable[RobotView]) -> Json:
     return _entity(stamp, WORLD, "goals", cylinders=disks)
 
 
-def trails(stamp: Json, robots: Iterable[RobotView], limit: int) -> Json:
+def trails(stamp: JsonObject, robots: Iterable[RobotView], limit: int) -> JsonObject:
     """Past paths of robots, each of at most about `limit` points."""
     lines = [
         _line(
@@ -111,7 +111,7 @@ def trails(stamp: Json, robots: Iterable[RobotView], limit: int) -> Json:
     return _entity(stamp, WORLD, "trails", lines=lines)
 
 
-def separating_lines(stamp: Json, robots: Mapping[int, RobotView]) -> Json:
+def separating_lines(stamp: JsonObject, robots: Mapping[int, RobotView]) -> JsonObject:
     """The lines that each robot obeys, drawn near the peer of each."""
     pieces = [
         _line(_LIST, points, _hue(robot.spec.id))
@@ -121,7 +121,7 @@ def separating_lines(stamp: Json, robots: Mapping[int, RobotView]) -> Json:
     return _entity(stamp, WORLD, "lines", lines=pieces)
 
 
-def _piece(robot: RobotView, line: Line, robots: Mapping[int, RobotView]) -> tuple[Json, ...]:
+def _piece(robot: RobotView, line: Line, robots: Mapping[int, RobotView]) -> tuple[JsonObject, ...]:
     peer, nx, ny, limit = line
     if peer not in robots:
         return ()
@@ -135,11 +135,11 @@ def _piece(robot: RobotView, line: Line, robots: Mapping[int, RobotView]) -> tup
     return _point(fx - ny * reach, fy + nx * reach), _point(fx + ny * reach, fy - nx * reach)
 
 
-def _hue(robot: int, opacity: float = 1.0) -> Json:
+def _hue(robot: int, opacity: float = 1.0) -> JsonObject:
     return _color(_HUES[robot % len(_HUES)], opacity)
 
 
-def _entity(stamp: Json, frame_id: str, name: str, **primitives: list[Json]) -> Json:
+def _entity(stamp: JsonObject, frame_id: str, name: str, **primitives: list[JsonObject]) -> JsonObject:
     kinds = ("cylinders", "lines", "triangles", "texts", "metadata", "arrows", "cubes", "spheres", "models")
     return {
         "timestamp": stamp,
@@ -150,42 +150,42 @@ def _entity(stamp: Json, frame_id: str, name: str, **primitives: list[Json]) -> 
     } | {kind: primitives.get(kind, []) for kind in kinds}
 
 
-def _point(x: float, y: float, z: float = 0.0) -> Json:
+def _point(x: float, y: float, z: float = 0.0) -> JsonObject:
     return {"x": round(x, _DIGITS), "y": round(y, _DIGITS), "z": z}
 
 
-def _pose(position: Json) -> Json:
+def _pose(position: JsonObject) -> JsonObject:
     return {"position": position, "orientation": _UNTURNED}
 
 
 @cache
-def _color(hexadecimal: str, opacity: float = 1.0) -> Json:
+def _color(hexadecimal: str, opacity: float = 1.0) -> JsonObject:
     red, green, blue = (round(part / 255, 3) for part in bytes.fromhex(hexadecimal))
     return {"r": red, "g": green, "b": blue, "a": opacity}
 
 
-def _disk(center: Vector, radius: float, height: float, color: Json) -> Json:
+def _disk(center: Vector, radius: float, height: float, color: JsonObject) -> JsonObject:
     size = {"x": 2 * radius, "y": 2 * radius, "z": height}
     pose = _pose({"x": center[0], "y": center[1], "z": height / 2})
     return {"pose": pose, "size": size, "color": color, "bottom_scale": 1.0, "top_scale": 1.0}
 
 
-def _points(points: list[Json], color: Json) -> Json:
+def _points(points: list[JsonObject], color: JsonObject) -> JsonObject:
     return {"pose": _pose(_point(0.0, 0.0)), "points": points, "color": color, "colors": [], "indices": []}
 
 
-def _line(joined: int, points: list[Json], color: Json) -> Json:
+def _line(joined: int, points: list[JsonObject], color: JsonObject) -> JsonObject:
     """`foxglove.LinePrimitive`; the thickness is in pixels."""
     return {"type": joined, "thickness": 1.5, "scale_invariant": True} | _points(points, color)
 
 
-def _fan(outline: list[Vector], color: Json) -> Json:
+def _fan(outline: list[Vector], color: JsonObject) -> JsonObject:
     """A convex polygon as triangles that share its first corner."""
     first, *others = (_point(x, y) for x, y in outline)
     return _points([corner for pair in pairwise(others) for corner in (first, *pair)], color)
 
 
-def _schema(value: Any) -> Json:
+def _schema(value: Any) -> JsonObject:
     if isinstance(value, dict):
         return {"type": "object", "properties": {name: _schema(each) for name, each in value.items()}}
     if isinstance(value, list):
@@ -197,7 +197,7 @@ def _schema(value: Any) -> Json:
 EXAMPLE = RobotView(RobotSpec(1, 1.0, (0.0, 0.0), (0.0, 0.0)), trail=1)
 
 
-def example() -> Json:
+def example() -> JsonObject:
     """An update with one of each kind of primitive that is drawn."""
     square = ConvexPolygon(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)))
     around = room(_FOR_EVER, square, [square])
@@ -215,7 +215,7 @@ _PERIODS = {
 _TRAIL_POINTS = 512  # of all robots together
 
 
-def measures(truth: Truth) -> Json:
+def measures(truth: Truth) -> JsonObject:
     """Smallest gap in the last tick, m, navigation function, and log10(gamma / beta^(1/k))."""
     return {"clearance": truth.clearance, "phi": truth.phi, "log_potential": truth.log_potential}
 
@@ -235,7 +235,7 @@ class Picture(NamedTuple):
     data: bytes
 
 
-def _topic(name: str, example: Json) -> SceneTopic:
+def _topic(name: str, example: JsonObject) -> SceneTopic:
     """Of messages like `example`, which has one item in each list."""
     return SceneTopic(name, json.dumps(_schema(example) | {"title": name}).encode())
 
@@ -304,7 +304,7 @@ class FleetScene:
         tick = self._view.recent[-1].tick if self._view.recent else 0
         return round(tick * self._view.scenario.time.step * 1e9)
 
-    def _drawn(self, topic: str) -> Json:
+    def _drawn(self, topic: str) -> JsonObject:
         view, stamp = self._view, dict(zip(("sec", "nsec"), divmod(self._now, _SECOND), strict=True))
         assert view.scenario is not None
         robots = view.robots.values()

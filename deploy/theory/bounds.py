@@ -40,7 +40,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
-from deploy.theory.function import Array, FleetProblem, displacements, obstacle_functions
+from deploy.theory.function import FleetProblem, displacements, obstacle_functions
+from protocol.arrays import Reals
 
 LARGEST_ENUMERATION = 12
 
@@ -55,9 +56,9 @@ class Family:
     """
 
     sizes: NDArray[np.int64]
-    radii: Array
-    spread: Array
-    norms: Array
+    radii: Reals
+    spread: Reals
+    norms: Reals
     members: NDArray[np.bool_] | None
 
     @property
@@ -75,7 +76,7 @@ def family(problem: FleetProblem) -> Family:
     return _every(problem) if problem.p <= LARGEST_ENUMERATION else _bounds(problem)
 
 
-def _goal_distances(problem: FleetProblem) -> Array:
+def _goal_distances(problem: FleetProblem) -> Reals:
     return np.asarray(np.linalg.norm(displacements(problem.goals), axis=2))
 
 
@@ -109,14 +110,14 @@ class Stretch:
     room for the other robots beside it); otherwise they are proven upper bounds.
     """
 
-    first: Array
-    second: Array
-    circulation: Array
-    longest: Array
+    first: Reals
+    second: Reals
+    circulation: Reals
+    longest: Reals
     exact: NDArray[np.bool_]
 
 
-def _hops(clusters: Family, workspace: float, eps: float) -> tuple[Array, NDArray[np.bool_]]:
+def _hops(clusters: Family, workspace: float, eps: float) -> tuple[Reals, NDArray[np.bool_]]:
     """U_h in column h - 1, (S, p - 1), zero beyond the cluster; and whether the workspace clips none."""
     half = np.nan_to_num(np.sqrt(clusters.radii**2 + eps / 4.0))
     reach = half.cumsum(axis=1)
@@ -148,27 +149,27 @@ def smallest_contact(problem: FleetProblem) -> float:
     return float(np.sort(problem.radii)[:2].sum()) if problem.p > 1 else 2.0 * float(problem.radii[0])
 
 
-def chain(radii: Array, eps: float) -> Array:
+def chain(radii: Reals, eps: float) -> Reals:
     """Centres of a straight chain of these disks in this order, beta = eps between neighbours, (n, 2) m."""
     gaps = np.sqrt((radii[:-1] + radii[1:]) ** 2 + eps)
     along = np.concatenate([[0.0], np.cumsum(gaps)])
     return np.stack([along - along.mean(), np.zeros_like(along)], axis=1)
 
 
-def first_objective(points: Array, spacing: float) -> float:
+def first_objective(points: Reals, spacing: float) -> float:
     """Objective of (7) at one cluster's centres (n, 2): sum of delta_ij + (2n - 2)/rho' ||v||^2, m."""
     n = len(points)
     distances = np.linalg.norm(points[:, None] - points[None], axis=2)
     return float(distances.sum() / 2.0 + (2 * n - 2) / spacing * ((points - points.mean(axis=0)) ** 2).sum())
 
 
-def heavy_middle(radii: Array) -> Array:
+def heavy_middle(radii: Reals) -> Reals:
     """The radii ordered for a long chain: smallest at the ends, largest in the middle."""
     ordered = np.sort(radii)
     return np.concatenate([ordered[::2], ordered[1::2][::-1]])
 
 
-Status = Literal["holds", "violated", "not shown"]
+ConditionStatus = Literal["holds", "violated", "not shown"]
 
 
 @dataclass(frozen=True)
@@ -183,9 +184,9 @@ class Margins:
 
     clusters: Family
     stretch: Stretch
-    first: Array
-    second: Array
-    sides: Array
+    first: Reals
+    second: Reals
+    sides: Reals
 
     @property
     def hold(self) -> bool:
@@ -219,7 +220,7 @@ def largest_eps(problem: FleetProblem, clusters: Family | None = None) -> float 
     return low
 
 
-def first_status(problem: FleetProblem, found: Margins, row: int, eps: float) -> Status:
+def first_status(problem: FleetProblem, found: Margins, row: int, eps: float) -> ConditionStatus:
     """Assumption 1 for one cluster; "not shown" if only the upper bound of Lambda' exceeds the spread."""
     if found.first[row] > 0.0:
         return "holds"
@@ -232,7 +233,7 @@ def first_status(problem: FleetProblem, found: Margins, row: int, eps: float) ->
     return "violated" if fits and attained >= found.clusters.spread[row] else "not shown"
 
 
-def second_status(found: Margins, row: int) -> Status:
+def second_status(found: Margins, row: int) -> ConditionStatus:
     """Assumption 2 for one cluster; "not shown" if only the upper bound of Lambda'' fails."""
     if found.second[row] > 0.0:
         return "holds"
@@ -240,7 +241,7 @@ def second_status(found: Margins, row: int) -> Status:
 
 
 @dataclass(frozen=True)
-class Interval:
+class Enclosure:
     """Bounds of the true maximum over configurations."""
 
     low: float
@@ -252,7 +253,7 @@ class Bounds:
     """Bounds at this eps (m^2): phi is polar for k > K. `n2` is infinite, as the module explains."""
 
     eps: float
-    k1: Interval
+    k1: Enclosure
     k21: float
     k22: float
     k3: float
@@ -268,13 +269,13 @@ def largest_gamma(problem: FleetProblem, eps: float) -> float:
     return float(((np.linalg.norm(problem.goals, axis=1) + reach) ** 2).sum())
 
 
-def _pair_reach(problem: FleetProblem, eps: float) -> Array:
+def _pair_reach(problem: FleetProblem, eps: float) -> Reals:
     lengths = np.sqrt(problem.contact**2 + eps)
     np.fill_diagonal(lengths, 0.0)
     return np.asarray(lengths)
 
 
-def _outer_reach(problem: FleetProblem, clusters: Family, eps: float) -> Array:
+def _outer_reach(problem: FleetProblem, clusters: Family, eps: float) -> Reals:
     """Sum over Q* of sqrt(rho_ij^2 + eps), (S,) m; over all of Q for bounding rows."""
     lengths = _pair_reach(problem, eps)
     total = 0.5 * lengths.sum()
@@ -285,13 +286,13 @@ def _outer_reach(problem: FleetProblem, clusters: Family, eps: float) -> Array:
     return np.asarray(np.where(clusters.sizes == problem.p, 0.0, total - own))
 
 
-def k1(problem: FleetProblem, eps: float) -> Interval:
+def k1(problem: FleetProblem, eps: float) -> Enclosure:
     """Proposition C.5. The goals rotated by half a turn attain the lower end if they lie in F2."""
     slopes = 0.5 * np.sqrt(2.0) * _pair_reach(problem, eps).sum()
     slopes += np.sqrt(np.maximum(problem.reach**2 - eps, 0.0)).sum()
     apart = bool((obstacle_functions(problem, problem.goals) > eps).all())
     turned = 2.0 * np.linalg.norm(problem.goals) if apart else 0.0
-    return Interval(float(turned * slopes / eps), float(np.sqrt(largest_gamma(problem, eps)) * slopes / eps))
+    return Enclosure(float(turned * slopes / eps), float(np.sqrt(largest_gamma(problem, eps)) * slopes / eps))
 
 
 def k21(problem: FleetProblem, found: Margins, eps: float) -> float:

@@ -14,7 +14,15 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from deploy.theory.bounds import Bounds, Margins, Status, best_bounds, first_status, margins, second_status
+from deploy.theory.bounds import (
+    Bounds,
+    ConditionStatus,
+    Margins,
+    best_bounds,
+    first_status,
+    margins,
+    second_status,
+)
 from deploy.theory.certify.certificate import GoalSet
 from deploy.theory.exact_flow import (
     CriticalPoint,
@@ -27,7 +35,8 @@ from deploy.theory.exact_flow import (
     swapped_pairs,
 )
 from deploy.theory.facts import Facts
-from deploy.theory.function import Array, FleetProblem
+from deploy.theory.function import FleetProblem
+from protocol.arrays import Reals
 from protocol.draws import Purpose, generator
 from protocol.scenario.model import Scenario
 
@@ -58,7 +67,7 @@ class Practice:
     other_minima: int
 
 
-def practice(problem: FleetProblem, start: Array, seed: int) -> Practice | None:
+def practice(problem: FleetProblem, start: Reals, seed: int) -> Practice | None:
     """Follow the flow and search for equilibria; None beyond 32 robots."""
     if problem.p > LARGEST:
         return None
@@ -76,14 +85,14 @@ def _rest(problem: FleetProblem, flow: FlowResult) -> str | None:
     return None if b is None else _name(classify(problem, b))
 
 
-def _random_starts(problem: FleetProblem, seed: int) -> list[Array]:
+def _random_starts(problem: FleetProblem, seed: int) -> list[Reals]:
     draw = generator(seed, Purpose.STUDY)
     count = RANDOM_STARTS if problem.p <= SEARCHED else 2
     drawn = (random_configuration(draw, problem.radii, problem.workspace) for _ in range(count))
     return [b for b in drawn if b is not None]
 
 
-def _kinds(problem: FleetProblem, flows: list[FlowResult], starts: list[Array]) -> Counter[str]:
+def _kinds(problem: FleetProblem, flows: list[FlowResult], starts: list[Reals]) -> Counter[str]:
     ends = (flow.path[-1] for flow in flows if not flow.arrived)
     found = equilibria(problem, [*ends, *swapped_pairs(problem), *starts])[1:]
     return Counter(_name(point) for point in found)
@@ -103,14 +112,14 @@ class Shortfall:
     robots: tuple[int, ...] | None
     size: int
     margin: float
-    status: Status
+    status: ConditionStatus
 
 
 @dataclass(frozen=True)
 class Assumption:
     """One assumption over all clusters, in the limit of small eps; worst: the smallest margin, m."""
 
-    status: Status
+    status: ConditionStatus
     worst: float
     clusters: int
     failing: int
@@ -159,13 +168,13 @@ class CheckReport:
         )
 
 
-def _orientation(b: Array, triple: tuple[int, int, int]) -> float:
+def _orientation(b: Reals, triple: tuple[int, int, int]) -> float:
     """Sign of the turn from robot i over j to k: +1 counter-clockwise, -1 clockwise."""
     (ax, ay), (bx, by) = b[triple[1]] - b[triple[0]], b[triple[2]] - b[triple[0]]
     return float(np.sign(ax * by - ay * bx))
 
 
-def mirrored_triples(problem: FleetProblem, start: Array) -> list[tuple[int, int, int]]:
+def mirrored_triples(problem: FleetProblem, start: Reals) -> list[tuple[int, int, int]]:
     """Triples of robots (indices, from 0) whose goals are unreachable from `start` for any controller.
 
     To change their orientation three centres must be collinear at some time; the disks then take 2 (rho_i +
@@ -226,9 +235,9 @@ def report(scenario: Scenario, certificate: Certified | None = None) -> CheckRep
 def _assumption(
     ids: tuple[int, ...],
     found: Margins,
-    values: Array,
+    values: Reals,
     rows: np.ndarray[Any, np.dtype[np.intp]],
-    status: Callable[[int], Status],
+    status: Callable[[int], ConditionStatus],
 ) -> Assumption:
     failing = [int(row) for row in rows if not values[row] > 0.0]
     failing.sort(key=lambda row: (found.clusters.sizes[row], values[row]))
@@ -237,7 +246,7 @@ def _assumption(
         Shortfall(_names(ids, found, row), int(found.clusters.sizes[row]), float(values[row]), state)
         for row, state in zip(failing[:LISTED], states[:LISTED], strict=True)
     ]
-    overall: Status = "violated" if "violated" in states else "not shown" if states else "holds"
+    overall: ConditionStatus = "violated" if "violated" in states else "not shown" if states else "holds"
     worst = float(values[rows].min()) if len(rows) else float("inf")
     return Assumption(overall, worst, len(rows), len(failing), tuple(listed))
 

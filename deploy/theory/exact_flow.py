@@ -16,14 +16,15 @@ import numpy as np
 from scipy.integrate import BDF
 from scipy.optimize import brentq, least_squares
 
-from deploy.theory.function import Array, FleetProblem, reduced_gradient, reduced_jacobian
+from deploy.theory.function import FleetProblem, reduced_gradient, reduced_jacobian
+from protocol.arrays import Reals
 from protocol.process.signals import STOP
 
 DARTS = 500
 ATTEMPTS = 2000
 
 
-def random_configuration(draw: np.random.Generator, radii: Array, workspace: float) -> Array | None:
+def random_configuration(draw: np.random.Generator, radii: Reals, workspace: float) -> Reals | None:
     """Random centres (p, 2) of disjoint disks, by dart throwing, largest first; None if none was found."""
     for _ in range(ATTEMPTS):
         placed = np.full((len(radii), 2), np.inf)  # until it is thrown, a disk is in nobody's way
@@ -51,12 +52,12 @@ class FlowResult:
     """
 
     arrived: bool
-    path: Array
+    path: Reals
     nrl: float
 
 
 def integrate(
-    problem: FleetProblem, start: Array, *, tolerance: float | None = None, accuracy: float = 1e-5
+    problem: FleetProblem, start: Reals, *, tolerance: float | None = None, accuracy: float = 1e-5
 ) -> FlowResult:
     """Follow the flow from `start` (p, 2) until every robot is within `tolerance` (m) of its goal.
 
@@ -67,10 +68,10 @@ def integrate(
     near = 0.01 * unit if tolerance is None else tolerance
     b, path = start, [start]
 
-    def velocity(_: float, y: Array) -> Array:
+    def velocity(_: float, y: Reals) -> Reals:
         return -reduced_gradient(problem, y.reshape(start.shape)).ravel()
 
-    def jacobian(t: float, y: Array) -> Array:
+    def jacobian(t: float, y: Reals) -> Reals:
         inside = np.isfinite(velocity(t, y)).all()  # a trial point may leave free space
         return -reduced_jacobian(problem, y.reshape(start.shape) if inside else b)
 
@@ -91,17 +92,17 @@ def integrate(
     return FlowResult(arrived, way, float(length / straight) if straight > 0.0 else 1.0)
 
 
-def _cut(problem: FleetProblem, begin: Array, end: Array, near: float) -> Array:
+def _cut(problem: FleetProblem, begin: Reals, end: Reals, near: float) -> Reals:
     """First point of the last step, taken as straight, at which every robot is near its goal."""
     share = brentq(lambda share: _far(problem, begin + share * (end - begin)) - near, 0.0, 1.0)
     return np.asarray(begin + share * (end - begin))
 
 
-def _far(problem: FleetProblem, b: Array) -> float:
+def _far(problem: FleetProblem, b: Reals) -> float:
     return float(np.hypot(*(b - problem.goals).T).max())
 
 
-Kind = Literal["minimum", "saddle", "maximum", "degenerate"]
+CriticalKind = Literal["minimum", "saddle", "maximum", "degenerate"]
 
 
 @dataclass(frozen=True)
@@ -111,25 +112,25 @@ class CriticalPoint:
     spectrum: (2p,) eigenvalues of (1/c) D^2 phi, increasing, dimensionless: 2 is the curvature of gamma.
     """
 
-    b: Array
-    kind: Kind
+    b: Reals
+    kind: CriticalKind
     index: int
-    spectrum: Array
+    spectrum: Reals
 
 
-def classify(problem: FleetProblem, b: Array, tolerance: float = 1e-6) -> CriticalPoint:
+def classify(problem: FleetProblem, b: Reals, tolerance: float = 1e-6) -> CriticalPoint:
     """Classify a critical point `b` in the interior, where D^2 phi = c dD/db with c > 0.
 
     An eigenvalue is zero if below `tolerance`, relative to 2, or below rounding of the largest one.
     """
     jacobian = reduced_jacobian(problem, b)
-    spectrum: Array = np.asarray(np.linalg.eigvalsh(0.5 * (jacobian + jacobian.T)), dtype=np.float64)
+    spectrum: Reals = np.asarray(np.linalg.eigvalsh(0.5 * (jacobian + jacobian.T)), dtype=np.float64)
     zero = 2.0 * tolerance + 1e-13 * float(np.abs(spectrum).max())
     index = int((spectrum < -zero).sum())
     return CriticalPoint(b, _kind(spectrum, index, zero), index, spectrum)
 
 
-def _kind(spectrum: Array, index: int, zero: float) -> Kind:
+def _kind(spectrum: Reals, index: int, zero: float) -> CriticalKind:
     if (np.abs(spectrum) <= zero).any():
         return "degenerate"
     if index == 0:
@@ -141,7 +142,7 @@ _ROUNDING = 1e-15
 _ZERO = 1e-7  # |D| in units of the smallest radius, above rounding in the stiff layer
 
 
-def find_equilibrium(problem: FleetProblem, start: Array, steps: int = 200) -> Array | None:
+def find_equilibrium(problem: FleetProblem, start: Reals, steps: int = 200) -> Reals | None:
     """An interior zero of D near `start` (p, 2), by SciPy's trust region; None if none is reached.
 
     Steps that leave free space (D is nan there) are shortened, so the boundary is never crossed.
@@ -161,7 +162,7 @@ def find_equilibrium(problem: FleetProblem, start: Array, steps: int = 200) -> A
     return unit * found.x.reshape(start.shape) if np.abs(found.fun).max() < _ZERO else None
 
 
-def swapped_pairs(problem: FleetProblem) -> list[Array]:
+def swapped_pairs(problem: FleetProblem) -> list[Reals]:
     """Starts close to the saddles in which two robots block each other and the others are at their goals.
 
     The two are on the line through their goals in reversed order, at the distance where repulsion and
@@ -180,7 +181,7 @@ def swapped_pairs(problem: FleetProblem) -> list[Array]:
     return starts
 
 
-def equilibria(problem: FleetProblem, starts: Iterable[Array]) -> tuple[CriticalPoint, ...]:
+def equilibria(problem: FleetProblem, starts: Iterable[Reals]) -> tuple[CriticalPoint, ...]:
     """Distinct classified equilibria reached from the starts, the goal first."""
     unit = float(problem.radii.min())
     found = [classify(problem, problem.goals)]

@@ -15,9 +15,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from protocol.arrays import Reals
 
 
 @dataclass(frozen=True)
@@ -27,8 +26,8 @@ class FleetProblem:
     goals: (p, 2) m; radii: (p,) m, positive; workspace: radius rho_0, m; k: tuning parameter, positive.
     """
 
-    goals: Array
-    radii: Array
+    goals: Reals
+    radii: Reals
     workspace: float
     k: float
 
@@ -38,39 +37,39 @@ class FleetProblem:
         return len(self.radii)
 
     @property
-    def reach(self) -> Array:
+    def reach(self) -> Reals:
         """Largest allowed distance of each centre from the origin, rho_0i = rho_0 - rho_i, (p,) m."""
         return self.workspace - self.radii
 
     @property
-    def contact(self) -> Array:
+    def contact(self) -> Reals:
         """Contact distances rho_ij = rho_i + rho_j, (p, p) m."""
         return self.radii[:, None] + self.radii[None, :]
 
 
-def gamma(problem: FleetProblem, b: Array) -> float:
+def gamma(problem: FleetProblem, b: Reals) -> float:
     """gamma = |b - g|^2, m^2."""
     return float(((b - problem.goals) ** 2).sum())
 
 
-def displacements(b: Array) -> Array:
+def displacements(b: Reals) -> Reals:
     """d_ij = b_i - b_j, (p, p, 2) m."""
     return b[:, None, :] - b[None, :, :]
 
 
-def beta_pairs(problem: FleetProblem, b: Array) -> Array:
+def beta_pairs(problem: FleetProblem, b: Reals) -> Reals:
     """beta_ij = |b_i - b_j|^2 - rho_ij^2, (p, p) m^2, symmetric; +inf on the diagonal, so 1/beta_ii = 0."""
     beta = (displacements(b) ** 2).sum(axis=2) - problem.contact**2
     np.fill_diagonal(beta, np.inf)
     return np.asarray(beta)
 
 
-def beta_boundary(problem: FleetProblem, b: Array) -> Array:
+def beta_boundary(problem: FleetProblem, b: Reals) -> Reals:
     """beta_0i = rho_0i^2 - |b_i|^2, (p,) m^2; negative for a disk larger than the workspace."""
     return np.asarray(problem.reach * np.abs(problem.reach) - (b**2).sum(axis=1))
 
 
-def obstacle_functions(problem: FleetProblem, b: Array) -> Array:
+def obstacle_functions(problem: FleetProblem, b: Reals) -> Reals:
     """All factors of beta, (p + q,) m^2: beta_01..beta_0p, then beta_ij for i < j row by row.
 
     None is negative in free space, equations (1)-(3).
@@ -79,7 +78,7 @@ def obstacle_functions(problem: FleetProblem, b: Array) -> Array:
     return np.concatenate([beta_boundary(problem, b), pairs])
 
 
-def weighted_obstacle_gradient(b: Array, weights: Array, boundary_weights: Array) -> Array:
+def weighted_obstacle_gradient(b: Reals, weights: Reals, boundary_weights: Reals) -> Reals:
     """Sum over pairs of w_ij grad beta_ij + w_0i grad beta_0i, (p, 2).
 
     weights: (p, p) symmetric, zero diagonal; boundary_weights: (p,). With weights 1/beta this is
@@ -89,7 +88,7 @@ def weighted_obstacle_gradient(b: Array, weights: Array, boundary_weights: Array
     return np.asarray(2.0 * (pull - boundary_weights[:, None] * b))
 
 
-def reduced_gradient(problem: FleetProblem, b: Array) -> Array:
+def reduced_gradient(problem: FleetProblem, b: Reals) -> Reals:
     """D = grad gamma - (gamma / k) grad log beta, (p, 2) m; grad phi = c D with c > 0 common to all robots.
 
     Row i is robot i's slice D_i. Finite for any k and p in the interior of free space; nan on its
@@ -102,7 +101,7 @@ def reduced_gradient(problem: FleetProblem, b: Array) -> Array:
     return np.asarray(2.0 * (b - problem.goals) - gamma(problem, b) / problem.k * steer)
 
 
-def _laplacian(weights: Array) -> Array:
+def _laplacian(weights: Reals) -> Reals:
     """Sum over pairs i < j of w_ij (e_i - e_j)(e_i - e_j)^T for blocks w_ij, (p, p, ...) -> same shape."""
     index = np.arange(len(weights))
     out = -weights
@@ -110,13 +109,13 @@ def _laplacian(weights: Array) -> Array:
     return np.asarray(out)
 
 
-def obstacle_curvature(problem: FleetProblem, b: Array) -> Array:
+def obstacle_curvature(problem: FleetProblem, b: Reals) -> Reals:
     """Sum over Q0 of D^2 beta_ij / beta_ij = 2 (L1 L1^T - L0 L0^T), Lemma E.10, (2p, 2p) 1/m^2."""
     scalar = _laplacian(1.0 / beta_pairs(problem, b)) - np.diag(1.0 / beta_boundary(problem, b))
     return np.asarray(2.0 * np.kron(scalar, np.eye(2)))
 
 
-def obstacle_outer(problem: FleetProblem, b: Array) -> Array:
+def obstacle_outer(problem: FleetProblem, b: Reals) -> Reals:
     """Sum over Q0 of grad beta_ij grad beta_ij^T / beta_ij^2 = 4 L M M^T L^T, Lemma E.11, (2p, 2p) 1/m^2."""
     unit = displacements(b) / beta_pairs(problem, b)[:, :, None]
     blocks = _laplacian(unit[..., :, None] * unit[..., None, :])
@@ -126,7 +125,7 @@ def obstacle_outer(problem: FleetProblem, b: Array) -> Array:
     return np.asarray(4.0 * blocks.transpose(0, 2, 1, 3).reshape(2 * problem.p, 2 * problem.p))
 
 
-def reduced_jacobian(problem: FleetProblem, b: Array) -> Array:
+def reduced_jacobian(problem: FleetProblem, b: Reals) -> Reals:
     """dD/db = 2 I - (1/k) grad log beta grad gamma^T - (gamma/k) D^2 log beta, (2p, 2p).
 
     Not symmetric in general; symmetric, and 1/c times the Hessian of phi, at critical points.

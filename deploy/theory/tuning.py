@@ -22,7 +22,7 @@ import numpy as np
 
 from agents.law.obstacles import Attraction
 from agents.law.passages import OUTSIDE, Gap, crosses, gaps
-from deploy.theory.function import Array
+from protocol.arrays import Reals
 from protocol.geometry import Disk, Shape, signed_area
 from protocol.messages import Vector
 from protocol.scenario.model import RobotSpec, Scenario
@@ -96,7 +96,7 @@ PAPER_ROBOTS = 6.0
 SPARSE = 0.15  # density up to which only the number of robots matters
 
 
-def density(radii: Array, workspace: float) -> float:
+def density(radii: Reals, workspace: float) -> float:
     return float((np.asarray(radii) ** 2).sum() / workspace**2)
 
 
@@ -106,7 +106,7 @@ def gain_for(scenario: Scenario) -> float:
     return max([k, *(RESERVE * door.gain for door in doors(scenario, k / RESERVE))])
 
 
-def crowd(scenario: Scenario) -> tuple[Array, float]:
+def crowd(scenario: Scenario) -> tuple[Reals, float]:
     """Radii of robots and obstacles, and of the workspace, m; shapes other than disks by their area."""
     obstacles = [_round(shape) for shape in scenario.shapes.values()]
     radii = np.array([*(robot.radius for robot in scenario.robots), *obstacles])
@@ -117,7 +117,7 @@ def _round(shape: Shape) -> float:
     return shape.radius if isinstance(shape, Disk) else math.sqrt(signed_area(shape.points) / math.pi)
 
 
-def automatic_k(radii: Array, workspace: float) -> float:
+def automatic_k(radii: Reals, workspace: float) -> float:
     """A gain k with which p robots of these radii (m) arrive in a workspace of this radius (m).
 
     60 max(1, (p / 6)^2, (density / 0.15)^2). gamma is a sum over robots, so the repulsive layer gamma / k

@@ -68,7 +68,7 @@ def _default(field: Field[Any]) -> str:
 _PLAIN = {float: "number", int: "whole number", str: "text", bool: "true or false"}
 _KNOWN = (
     (model.Span, "number ≥ 0, or [low, high]"),
-    (model.Point, "[x, y]"),
+    (model.Position, "[x, y]"),
     (model.Positive, "number > 0"),
     (model.Length, "number > 0"),
     (model.Gain, "number > 0"),

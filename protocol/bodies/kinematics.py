@@ -20,6 +20,7 @@ from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
+from protocol.messages import Vector
 from protocol.scenario.body import Body
 
 _STEPS: Final = 5  # successive wheel velocities in a tick, or in `_RAMP`
@@ -27,8 +28,6 @@ _RAMP: Final = 0.1  # s; longer ticks have more, so that servos can follow each 
 _TURNING: Final = 3.0  # rad; arcs that turn further may have the chord of a shorter one
 _TINY: Final = 1e-100  # m, m/s: smaller values are zero, others are valid divisors
 _NEARLY: Final = 1.0 + 1e-12  # rounding of a limited velocity
-
-Vector = tuple[float, float]
 
 
 @final

@@ -51,7 +51,8 @@ from typing import Final, final
 
 from mypy_extensions import mypyc_attr
 
-from protocol.bodies.kinematics import Arc, Kinematics, Motion, Vector, chord, turned
+from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, turned
+from protocol.messages import Vector
 from protocol.scenario.body import Body, Lateness
 
 _TURN: Final = 0.5  # rad; an arc that turns further is cut

@@ -19,7 +19,7 @@ from protocol.errors import UsageError
 
 LOG = logging.getLogger("disknav")
 LAUNCHER = "launcher"
-Level = Literal["info", "warning", "error"]
+LogLevel = Literal["info", "warning", "error"]
 Name = Annotated[str, msgspec.Meta(max_length=100, pattern=r"^[\w.-]*$")]
 
 
@@ -43,7 +43,7 @@ class LogLine(Speaker, frozen=True, kw_only=True):
     """One line of a file: the process, its text, and the time by its host's clock."""
 
     time: Annotated[datetime, msgspec.Meta(tz=True)]
-    level: Level
+    level: LogLevel
     text: str
 
     def record(self, host: str) -> logging.LogRecord:

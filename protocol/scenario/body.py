@@ -25,7 +25,7 @@ Span = Annotated[
 ]
 RobotId = Annotated[int, Meta(ge=1, le=999_999_999)]
 
-Kind = Literal["point", "omnidirectional", "differential-drive"]
+BodyKind = Literal["point", "omnidirectional", "differential-drive"]
 Preset = Literal[
     "point", "turtlebot3-burger", "turtlebot3-waffle", "turtlebot4", "create3", "robotarium", "e-puck"
 ]
@@ -40,7 +40,7 @@ class Body:
     control point lies `offset` ahead of the middle of their axle.
     """
 
-    kind: Kind = "point"
+    kind: BodyKind = "point"
     radius: Length | None = None  # m, of the hull around its middle; the disk has `offset` more
     offset: NonNegative = 0.0  # m, differential drive: from the axle's middle to the control point
     track: NonNegative = 0.0  # m, differential drive: between the wheels

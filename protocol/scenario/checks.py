@@ -25,7 +25,7 @@ from protocol.scenario.body import (
 )
 from protocol.scenario.model import ACTIONS, Order, RobotSpec, Scenario
 from protocol.scenario.places import Sound, fits, inside, obstacle, placed
-from protocol.scenario.tables import Finding, Steps, written
+from protocol.scenario.tables import Mistake, Steps, written
 
 _LONGEST = 10**9  # ticks
 _LONG_NAME = 200  # characters
@@ -41,7 +41,7 @@ EVENTS = {
 }
 
 
-def checked(scenario: Scenario, malformed: Collection[Steps]) -> list[Finding]:
+def checked(scenario: Scenario, malformed: Collection[Steps]) -> list[Mistake]:
     """All findings between fields; `malformed` lists the fields that are invalid by themselves."""
     sound = Sound(malformed)
     room, findings = placed(scenario, sound)
@@ -73,14 +73,14 @@ def misfits(spec: RobotSpec, default: Preset | Body) -> Iterator[str]:
 # -- names and times
 
 
-def _ids(scenario: Scenario) -> Iterator[Finding]:
+def _ids(scenario: Scenario) -> Iterator[Mistake]:
     first: dict[int, int] = {}
     for index, spec in enumerate(scenario.robots):
         if spec.id and first.setdefault(spec.id, index) != index:
             yield ("robots", index, "id"), f"robots[{first[spec.id]}] already has the id {spec.id}"
 
 
-def _times(scenario: Scenario) -> Iterator[Finding]:
+def _times(scenario: Scenario) -> Iterator[Mistake]:
     step, limit = scenario.time.step, scenario.time.limit
     if limit < step:
         yield ("time", "limit"), f"{limit:g} s is less than one step of {step:g} s"
@@ -110,7 +110,7 @@ def _spans(scenario: Scenario) -> dict[Steps, float | tuple[float, float]]:
     return spans
 
 
-def _texts(scenario: Scenario) -> Iterator[Finding]:
+def _texts(scenario: Scenario) -> Iterator[Mistake]:
     name, description = scenario.name, scenario.description
     if not (name.isprintable() and len(name) <= _LONG_NAME):
         yield ("name",), f"must have no control characters, and at most {_LONG_NAME} characters"
@@ -143,7 +143,7 @@ def _body(scenario: Scenario, sound: Sound, steps: Steps, spec: RobotSpec) -> Bo
     return PRESETS.get(body) if isinstance(body, str) else body
 
 
-def _bodies(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
+def _bodies(scenario: Scenario, sound: Sound) -> Iterator[Mistake]:
     physics = scenario.world.plant == "mujoco"
     if physics and not SHORTEST <= scenario.time.step <= LONGEST:
         yield (
@@ -164,12 +164,12 @@ def _bodies(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
             yield from _physical((*steps, "body"), body)
 
 
-def _map(scenario: Scenario) -> Iterator[Finding]:
+def _map(scenario: Scenario) -> Iterator[Mistake]:
     if scenario.map is not None:
         yield ("map",), "must be a file that can be read: load the scenario from a file, beside its map"
 
 
-def _carriers(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
+def _carriers(scenario: Scenario, sound: Sound) -> Iterator[Mistake]:
     """Settings that cannot be combined with parts."""
     if not scenario.parts:
         return
@@ -187,14 +187,14 @@ def _carriers(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
         )
 
 
-def _wheels(steps: Steps, body: Body) -> Iterator[Finding]:
+def _wheels(steps: Steps, body: Body) -> Iterator[Mistake]:
     if body.kind == "differential-drive":
         for key, length in (("offset", body.offset), ("track", body.track)):
             if not length:
                 yield (*steps, key), "must be above 0 for a body on two wheels"
 
 
-def _physical(steps: Steps, body: Body) -> Iterator[Finding]:
+def _physical(steps: Steps, body: Body) -> Iterator[Mistake]:
     """The reason why MuJoCo does not support a body."""
     if body.kind != "differential-drive":
         yield steps, 'world.plant = "mujoco" moves robots on two wheels only, such as "turtlebot3-burger"'
@@ -202,12 +202,12 @@ def _physical(steps: Steps, body: Body) -> Iterator[Finding]:
         yield (*steps, "acceleration"), f"must be at most {BRISKEST:g} in MuJoCo, or wheels slip"
 
 
-def _hull(steps: Steps, body: Body, radius: float) -> Iterator[Finding]:
+def _hull(steps: Steps, body: Body, radius: float) -> Iterator[Mistake]:
     if body.disk is not None and radius < body.disk * (1.0 - 1e-9):
         yield steps, f"must be at least {body.disk:g}, for the body lies inside the disk"
 
 
-def _bases(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
+def _bases(scenario: Scenario, sound: Sound) -> Iterator[Mistake]:
     """External bases: bodies that brake, distinct keys, no scripted faults."""
     external = scenario.is_external
     if scenario.base is not None:
@@ -232,7 +232,7 @@ def _bases(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
         yield from _external(scenario)
 
 
-def _names(steps: Steps, base: Base) -> Iterator[Finding]:
+def _names(steps: Steps, base: Base) -> Iterator[Mistake]:
     """Names that are invalid in keys, and frames that are invalid in headers."""
     for key in ("namespace", *TOPICS):
         name = getattr(base, key)
@@ -249,7 +249,7 @@ def _names(steps: Steps, base: Base) -> Iterator[Finding]:
         yield (*steps, "delay"), f"must be at most `latency`, {base.latency:g}: the least delay of a message"
 
 
-def _shared(robot: Steps, base: Base, topics: Iterable[str], seen: dict[str, Steps]) -> Iterator[Finding]:
+def _shared(robot: Steps, base: Base, topics: Iterable[str], seen: dict[str, Steps]) -> Iterator[Mistake]:
     """Keys of two topics, of one robot or of two; `seen` are those of robots before this one."""
     keys: dict[str, str] = {}
     for topic in topics:
@@ -264,7 +264,7 @@ def _shared(robot: Steps, base: Base, topics: Iterable[str], seen: dict[str, Ste
     seen.update(dict.fromkeys(keys, robot))
 
 
-def _external(scenario: Scenario) -> Iterator[Finding]:
+def _external(scenario: Scenario) -> Iterator[Mistake]:
     if scenario.process:
         yield ("process",), "process faults cannot be scripted for a fleet that is not simulated"
     if scenario.network.interest == "near":
@@ -287,7 +287,7 @@ def _known(scenario: Scenario, sound: Sound) -> set[int] | None:
     return None if 0 in ids or not hidden.isdisjoint(sound.malformed) else ids
 
 
-def _faults(scenario: Scenario, sound: Sound) -> Iterator[Finding]:
+def _faults(scenario: Scenario, sound: Sound) -> Iterator[Mistake]:
     """Named robots exist, partitions have groups and a time, events follow each other."""
     named: list[tuple[Steps, int]] = [
         (("process", n, "robot"), fault.robot) for n, fault in enumerate(scenario.process)
@@ -322,7 +322,7 @@ def _members(scenario: Scenario) -> Iterator[tuple[Steps, int, int]]:
                 yield ("link", "partition", n, "groups", g, m), n, robot
 
 
-def _events(scenario: Scenario) -> Iterator[Finding]:
+def _events(scenario: Scenario) -> Iterator[Mistake]:
     """A killed process cannot be paused, and only a paused one can be resumed."""
     state: dict[int, str] = {}
     for n, fault in sorted(enumerate(scenario.process), key=lambda each: (each[1].at, each[0])):
@@ -337,7 +337,7 @@ def _events(scenario: Scenario) -> Iterator[Finding]:
 # -- orders
 
 
-def _orders(scenario: Scenario, sound: Sound, room: Shape | None) -> Iterator[Finding]:
+def _orders(scenario: Scenario, sound: Sound, room: Shape | None) -> Iterator[Mistake]:
     """Each has one operation, with robots and obstacles that are present at some time."""
     ids = _known(scenario, sound)
     obstacles = len(scenario.obstacles) + sum(order.place is not None for order in scenario.orders)
@@ -357,7 +357,7 @@ def _orders(scenario: Scenario, sound: Sound, room: Shape | None) -> Iterator[Fi
             yield (*steps, "take"), f"there is never an obstacle {order.take}"
 
 
-def _asked(order: Order, steps: Steps, sound: Sound, room: Shape | None) -> Iterator[Finding]:
+def _asked(order: Order, steps: Steps, sound: Sound, room: Shape | None) -> Iterator[Mistake]:
     """Points in the workspace, and disks and obstacles inside it."""
     if order.place is not None:
         yield from obstacle(order.place, (*steps, "place"), sound, room)[1]

@@ -37,8 +37,8 @@ Gain = Annotated[float, Meta(ge=1e-9, le=LARGEST_GAIN)]
 Coordinate = Annotated[float, Meta(ge=-FARTHEST, le=FARTHEST)]
 Angle = Annotated[float, Meta(ge=-1e3, le=1e3)]
 HalfTurn = Annotated[float, Meta(ge=0, le=0.5)]
-Point = tuple[Coordinate, Coordinate]
-Corners = Annotated[tuple[Point, ...], Meta(min_length=1, max_length=64)]
+Position = tuple[Coordinate, Coordinate]
+Corners = Annotated[tuple[Position, ...], Meta(min_length=1, max_length=64)]
 LAWS = ("gradient", "reciprocal", "external")
 Addition = Literal["obstacles", "jams", "late-states", "pace", "escape"]  # agents/law/additions.py
 ADDITIONS: tuple[Addition, ...] = get_args(Addition)
@@ -53,7 +53,7 @@ GainChoice = Annotated[
     Gain | Literal["auto", "certified"], Meta(description='a number, "auto" or "certified"')
 ]
 BodyChoice = Annotated[Preset | Body, Meta(description=f"a table or one of {', '.join(PRESETS)}")]
-Event = Literal["kill", "pause", "resume", "restart"]
+FaultKind = Literal["kill", "pause", "resume", "restart"]
 
 CELLS = 4.0  # of the grid on which robots plan how to move parts, to the smallest radius
 MOST_POINTS = 512  # that a robot has ahead, those of earlier orders included
@@ -103,7 +103,7 @@ class Workspace:
 class Obstacle:
     """An obstacle: a disk (`center`, `radius`), or a convex polygon (`points`), m."""
 
-    center: Point | None = None
+    center: Position | None = None
     radius: Length | None = None
     points: Corners | None = None
 
@@ -142,8 +142,8 @@ class Part:
     """A part: a disk that robots carry to its goal (m)."""
 
     radius: Positive  # m
-    start: Point  # m, of its centre
-    goal: Point  # m
+    start: Position  # m, of its centre
+    goal: Position  # m
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,7 +192,7 @@ class Sensing:
     delay: Span = 0.0  # s, age of a measurement
     noise: NonNegative = 0.0  # m, standard deviation per axis, truncated at noise_bound
     noise_bound: NonNegative | None = None  # m, radius; three standard deviations unless given
-    bias: Point = (0.0, 0.0)  # m, added to every measurement
+    bias: Position = (0.0, 0.0)  # m, added to every measurement
     dropout: Probability = 0.0  # that a measurement is missing
     robots: Annotated[tuple[RobotId, ...], Meta(min_length=1)] | None = None  # all, unless named
     heading: HalfTurn = 0.0  # rad, largest error of the direction that a base takes itself to have
@@ -217,7 +217,7 @@ class ProcessFault:
 
     robot: RobotId
     at: NonNegative  # s of simulated time
-    event: Event
+    event: FaultKind
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,8 +229,8 @@ class RobotSpec:
 
     id: RobotId  # unlike all others
     radius: Length  # m
-    start: Point  # m
-    goal: Point  # m
+    start: Position  # m
+    goal: Position  # m
     heading: Angle = 0.0  # rad, at the start
     body: BodyChoice | None = None  # the scenario's, unless given
     base: Base | None = None  # the scenario's, unless given
@@ -241,7 +241,7 @@ class Journey:
     """An order to a robot: `points` to visit (m), one after another; without any it stays where it is."""
 
     robot: RobotId
-    points: Annotated[tuple[Point, ...], Meta(max_length=MOST_POINTS)] = ()
+    points: Annotated[tuple[Position, ...], Meta(max_length=MOST_POINTS)] = ()
     queue: bool = False  # after the points that are ahead, instead of at once
     patrol: bool = False  # repeat all points without end
     within: Positive | None = None  # s, after which it gives up and stays

@@ -14,8 +14,8 @@ from typing import Final
 
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.region import distance
-from protocol.scenario.model import CELLS, MOST_CELLS, Obstacle, Point, Scenario, Workspace
-from protocol.scenario.tables import Finding, Steps
+from protocol.scenario.model import CELLS, MOST_CELLS, Obstacle, Position, Scenario, Workspace
+from protocol.scenario.tables import Mistake, Steps
 
 _NAMED = 3  # listed overlaps of one disk
 _ROUNDING: Final = 1e-9  # m; a smaller overlap is called a touch
@@ -33,7 +33,7 @@ class Sound:
         return not any(each[: len(steps)] == steps[: len(each)] for each in self.malformed)
 
 
-def placed(scenario: Scenario, sound: Sound) -> tuple[Shape | None, list[Finding]]:
+def placed(scenario: Scenario, sound: Sound) -> tuple[Shape | None, list[Mistake]]:
     """The workspace, None if it is malformed, and all findings about places."""
     room, findings = _shape(scenario.workspace, ("workspace",), sound)
     robots: dict[str, list[_Named]] = {}
@@ -57,7 +57,7 @@ def placed(scenario: Scenario, sound: Sound) -> tuple[Shape | None, list[Finding
     return room, findings
 
 
-def _shape(found: Workspace | Obstacle, steps: Steps, sound: Sound) -> tuple[Shape | None, list[Finding]]:
+def _shape(found: Workspace | Obstacle, steps: Steps, sound: Sound) -> tuple[Shape | None, list[Mistake]]:
     if not sound(*steps):
         return None, []
     if problem := found.defect():
@@ -66,7 +66,7 @@ def _shape(found: Workspace | Obstacle, steps: Steps, sound: Sound) -> tuple[Sha
     return found.shape, []
 
 
-def fits(room: Shape | None, radius: float, steps: Steps, **points: Point) -> Iterator[Finding]:
+def fits(room: Shape | None, radius: float, steps: Steps, **points: Position) -> Iterator[Mistake]:
     """Whether a disk of `radius` is inside the workspace at each of these points."""
     if room is None or not isfinite(radius):
         return
@@ -78,7 +78,7 @@ def fits(room: Shape | None, radius: float, steps: Steps, **points: Point) -> It
         yield from inside(room, point, radius, (*steps, key))
 
 
-def inside(room: Shape, point: Point, radius: float, steps: Steps) -> Iterator[Finding]:
+def inside(room: Shape, point: Position, radius: float, steps: Steps) -> Iterator[Mistake]:
     """Whether a disk is inside the workspace at a point."""
     if all(map(isfinite, point)) and (beyond := room.distance(*point) + radius) >= 0.0:
         reaches = f"reaches {beyond:.3g} m out of the workspace"
@@ -87,7 +87,7 @@ def inside(room: Shape, point: Point, radius: float, steps: Steps) -> Iterator[F
 
 def obstacle(
     obstacle: Obstacle, steps: Steps, sound: Sound, room: Shape | None
-) -> tuple[Shape | None, list[Finding]]:
+) -> tuple[Shape | None, list[Mistake]]:
     """The shape of an obstacle, None if it has none, and findings about it."""
     shape, findings = _shape(obstacle, steps, sound)
     if shape is not None and room is not None and lies_outside(shape, room):
@@ -104,9 +104,9 @@ def lies_outside(shape: Shape, room: Shape) -> bool:
     )
 
 
-def _robots(scenario: Scenario, end: str) -> tuple[list[Finding], list[_Named]]:
+def _robots(scenario: Scenario, end: str) -> tuple[list[Mistake], list[_Named]]:
     """Starts or goals of robots, each against those before it in the file."""
-    findings: list[Finding] = []
+    findings: list[Mistake] = []
     before: list[tuple[str, Shape]] = []
     for index, spec in enumerate(scenario.robots):
         disk = Disk(*(spec.start if end == "start" else spec.goal), spec.radius)
@@ -116,7 +116,7 @@ def _robots(scenario: Scenario, end: str) -> tuple[list[Finding], list[_Named]]:
     return findings, [(f"the {end} of {robot}", disk) for robot, disk in before]
 
 
-def _parts(scenario: Scenario, end: str, room: Shape | None, others: list[_Named]) -> Iterator[Finding]:
+def _parts(scenario: Scenario, end: str, room: Shape | None, others: list[_Named]) -> Iterator[Mistake]:
     """Parts against the workspace and `others`, to which each part is added."""
     for index, part in enumerate(scenario.parts):
         disk = Disk(*(part.start if end == "start" else part.goal), part.radius)
@@ -137,7 +137,7 @@ def _where(shape: Shape) -> str:
     return "points" if isinstance(shape, ConvexPolygon) else "center"
 
 
-def _overlaps(shape: Shape, others: Iterable[_Named], steps: Steps) -> Iterator[Finding]:
+def _overlaps(shape: Shape, others: Iterable[_Named], steps: Steps) -> Iterator[Mistake]:
     """Names of the shapes that a shape overlaps or touches, as one text; of each two one is a disk."""
     around = shape.around
     depths = [
@@ -155,7 +155,7 @@ def _overlaps(shape: Shape, others: Iterable[_Named], steps: Steps) -> Iterator[
         yield steps, ", ".join(texts) + more
 
 
-def _cells(scenario: Scenario, room: Shape | None) -> Iterator[Finding]:
+def _cells(scenario: Scenario, room: Shape | None) -> Iterator[Mistake]:
     """Findings about a grid that is too large for planning parts."""
     radii = [each.radius for each in scenario.parts] + [each.radius for each in scenario.robots]
     radii = [radius for radius in radii if isfinite(radius)]

@@ -21,7 +21,7 @@ from msgspec import Meta
 
 Step = str | int  # a key of a table, or a position in an array, from 0
 Steps = tuple[Step, ...]
-Finding = tuple[Steps, str]  # something wrong, and where
+Mistake = tuple[Steps, str]  # something wrong, and where
 Document = dict[str, Any]  # a parsed TOML file
 
 _Table = TypeVar("_Table")
@@ -34,17 +34,17 @@ _KINDS: dict[object, str] = {
 }
 
 
-def read_table(document: Document, table: type[_Table]) -> tuple[_Table, list[Finding]]:
+def read_table(document: Document, table: type[_Table]) -> tuple[_Table, list[Mistake]]:
     """A document as `table`, and all errors of its keys, types and ranges.
 
     Malformed values become NaN, 0, "", False, None where allowed, an empty array, or a table of these.
     """
-    findings: list[Finding] = []
+    findings: list[Mistake] = []
     found: _Table = _table((), document, table, findings)
     return found, findings
 
 
-def _value(steps: Steps, value: Any, hint: Any, findings: list[Finding]) -> Any:
+def _value(steps: Steps, value: Any, hint: Any, findings: list[Mistake]) -> Any:
     kinds, metas = _alternatives(hint)
     if value is None and NoneType in kinds:
         return None
@@ -59,7 +59,7 @@ def _value(steps: Steps, value: Any, hint: Any, findings: list[Finding]) -> Any:
     return msgspec.convert(value, hint)
 
 
-def _table(steps: Steps, value: Document, table: Any, findings: list[Finding]) -> Any:
+def _table(steps: Steps, value: Document, table: Any, findings: list[Mistake]) -> Any:
     hints, known = _hints(table), keys_of(table)
     read: dict[str, Any] = {}
     for key in value:
@@ -76,7 +76,7 @@ def _table(steps: Steps, value: Document, table: Any, findings: list[Finding]) -
     return table(**read)
 
 
-def _array(steps: Steps, value: list[Any], kind: Any, metas: Sequence[Meta], findings: list[Finding]) -> Any:
+def _array(steps: Steps, value: list[Any], kind: Any, metas: Sequence[Meta], findings: list[Mistake]) -> Any:
     inner = get_args(kind)
     if inner[-1] is not Ellipsis:
         if len(value) != len(inner):
@@ -216,7 +216,7 @@ def file_order(table: type) -> Any:
     """A key that sorts findings by their places in a file; unknown keys come first."""
     top = list(keys_of(table))
 
-    def key(finding: Finding) -> tuple[int, tuple[tuple[int, str], ...]]:
+    def key(finding: Mistake) -> tuple[int, tuple[tuple[int, str], ...]]:
         steps, _ = finding
         rank = top.index(str(steps[0])) if steps and steps[0] in top else -1
         return rank, tuple((step, "") if isinstance(step, int) else (-1, step) for step in steps[1:])

@@ -34,7 +34,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, fresh_run_name
 from protocol.bus.local import LocalNetwork
 from protocol.messages import Clock
-from protocol.scenario.model import Journey, Order, Point, Scenario
+from protocol.scenario.model import Journey, Order, Position, Scenario
 from protocol.scenario.network import Network
 
 _LEGS = 6  # goals of each robot, which it goes to in turn for ever
@@ -60,7 +60,7 @@ def restless(
     return resolved(replace(instance, time=clock, control=control, orders=orders, network=network))
 
 
-def patrols(places: Mapping[int, Iterable[Point]]) -> tuple[Order, ...]:
+def patrols(places: Mapping[int, Iterable[Position]]) -> tuple[Order, ...]:
     """Of each robot between its places, for ever."""
     return tuple(Order(0.0, goal=Journey(robot, tuple(at), patrol=True)) for robot, at in places.items())
 

@@ -17,7 +17,7 @@ from typing import Literal, NamedTuple
 from deploy.library.instances import random_instance
 from deploy.library.load import resolved
 from protocol.draws import Purpose, generator
-from protocol.scenario.model import Point, Scenario
+from protocol.scenario.model import Position, Scenario
 from protocol.scenario.network import Network
 from tests.benchmarks.crowds import patrols
 from tests.system.hosts.testbed.network import Hosts, unable
@@ -33,7 +33,7 @@ def homes(scenario: Scenario, hosts: int) -> dict[int, int]:
     """Which host each robot is on, from 1 on: parts of the workspace with as many robots each."""
     found: dict[int, int] = {}
 
-    def divide(robots: list[tuple[Point, int]], first: int, count: int, axis: int) -> None:
+    def divide(robots: list[tuple[Position, int]], first: int, count: int, axis: int) -> None:
         if count == 1:
             found.update((robot, first) for _, robot in robots)
             return
@@ -52,7 +52,7 @@ def in_blocks(robots: int, hosts: int, seconds: float, network: Network) -> Scen
     instance = random_instance(robots, 0)
     at = homes(instance, hosts)
     random = generator(0, Purpose.SCENARIO, 9)
-    legs: dict[int, list[Point]] = {spec.id: [] for spec in instance.robots}
+    legs: dict[int, list[Position]] = {spec.id: [] for spec in instance.robots}
     for host in range(1, hosts + 1):
         block = [spec for spec in instance.robots if at[spec.id] == host]
         for _ in range(_LEGS):

@@ -16,10 +16,10 @@ from protocol.geometry import Disk, Shape
 from protocol.messages import LISTED, Command, Member, Standing, Vector
 from protocol.scenario.model import ProcessFault, Scenario
 from world.coordinator.keeper import Keeper
-from world.coordinator.records import Life, PastLives, Status
+from world.coordinator.records import Life, LifeStatus, PastLives
 from world.coordinator.roster import RosterDirectory
 
-Entry = TypeVar("Entry")
+Item = TypeVar("Item")
 
 
 _EVENTS: Final = {"kill": Life.kill, "pause": Life.pause, "resume": Life.resume, "restart": Life.restart}
@@ -88,7 +88,7 @@ class Lives:
     @property
     def up(self) -> tuple[int, ...]:
         """Ids of active robots."""
-        return tuple(robot for robot, life in self.of.items() if life.status is Status.UP)
+        return tuple(robot for robot, life in self.of.items() if life.status is LifeStatus.UP)
 
     def found(
         self, radii: Mapping[int, float], places: Mapping[int, Vector], bounds: Mapping[int, float]
@@ -202,7 +202,7 @@ class Lives:
         if life is None:
             known = ", ".join(map(str, self.of))
             raise JoinError(f"no robot {robot} in scenario {self._name!r}; there are {known}")
-        if life.status is Status.UP:
+        if life.status is LifeStatus.UP:
             raise JoinError(f"robot {robot} is already running; stop it or use another id")
         if (member := self.roster.status(robot)) in ("appearing", "gone"):
             raise JoinError(f"robot {robot} is {member}: its disk is not in the workspace")
@@ -215,7 +215,7 @@ class Lives:
         if self.founded:
             admitted = {"incarnation": life.incarnation, "status": "live"}
             self.roster.alter(robot, **admitted, position=None, bound=0.0)
-        life.status = Status.UP
+        life.status = LifeStatus.UP
         return life.incarnation
 
     def put_up(self, tick: int, robot: int, awaited: bool) -> None:
@@ -223,7 +223,7 @@ class Lives:
         self.roster.alter(robot, status="standing")
         known = self.of.get(robot)
         incarnation = known.incarnation if known else 0
-        life = Life(incarnation, Status.LOST, awaited=awaited, heard=tick, fenced=True, added=True)
+        life = Life(incarnation, LifeStatus.LOST, awaited=awaited, heard=tick, fenced=True, added=True)
         life.fate = "removed" if known else ""
         self.of = dict(sorted({**self.of, robot: life}.items()))
 
@@ -234,7 +234,7 @@ class Lives:
             self._stand(tick, robot, position, 0.0)
         self.keeper.remove(robot)
         self.roster.alter(robot, status="gone", position=None, bound=0.0)
-        life.status, life.awaited, life.fenced, life.added = Status.LOST, False, True, False
+        life.status, life.awaited, life.fenced, life.added = LifeStatus.LOST, False, True, False
         life.fate = "removed"
 
     def unload(self, robot: int, radius: float) -> None:
@@ -260,16 +260,16 @@ class Lives:
     def lose(self, tick: int, robot: int, reason: str) -> bool:
         """Record the failure of an active life's process, with a reason for the report; else False."""
         life = self.of[robot]
-        if life.status is not Status.UP:
+        if life.status is not LifeStatus.UP:
             return False
-        life.status = Status.LOST
+        life.status = LifeStatus.LOST
         self._report(tick, robot, reason)
         return True
 
     def expect(self, robot: int) -> bool:
         """Await the next life of a lost robot. False if it was ended by the scenario, or removed."""
         life = self.of[robot]
-        life.awaited |= (lost := life.status is Status.LOST and not life.fate)
+        life.awaited |= (lost := life.status is LifeStatus.LOST and not life.fate)
         return lost
 
     def give_up(self, tick: int, robot: int, reason: str) -> bool:
@@ -277,7 +277,7 @@ class Lives:
         life = self.of[robot]
         if not life.awaited:
             return False
-        life.awaited, life.status = False, Status.LOST
+        life.awaited, life.status = False, LifeStatus.LOST
         self._report(tick, robot, reason)
         return True
 
@@ -302,12 +302,12 @@ class Lives:
         if not life.fenced and tick - life.heard >= self._silence:
             life.fenced = True
             self._stand(tick, robot, position, bound)
-            if life.status is Status.UP:
-                life.status = Status.LOST
+            if life.status is LifeStatus.UP:
+                life.status = LifeStatus.LOST
 
     def listeners(self) -> list[tuple[int, Life]]:
         """Incarnations whose processes may listen: active ones, and lost ones that are not yet informed."""
-        may = (Status.UP, Status.LOST)
+        may = (LifeStatus.UP, LifeStatus.LOST)
         return [(robot, life) for robot, life in self.of.items() if life.status in may and life.joined]
 
     def gone_for_good(self, tick: int) -> bool:
@@ -322,11 +322,11 @@ class Lives:
         return all(
             life.fenced and tick - life.heard >= over and robot not in returning
             for robot, life in self.of.items()
-            if life.status is not Status.UP
+            if life.status is not LifeStatus.UP
         )
 
 
-def note(entries: list[Entry], entry: Entry) -> None:
+def note(entries: list[Item], entry: Item) -> None:
     """Keep only the first `LISTED` of unlimited entries."""
     if len(entries) < LISTED:
         entries.append(entry)

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Protocol
 
 from protocol.geometry import Shape
-from protocol.messages import Errand, GoalStatus, Standing, Vector
+from protocol.messages import GoalStatus, OrderStatus, Standing, Vector
 from protocol.operations import Outcome
 from protocol.scenario.model import MOST_POINTS, Journey, Operation, Scenario
 from world.coordinator.records import Mission
@@ -140,7 +140,7 @@ class Missions:
         self._set_status(robot, tick, "under way")
         return True
 
-    def _set_status(self, robot: int, tick: int, status: Errand) -> None:
+    def _set_status(self, robot: int, tick: int, status: OrderStatus) -> None:
         self._missions[robot].status, self._missions[robot].tick = status, tick
         self._news.append(self.status(robot))
 

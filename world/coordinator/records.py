@@ -12,10 +12,10 @@ from typing import Literal
 import msgspec
 
 from protocol import messages
-from protocol.messages import Count, Errand, Id, Standing, Vector
+from protocol.messages import Count, Id, OrderStatus, Standing, Vector
 
 
-class Status(Enum):
+class LifeStatus(Enum):
     """State of a robot's process, by the world's knowledge."""
 
     UP = auto()  # active
@@ -31,7 +31,7 @@ class Life(msgspec.Struct, array_like=True):
     """The newest life of one robot id."""
 
     incarnation: int
-    status: Status = Status.GONE
+    status: LifeStatus = LifeStatus.GONE
     joined: bool = False  # its present process has joined this run
     awaited: bool = True  # the scenario has it up
     heard: int = -1  # tick of its newest command, initially the tick before it joined
@@ -49,22 +49,22 @@ class Life(msgspec.Struct, array_like=True):
     @property
     def paused(self) -> bool:
         """Whether the scenario has paused its process, which cannot join before it is resumed."""
-        return self.status is Status.PAUSED
+        return self.status is LifeStatus.PAUSED
 
     @property
     def killed(self) -> bool:
         """Whether the scenario has killed its process without a restart so far."""
-        return self.status is Status.GONE and not self.awaited
+        return self.status is LifeStatus.GONE and not self.awaited
 
     @property
     def goes_on(self) -> bool:
         """Whether it has joined and is neither over nor lost."""
-        return self.status in (Status.UP, Status.PAUSED) and self.joined and not self.fenced
+        return self.status in (LifeStatus.UP, LifeStatus.PAUSED) and self.joined and not self.fenced
 
     def over(self, tick: int) -> Life:
         """This life for a successor from `tick`: it is over; the process of an active one must rejoin."""
-        up = self.status is Status.UP
-        status, awaited = Status.LOST if up else self.status, self.awaited or up
+        up = self.status is LifeStatus.UP
+        status, awaited = LifeStatus.LOST if up else self.status, self.awaited or up
         life = Life(self.incarnation, status, awaited=awaited, heard=tick - 1, before=tick - 1, fenced=True)
         life.fate, life.added = self.fate, self.added
         return life
@@ -78,17 +78,22 @@ class Life(msgspec.Struct, array_like=True):
         self._end(awaited=True)
 
     def _end(self, awaited: bool) -> None:
-        self.status, self.awaited, self.joined, self.fate = Status.GONE, awaited, False, self.fate or "ended"
+        self.status, self.awaited, self.joined, self.fate = (
+            LifeStatus.GONE,
+            awaited,
+            False,
+            self.fate or "ended",
+        )
 
     def pause(self) -> None:
         """Apply the scenario's pause of its process."""
-        if self.awaited or self.status in (Status.UP, Status.LOST):
-            self.status, self.awaited = Status.PAUSED, False
+        if self.awaited or self.status in (LifeStatus.UP, LifeStatus.LOST):
+            self.status, self.awaited = LifeStatus.PAUSED, False
 
     def resume(self) -> None:
         """Apply the resumption of its process: of this life, or the next if this one was fenced meanwhile."""
         if self.paused:
-            self.status, self.awaited = (Status.UP, False) if self.goes_on else (Status.LOST, True)
+            self.status, self.awaited = (LifeStatus.UP, False) if self.goes_on else (LifeStatus.LOST, True)
 
 
 class PastLives(msgspec.Struct, frozen=True):
@@ -112,7 +117,7 @@ class Mission:
     number: int = 0  # of the order, 0 for the scenario's goal
     patrol: bool = False
     deadline: int | None = None  # tick
-    status: Errand = "under way"
+    status: OrderStatus = "under way"
     tick: int = 0  # of the last change of status or point
 
     @property

@@ -15,13 +15,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from protocol.arrays import Complexes, Reals
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from protocol.scenario.model import Scenario
 
-Reals = NDArray[np.float64]
-Plane = NDArray[np.complex128]
 Indices = NDArray[np.intp]
-Interval = tuple[float, float]
+TimeSpan = tuple[float, float]
 
 REACH: Final = 12.0  # mean radii
 FEW: Final = 1 << 14  # number of pairs up to which all are measured
@@ -60,7 +59,7 @@ class Disks:
         self.numbers, self.shapes = tuple(obstacles), tuple(obstacles.values())
         self.obstacle, self.robot = np.divmod(np.arange(len(self.shapes) * len(self.ids)), len(self.ids))
         around = [shape.around for shape in self.shapes]
-        self.centres: Plane = np.array([complex(each.x, each.y) for each in around], dtype=np.complex128)
+        self.centres: Complexes = np.array([complex(each.x, each.y) for each in around], dtype=np.complex128)
         self.sizes: Reals = np.array([each.radius for each in around])
         self._is_round = np.array([isinstance(shape, Disk) for shape in self.shapes], dtype=np.bool_)
         polygons = [shape for shape in self.shapes if isinstance(shape, ConvexPolygon)]
@@ -77,7 +76,7 @@ class Disks:
         """The same disks among other obstacles."""
         return Disks(dict(zip(self.ids, self.radii.tolist(), strict=True)), self.room, obstacles)
 
-    def near(self, places: Plane, reach: float) -> Disks:
+    def near(self, places: Complexes, reach: float) -> Disks:
         """The same disks, with only those pairs whose gap may be at most `reach` (m) at places, (p,)."""
         few = copy(self)
         few.first, few.second = close_pairs(places, self.radii, reach)
@@ -89,9 +88,9 @@ class Disks:
     def __len__(self) -> int:
         return len(self.contact) + len(self.ids) + len(self.robot)
 
-    def relative(self, positions: Plane) -> Plane:
+    def relative(self, positions: Complexes) -> Complexes:
         """Relative position d_ij = b_i - b_j of each pair, shape (..., q)."""
-        relative: Plane = positions[..., self.first] - positions[..., self.second]
+        relative: Complexes = positions[..., self.first] - positions[..., self.second]
         return relative
 
     def names(self, index: int) -> tuple[int, int]:
@@ -105,7 +104,7 @@ class Disks:
         index -= len(self.ids)
         return (-self.numbers[self.obstacle[index]], self.ids[self.robot[index]])
 
-    def beta(self, positions: Plane) -> Reals:
+    def beta(self, positions: Complexes) -> Reals:
         """beta of every robot with the boundary (each straight wall) and each obstacle, (n, ...) m^2.
         For a disk |b - c|^2 - (rho + r)^2, for another shape d^2 - rho^2 at a distance d.
         """
@@ -121,7 +120,7 @@ class Disks:
         among = [each.reshape(*positions.shape[:-1], -1) for each in (disks, polygons)]
         return np.concatenate((walls, *among), axis=-1)
 
-    def overlaps(self, index: int, before: Plane, after: Plane, touch: float) -> list[Interval]:
+    def overlaps(self, index: int, before: Complexes, after: Complexes, touch: float) -> list[TimeSpan]:
         """Interval within [0, 1] of a straight motion in which a gap is below -touch."""
         pairs = len(self.contact)
         if index < pairs:
@@ -144,7 +143,7 @@ class Disks:
         outside = [(0.0, inside[0][0]), (inside[0][1], 1.0)]
         return [part for part in outside if part[0] < part[1]]
 
-    def to_surroundings(self, before: Plane, after: Plane) -> Reals:
+    def to_surroundings(self, before: Complexes, after: Complexes) -> Reals:
         """Smallest gaps to the boundary and to obstacles during motions, (n, p) each: (n, p + c) m."""
         if isinstance(self.room, Disk):
             walls = self.wall - np.maximum(np.abs(before), np.abs(after))
@@ -156,7 +155,7 @@ class Disks:
             walls = np.min(rooms, axis=0) - self.radii
         return np.concatenate((walls, self._to_obstacles(before, after)), axis=-1)
 
-    def _to_obstacles(self, before: Plane, after: Plane) -> Reals:
+    def _to_obstacles(self, before: Complexes, after: Complexes) -> Reals:
         begin, end = before[..., self.robot], after[..., self.robot]
         found, is_round = np.empty(begin.shape), self._is_round[self.obstacle]
         disks, polygons = self.obstacle[is_round], self.obstacle[~is_round]
@@ -168,7 +167,7 @@ class Disks:
         return found - self.radii[self.robot]
 
 
-def gaps(disks: Disks, before: Plane, after: Plane) -> Reals:
+def gaps(disks: Disks, before: Complexes, after: Complexes) -> Reals:
     """Smallest gaps during straight motion from `before` to `after`, shape (..., len(disks)), m.
 
     The distance of a pair is smallest where its straight relative motion is nearest to the origin.
@@ -189,9 +188,9 @@ class NearestGaps:
     def __init__(self, disks: Disks) -> None:
         self._all = self._near = disks
         self._reach = REACH * float(disks.radii.mean())
-        self._places: Plane | None = None  # positions at which the near pairs were found
+        self._places: Complexes | None = None  # positions at which the near pairs were found
 
-    def __call__(self, before: Plane, after: Plane) -> tuple[Disks, Reals]:
+    def __call__(self, before: Complexes, after: Complexes) -> tuple[Disks, Reals]:
         """Gaps of n motions, (n, p) each, with the smallest and all negative ones; and the disks of these."""
         if len(self._all) <= FEW:
             return self._all, gaps(self._all, before, after)
@@ -205,7 +204,7 @@ class NearestGaps:
             return self._near, found
         return self._all, gaps(self._all, before, after)
 
-    def _beyond(self, before: Plane, after: Plane) -> float:
+    def _beyond(self, before: Complexes, after: Complexes) -> float:
         """Lower bound of the gaps of all other pairs, m."""
         if self._places is None:
             return -np.inf
@@ -213,7 +212,7 @@ class NearestGaps:
         return (1.0 - _ROUNDING) * self._reach - 2.0 * moved
 
 
-def closest(start: Plane, motion: Plane) -> Reals:
+def closest(start: Complexes, motion: Complexes) -> Reals:
     """Smallest distance from the origin on the segment from `start` to `start + motion`."""
     squared = motion.real**2 + motion.imag**2
     along = start.real * motion.real + start.imag * motion.imag
@@ -233,7 +232,7 @@ def lowest(convex: Callable[[float], float]) -> float:
     return min((0.0, low, 1.0), key=convex)
 
 
-def sublevel(convex: Callable[[float], float], level: float) -> list[Interval]:
+def sublevel(convex: Callable[[float], float], level: float) -> list[TimeSpan]:
     """The part of [0, 1] in which a convex function is at most `level`, if there is one."""
     inside = lowest(convex)
     if convex(inside) > level:
@@ -254,7 +253,7 @@ def _edge(convex: Callable[[float], float], level: float, inside: float, outside
     return inside
 
 
-def _along(nx: float, ny: float, positions: Plane) -> Reals:
+def _along(nx: float, ny: float, positions: Complexes) -> Reals:
     product: Reals = nx * positions.real + ny * positions.imag
     return product
 
@@ -264,7 +263,7 @@ def _squared_gap(distances: Reals, contact: Reals) -> Reals:
     return np.maximum(distances, 0.0) ** 2 - contact**2
 
 
-def _padded(polygons: list[ConvexPolygon]) -> Plane:
+def _padded(polygons: list[ConvexPolygon]) -> Complexes:
     """Corners of all, (m, K); shorter lists repeat their last one."""
     most = max((len(polygon.points) for polygon in polygons), default=0)
     rows = [[complex(*point) for point in polygon.points] for polygon in polygons]
@@ -287,7 +286,7 @@ def _sides(polygons: list[ConvexPolygon]) -> tuple[Reals, Reals]:
     return rows, halves
 
 
-def _squared_distances(sides: tuple[Reals, Reals], positions: Plane) -> Reals:
+def _squared_distances(sides: tuple[Reals, Reals], positions: Complexes) -> Reals:
     """Squared distance of points (n, p) from polygons, (n, m, p) m^2; 0 inside."""
     points = np.stack((positions.real, positions.imag, np.ones(positions.shape)), axis=-2)[..., None, :, :]
     rows, halves = sides
@@ -302,7 +301,7 @@ def _squared_distances(sides: tuple[Reals, Reals], positions: Plane) -> Reals:
     return found
 
 
-def _from_polygons(corners: Plane, before: Plane, after: Plane) -> Reals:
+def _from_polygons(corners: Complexes, before: Complexes, after: Complexes) -> Reals:
     """Smallest distance of moving points, (n, c), from a convex polygon each, m; minus the depth inside."""
     distance: Reals
     edge = np.roll(corners, -1, axis=1) - corners  # (c, K)
@@ -339,7 +338,7 @@ def _deepest(first: Reals, slope: Reals) -> float:
     return depth(lowest(depth))
 
 
-def close_pairs(places: Plane, radii: Reals, reach: float) -> tuple[Indices, Indices]:
+def close_pairs(places: Complexes, radii: Reals, reach: float) -> tuple[Indices, Indices]:
     """All pairs whose gap is at most `reach`: indices i < j, in the order of a triangle's rows.
 
     Only pairs close in x are examined: a sweep along that axis.

@@ -15,9 +15,10 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
+from protocol.arrays import Complexes, Reals
 from protocol.messages import Id, Vector
 from protocol.scenario.model import Scenario
-from world.judge.clearance import FEW, Disks, Plane, Reals
+from world.judge.clearance import FEW, Disks
 
 _CENTIMETRES = 100.0
 _MOST = 300.0  # decades, in place of an infinite logarithm
@@ -44,12 +45,12 @@ class Goals(msgspec.Struct, frozen=True, dict=True):
         return cls({spec.id: (spec.start, spec.goal) for spec in specs})
 
     @cached_property
-    def begins(self) -> Plane:
+    def begins(self) -> Complexes:
         """Starts of the straight paths, as complex numbers x + iy, shape (p,)."""
         return np.array([complex(*begin) for begin, _ in self.ways.values()])
 
     @cached_property
-    def points(self) -> Plane:
+    def points(self) -> Complexes:
         """The present goals, shape (p,)."""
         return np.array([complex(*goal) for _, goal in self.ways.values()])
 
@@ -69,7 +70,7 @@ class Goals(msgspec.Struct, frozen=True, dict=True):
         """Total length of all straight paths so far, including the present ones."""
         return self.behind + float(np.abs(self.points - self.begins).sum())
 
-    def deviations(self, positions: Plane) -> Reals:
+    def deviations(self, positions: Complexes) -> Reals:
         """Distance of each centre from the segment of its straight path, shapes (n, p).
 
         A convex function of the position: during straight motion it is largest at an end.
@@ -119,7 +120,7 @@ class Level(NamedTuple):
     log_potential: float
 
 
-def levels_of(disks: Disks, goals: Goals, k: float, positions: Plane) -> list[Level]:
+def levels_of(disks: Disks, goals: Goals, k: float, positions: Complexes) -> list[Level]:
     """Levels of n configurations, shape (n, p); finite for any k and number of robots."""
     offset = positions - goals.points
     gamma = (offset.real**2 + offset.imag**2).sum(axis=-1).tolist()
@@ -142,7 +143,7 @@ def phi(log_gamma: float, log_beta: float, k: float) -> float:
     return math.exp(-softplus / k)
 
 
-def _log_beta(disks: Disks, positions: Plane) -> list[float]:
+def _log_beta(disks: Disks, positions: Complexes) -> list[float]:
     """log beta of each configuration; -inf outside free space."""
     walls = disks.beta(positions)
     if len(disks) > FEW:
@@ -164,7 +165,7 @@ def _log(beta: Reals) -> float:
     return float(np.log(np.multiply.reduceat(beta, np.arange(0, len(beta), _ROWS))).sum())
 
 
-def _log_product(positions: Plane, radii: Reals) -> float:
+def _log_product(positions: Complexes, radii: Reals) -> float:
     """`_log` of beta of all pairs, some rows of their triangle at a time."""
     x, y, total = positions.real.copy(), positions.imag.copy(), 0.0
     for begin in range(0, len(x), _ROWS):

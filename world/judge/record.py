@@ -17,13 +17,14 @@ import numpy as np
 from msgspec.structs import replace
 from numpy.typing import NDArray
 
+from protocol.arrays import Complexes
 from protocol.geometry import Shape
 from protocol.messages import LISTED, Count, Id, Truth, Vector
 from protocol.scenario.model import Scenario
-from world.judge.clearance import Disks, NearestGaps, Plane
+from world.judge.clearance import Disks, NearestGaps
 from world.judge.measures import Goals, Level, levels_of
 
-Pair = tuple[int, int]
+DiskPair = tuple[int, int]
 Configurations = Sequence[Sequence[Vector]] | NDArray[np.float64]  # shape (n, p, 2)
 
 TOUCH: Final = 1e-9  # m; a gap below minus this is a contact, an exact touch with rounding is not
@@ -51,7 +52,7 @@ def segment_of(scenario: Scenario, goals: Goals, obstacles: Mapping[int, Shape] 
 class Contact(msgspec.Struct, array_like=True):
     """An overlap of `pair` (0: the boundary, -n: obstacle n); times in ticks, `deepest` in m, negative."""
 
-    pair: Pair
+    pair: DiskPair
     begin: float
     end: float
     deepest: float
@@ -79,7 +80,7 @@ class Totals(msgspec.Struct):
     collisions: Count = 0
     contacts: list[Contact] = []
     touched: Count = 0
-    touches: list[tuple[Count, Pair]] = []
+    touches: list[tuple[Count, DiskPair]] = []
 
 
 class PastRecord(msgspec.Struct, frozen=True):
@@ -139,7 +140,7 @@ class Record:
         self.segment = segment_of(scenario, goals, obstacles)
         self._parts = parts
         self._batch = parts * max(1, min(_BATCH, _LARGEST // parts // len(self.segment.disks)))
-        self._touching: frozenset[Pair] = frozenset()
+        self._touching: frozenset[DiskPair] = frozenset()
         self._news: list[Truth] = []
         self._digest = hashlib.sha256()
         if past is None:
@@ -164,7 +165,7 @@ class Record:
         self,
         positions: Sequence[Vector],
         between: Sequence[tuple[Vector, ...]] = (),
-        touching: Iterable[Pair] = (),
+        touching: Iterable[DiskPair] = (),
     ) -> None:
         """Add the configuration after a tick of straight motions through those `between`. The plant itself
         has detected contacts of the pairs `touching`.
@@ -258,7 +259,7 @@ class Record:
         self._tell(aside[parts - 1 :: parts], during.min(axis=1).reshape(-1, parts).min(axis=1).tolist())
         self._plane = plane[-1:]
 
-    def _touch(self, pair: Pair, begin: float, end: float, gap: float) -> None:
+    def _touch(self, pair: DiskPair, begin: float, end: float, gap: float) -> None:
         latest, totals = self._latest.get(pair), self._totals
         if latest is not None and begin <= latest.end + _SAME:
             latest.end, latest.deepest = end, min(latest.deepest, gap)
@@ -283,7 +284,7 @@ class Record:
         totals.clearance = min(totals.clearance, *smallest)
 
 
-def as_plane(positions: Sequence[Sequence[Vector]]) -> Plane:
+def as_plane(positions: Sequence[Sequence[Vector]]) -> Complexes:
     """Configurations as complex numbers x + iy, shape (n, p)."""
-    plane: Plane = np.array(positions).view(np.complex128)[..., 0]
+    plane: Complexes = np.array(positions).view(np.complex128)[..., 0]
     return plane

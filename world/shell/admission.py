@@ -83,7 +83,7 @@ class Admissions:
 
     # -- requests
 
-    def refusal(self, join: joining.Join) -> joining.Reply | None:
+    def refusal(self, join: joining.Join) -> joining.JoinReply | None:
         """The reply to a process that cannot take part, or not yet; None if it can."""
         robot = join.robot
         if join.epoch not in self._epochs:
@@ -118,7 +118,7 @@ class Admissions:
     def _fate(self, join: joining.Join) -> Fate:
         return self.processes.fate(join.robot, join.session, self._world.lives.of)
 
-    def _unlisted(self, join: joining.Join) -> joining.Reply:
+    def _unlisted(self, join: joining.Join) -> joining.JoinReply:
         """The reply to the process of a robot that is not, or no longer, in the run."""
         robot = join.robot
         if self._world.schedule.adds(robot) and not self._fate(join):
@@ -129,11 +129,11 @@ class Admissions:
         name = self._world.scenario.name
         return joining.Refusal(f"robot {robot} is not in scenario {name!r} of run {self._name!r}")
 
-    def _wait(self, robot: int, reason: str) -> joining.Reply:
+    def _wait(self, robot: int, reason: str) -> joining.JoinReply:
         self._early[robot] = self._clock()
         return joining.Wait(_RETRY, reason)
 
-    def enlist(self, join: joining.Join) -> joining.Reply:
+    def enlist(self, join: joining.Join) -> joining.JoinReply:
         """Admit a process that is not refused as a new life of its robot; again as the same life if it has
         not begun that, since the reply was lost.
         """

@@ -225,7 +225,7 @@ class WorldNode:
         if self._run.rejected[reason] == 1:
             self._warn(f"tick {self._run.world.tick}: dropped a message, {text[:SHOWN]!r}")
 
-    def _answer(self, asked: Address, payload: bytes) -> joining.Reply:
+    def _answer(self, asked: Address, payload: bytes) -> joining.JoinReply:
         if asked.stream == "scenario":
             return self._admissions.overview()
         if asked.robot is None or asked.stream != "join":

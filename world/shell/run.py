@@ -114,7 +114,7 @@ class Shutdown:
             slot = self._admissions.slots[join.robot]
             slot.health = join.health or slot.health
 
-    def reply(self, join: joining.Join) -> joining.Reply | None:
+    def reply(self, join: joining.Join) -> joining.JoinReply | None:
         """The reply to a request to join while a run ends; None while it runs."""
         if self._run.phase is Phase.SHUTDOWN:
             return joining.Wait(_ASK_AGAIN, "the run is being wound up")
@@ -123,7 +123,7 @@ class Shutdown:
             return joining.Finished(self._run.world.verdict)
         return None
 
-    def instead(self, refusal: joining.Reply, robot: int) -> joining.Reply:
+    def instead(self, refusal: joining.JoinReply, robot: int) -> joining.JoinReply:
         """The reply to a process that cannot take part, which need not wait at the end."""
         if self._run.phase is not Phase.CLOSING or not isinstance(refusal, joining.Wait):
             return refusal

@@ -10,7 +10,7 @@ from functools import partial
 
 from deploy.processes.hosts.ssh import OtherVersionError, SshSpawner
 from deploy.processes.hosts.table import Host
-from deploy.processes.spawn import Facts, Spawner
+from deploy.processes.spawn import HostFacts, Spawner
 from deploy.software import Finding
 from protocol.errors import ProcessError
 
@@ -39,7 +39,7 @@ def check(host: Host) -> list[Finding]:
         return [Finding("version" if isinstance(error, OtherVersionError) else "reach", "bad", str(error))]
 
 
-def _software(facts: Facts) -> list[Finding]:
+def _software(facts: HostFacts) -> list[Finding]:
     compiled = "yes" if facts.compiled else "no: its robots take about five times as long"
     return [
         Finding("version", "good", f"same as here, Python {facts.python}"),
@@ -47,7 +47,7 @@ def _software(facts: Facts) -> list[Finding]:
     ]
 
 
-def _clock(look: Callable[[], Facts]) -> Finding:
+def _clock(look: Callable[[], HostFacts]) -> Finding:
     """Difference of the clock rates, with an error bounded by the round-trip times."""
     first, error = _offset(look)
     began = time.monotonic()
@@ -60,7 +60,7 @@ def _clock(look: Callable[[], Facts]) -> Finding:
     )
 
 
-def _offset(look: Callable[[], Facts]) -> tuple[float, float]:
+def _offset(look: Callable[[], HostFacts]) -> tuple[float, float]:
     looks = []
     for _ in range(_LOOKS):
         asked = time.monotonic()
@@ -71,7 +71,7 @@ def _offset(look: Callable[[], Facts]) -> tuple[float, float]:
     return offset, error
 
 
-def _port(host: Host, facts: Facts) -> Finding:
+def _port(host: Host, facts: HostFacts) -> Finding:
     where = f"port {host.port} at {host.address}"
     if facts.port:
         return Finding("router port", "bad", f"{where}: {facts.port}")

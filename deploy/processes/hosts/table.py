@@ -16,7 +16,7 @@ from protocol.errors import CertificateError, HostsError, Problem, UsageError
 from protocol.scenario.body import RobotId
 from protocol.scenario.file import read_document
 from protocol.scenario.model import Scenario
-from protocol.scenario.tables import Document, Finding, Steps, file_order, read_table, written
+from protocol.scenario.tables import Document, Mistake, Steps, file_order, read_table, written
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9-]*")
 
@@ -87,7 +87,7 @@ def parse_hosts(
 
 def _checked(
     table: HostsTable, malformed: Collection[Steps], robots: Sequence[int] | None, newcomers: Sequence[int]
-) -> Iterator[Finding]:
+) -> Iterator[Mistake]:
     names: dict[str, int] = {}
     endpoints: dict[tuple[str, int], int] = {}
     homes: dict[int, int] = {}
@@ -109,7 +109,7 @@ def _checked(
 
 def _host(
     host: Host, n: int, names: dict[str, int], endpoints: dict[tuple[str, int], int]
-) -> Iterator[Finding]:
+) -> Iterator[Mistake]:
     if not _NAME.fullmatch(host.name):
         yield ("hosts", n, "name"), "must be of letters, digits and '-', and not begin with '-'"
     elif names.setdefault(host.name, n) != n:

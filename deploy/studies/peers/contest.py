@@ -8,7 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from deploy.studies.study import Result, Row, Study, arrived, error, figures, mean, untouched
+from deploy.run.result import RunResult
+from deploy.studies.study import Row, Study, arrived, error, figures, mean, untouched
 from protocol.scenario.model import Scenario
 
 REFERENCE = "reciprocal + lines"  # paired with all others
@@ -25,13 +26,13 @@ class Attempt:
     """One setting of a law in a scenario: its row, and its results by seed."""
 
     row: Row
-    results: Mapping[int, Result]
+    results: Mapping[int, RunResult]
 
 
 class Contest(Study):
     """One row for every scenario and law, with its best setting; the row's `scan` has all settings."""
 
-    def rows(self, results: Mapping[tuple[int, int], Result]) -> list[Row]:
+    def rows(self, results: Mapping[tuple[int, int], RunResult]) -> list[Row]:
         found = []
         for (scenario, _), attempts in self._tried(results).items():
             scan = [each.row for each in attempts]
@@ -40,12 +41,12 @@ class Contest(Study):
         reference = {scenario: each for scenario, each, _ in found if each.row["law"] == REFERENCE}
         return [each.row | _paired(each, reference.get(scenario)) | scan for scenario, each, scan in found]
 
-    def _tried(self, results: Mapping[tuple[int, int], Result]) -> dict[tuple[str, str], list[Attempt]]:
+    def _tried(self, results: Mapping[tuple[int, int], RunResult]) -> dict[tuple[str, str], list[Attempt]]:
         """All settings by scenario and law, in the order of the cells."""
         tried: defaultdict[tuple[str, str], list[Attempt]] = defaultdict(list)
         least: dict[tuple[str, int], float] = {}
         for n, cell in enumerate(self.cells):
-            scenario, known = cell.labels["scenario"], dict[int, Result]()
+            scenario, known = cell.labels["scenario"], dict[int, RunResult]()
             for seed in cell.seeds:
                 if (n, seed) in results:
                     if (scenario, seed) not in least:
@@ -83,11 +84,11 @@ def _paired(one: Attempt, reference: Attempt | None) -> Row:
     return found
 
 
-def _came(attempt: Attempt) -> dict[int, Result]:
+def _came(attempt: Attempt) -> dict[int, RunResult]:
     return {seed: each for seed, each in attempt.results.items() if each["verdict"] == "arrived"}
 
 
-def row(labels: Mapping[str, Any], results: Sequence[Result]) -> Row:
+def row(labels: Mapping[str, Any], results: Sequence[RunResult]) -> Row:
     """The usual statistics, and limit: time over `least_time`; reached: number of runs in which all arrived,
     with or without contact.
     """

@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from importlib.util import find_spec
 
 import numpy as np
-from numpy.typing import NDArray
 
 from agents.law import View
 from agents.law.gradient import boundary_radius
@@ -22,13 +21,12 @@ from agents.law.obstacles import Attraction, obstacle_disks
 from agents.lines.boundary import boundary_of
 from agents.lines.safe_velocity import Limits, safe_velocity
 from agents.peers.neighbours import Neighbours
+from protocol.arrays import Reals
 from protocol.draws import Purpose, generator
 from protocol.geometry import Shape
 from protocol.messages import Vector
 from protocol.process.installation import missing_library
 from protocol.scenario.model import Scenario
-
-Array = NDArray[np.float64]
 
 _HELD = 1.0  # s between draws of the random part, which would average out if drawn every tick
 _WALL = 2.0  # ORCA's horizon for the boundary, periods; more slows the approach to goals beside it
@@ -207,7 +205,7 @@ class Barrier:
         limits = Limits(view.position, (), [self._boundary], None)
         return safe_velocity((vx / excess, vy / excess), limits, speed=self._speed, period=self._period)
 
-    def _barriers(self, own: Array, view: View) -> tuple[Array, Array]:
+    def _barriers(self, own: Reals, view: View) -> tuple[Reals, Reals]:
         """Rows a and limits c of a . v <= c, scaled to |a| = 1 so that the solver's tolerance is a speed."""
         neighbours, tick = view.neighbours, view.tick
         rows, limits = [own], [0.5 * self._gain * (self._reach**2 - float(own @ own))]

@@ -12,10 +12,9 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from protocol.arrays import Reals
 from protocol.errors import UsageError
 from protocol.messages import Truth, Vector
-
-Floats = NDArray[np.float64]
 
 
 class CompactTruth(NamedTuple):
@@ -23,7 +22,7 @@ class CompactTruth(NamedTuple):
 
     tick: int
     robots: tuple[int, ...]
-    numbers: Floats
+    numbers: Reals
 
     @classmethod
     def of(cls, truth: Truth) -> CompactTruth:
@@ -50,11 +49,11 @@ class Trajectory:
 
     robots: NDArray[np.int64]
     ticks: NDArray[np.int64]
-    times: Floats
-    positions: Floats
-    clearance: Floats
-    phi: Floats
-    log_potential: Floats
+    times: Reals
+    positions: Reals
+    clearance: Reals
+    phi: Reals
+    log_potential: Reals
 
     @classmethod
     def of(cls, truths: Iterable[CompactTruth], step: float) -> Trajectory:
@@ -80,7 +79,7 @@ class Trajectory:
         """Number of ticks missing from tick 0 to the last known one."""
         return int(self.ticks[-1]) + 1 - len(self.ticks) if len(self.ticks) else 0
 
-    def of_robot(self, robot: int) -> Floats:
+    def of_robot(self, robot: int) -> Reals:
         """Positions of one robot, m, shape (n, 2).
 
         Raises:
@@ -88,7 +87,7 @@ class Trajectory:
         """
         if robot not in self.robots:
             raise UsageError(f"there is no robot {robot}; there are {', '.join(map(str, self.robots))}")
-        path: Floats = self.positions[:, int(np.searchsorted(self.robots, robot))]
+        path: Reals = self.positions[:, int(np.searchsorted(self.robots, robot))]
         return path
 
     def columns(self) -> dict[str, NDArray[np.generic]]:

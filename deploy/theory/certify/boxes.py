@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deploy.theory.function import FleetProblem
+from protocol.arrays import Reals
 from protocol.process.installation import missing_library
 
 try:
@@ -134,7 +135,6 @@ def ends(array: NDArray[np.float64], row: int) -> Interval:
     return array[row, 0], array[row, 1]
 
 
-Array = NDArray[np.float64]
 Box = NDArray[np.float64]
 
 _LARGEST = float(np.finfo(np.float64).max)
@@ -231,7 +231,7 @@ _HUGE = 1e100  # an inverse with such entries is useless, and its products may o
 
 
 @compiled
-def lowest(matrix: Array, vector: Array) -> float:
+def lowest(matrix: Reals, vector: Reals) -> float:
     """Smallest eigenvalue of a symmetric matrix, and its vector; +inf if an entry is not finite."""
     if not np.isfinite(matrix).all():
         return np.inf
@@ -241,7 +241,7 @@ def lowest(matrix: Array, vector: Array) -> float:
 
 
 @compiled
-def solve_into(matrix: Array, inverse: Array) -> bool:
+def solve_into(matrix: Reals, inverse: Reals) -> bool:
     """Invert a matrix; False if it is singular or nearly so."""
     if not np.isfinite(matrix).all():
         return False

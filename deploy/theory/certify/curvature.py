@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deploy.theory.certify.boxes import (
-    Array,
     Box,
     Derived,
     Interval,
@@ -34,6 +33,7 @@ from deploy.theory.certify.boxes import (
     sub,
     up,
 )
+from protocol.arrays import Reals
 
 
 @compiled
@@ -88,7 +88,7 @@ def _weight(box: Box, row: int) -> float:
 
 
 @compiled
-def _gradient(scene: Scene, box: Box, q: int, row: Array) -> None:
+def _gradient(scene: Scene, box: Box, q: int, row: Reals) -> None:
     i, j = scene.first[q], scene.second[q]
     row[:] = 0.0
     for a in range(2):
@@ -102,7 +102,7 @@ def _gradient(scene: Scene, box: Box, q: int, row: Array) -> None:
 
 
 @compiled
-def _direction(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v: Array) -> bool:
+def _direction(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v: Reals) -> bool:
     """The most negative eigenvector of the midpoint's H / 2, with stiff contacts made much stiffer."""
     n, factors = len(scene.goals), len(scene.first)
     form, row, largest = np.eye(n), np.empty(n), 1.0
@@ -131,7 +131,7 @@ def _direction(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v
 
 
 @compiled
-def corrected(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v: Array, field: Array) -> bool:
+def corrected(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v: Reals, field: Reals) -> bool:
     """Enclose v - W z, W the midpoint's gradients; False if z cannot be enclosed."""
     n, count = len(scene.goals), len(stiff)
     for row in range(n):
@@ -160,7 +160,7 @@ def corrected(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], v:
 
 
 @compiled
-def _along(scene: Scene, out: Derived, q: int, v: Array) -> Interval:
+def _along(scene: Scene, out: Derived, q: int, v: Reals) -> Interval:
     """(grad beta_q / 2) . v over the box, for a fixed v."""
     i, j = scene.first[q], scene.second[q]
     total = (0.0, 0.0)
@@ -177,10 +177,10 @@ def _enclose_solution(
     scene: Scene,
     out: Derived,
     stiff: NDArray[np.int64],
-    v: Array,
-    basis: Array,
-    inverse: Array,
-    spread: Array,
+    v: Reals,
+    basis: Reals,
+    inverse: Reals,
+    spread: Reals,
 ) -> bool:
     """Enclose every z with (A W) z = A v, by C close to (A W)^-1 and |I - C A W| <= e < 1, maximum norm."""
     count = len(stiff)
@@ -213,7 +213,7 @@ def _enclose_solution(
 
 
 @compiled
-def form(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], field: Array) -> float:
+def form(scene: Scene, box: Box, out: Derived, stiff: NDArray[np.int64], field: Reals) -> float:
     """Upper bound of v^T H v / 2 over the box, for every v in `field` orthogonal to the stiff gradients."""
     n, factors = len(scene.goals), len(scene.first)
     total = 0.0

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from flint import arb, arb_mat
-from numpy.typing import NDArray
 
 from deploy.theory.certify.conditions import (
     INFINITE,
@@ -20,8 +19,7 @@ from deploy.theory.certify.conditions import (
     square,
     sub,
 )
-
-Array = NDArray[np.float64]
+from protocol.arrays import Reals
 
 _STIFF, _SOFT = 1e4, 0.1  # heuristic choices
 
@@ -113,7 +111,7 @@ def _stiff(box: BoxConditions) -> list[int]:
     return found
 
 
-def _gradient(box: BoxConditions, q: int) -> Array:
+def _gradient(box: BoxConditions, q: int) -> Reals:
     row = np.zeros(box.n)
     i, j = box.factors[q]
     own = np.array([middle(box.rows[2 * i + a]) for a in (0, 1)])
@@ -127,7 +125,7 @@ def _gradient(box: BoxConditions, q: int) -> Array:
 
 
 @np.errstate(all="ignore")
-def _proposal(box: BoxConditions, stiff: list[int]) -> Array | None:
+def _proposal(box: BoxConditions, stiff: list[int]) -> Reals | None:
     """The lowest eigenvector of the midpoint's form with stiffer contacts; None if it is positive, or too
     large to be known."""
     m, weights = np.eye(box.p), []
@@ -162,7 +160,7 @@ def _along(box: BoxConditions, q: int, v: list[Ends]) -> Ends:
     return total if j >= 0 else (-total[1], -total[0])
 
 
-def _field(box: BoxConditions, stiff: list[int], v: Array) -> list[Ends] | None:
+def _field(box: BoxConditions, stiff: list[int], v: Reals) -> list[Ends] | None:
     """v - W z, orthogonal to the stiff gradients for every b of the box."""
     fixed = [(arb(x), arb(x)) for x in v.tolist()]
     if not stiff:

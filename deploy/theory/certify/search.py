@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from deploy.theory.certify.boxes import (
-    Array,
     Box,
     Derived,
     Interval,
@@ -45,6 +44,7 @@ from deploy.theory.certify.contractors import (
     enclose_work,
 )
 from deploy.theory.certify.curvature import falls
+from protocol.arrays import Reals
 
 _UNBOUNDED = 1e50  # larger multipliers may overflow
 
@@ -55,13 +55,13 @@ def _point(x: float) -> Interval:
 
 
 @compiled
-def _accumulate(array: Array, row: int, value: Interval) -> None:
+def _accumulate(array: Reals, row: int, value: Interval) -> None:
     total = add(ends(array, row), value)
     array[row] = total
 
 
 @compiled
-def _system(scene: Scene, box: Box, out: Derived, at: Array, value: Array, slope: Array) -> None:
+def _system(scene: Scene, box: Box, out: Derived, at: Reals, value: Reals, slope: Reals) -> None:
     """F at the midpoint `at`, for every kappa of the box, and S."""
     n, factors = len(scene.goals), len(scene.first)
     kappa = ends(box, -1)
@@ -131,7 +131,7 @@ def contract_newton(scene: Scene, box: Box, out: Derived) -> bool:
 
 
 @compiled
-def _newton_row(box: Box, at: Array, value: Array, slope: Array, inverse: Array, row: int) -> None:
+def _newton_row(box: Box, at: Reals, value: Reals, slope: Reals, inverse: Reals, row: int) -> None:
     """One row of C F(b0, lambda0) + C S (x - x0) = 0, solved for its own unknown."""
     size = len(at)
     rest = (0.0, 0.0)

@@ -9,7 +9,7 @@ from agents.shell.world_session import PATIENCE, WorldSession
 from deploy.library.load import load
 from protocol.bus.local import LocalNetwork
 from protocol.errors import BusError
-from protocol.joining import Admission, Finished, OtherRun, Reply, Wait, encode_reply
+from protocol.joining import Admission, Finished, JoinReply, OtherRun, Wait, encode_reply
 from protocol.keys import robot_key, session_of
 
 OWN, NEXT = 7, 8  # epochs
@@ -63,7 +63,7 @@ def test_a_world_that_says_ticks_is_there(session: WorldSession) -> None:
     assert session.check(time.monotonic() + 100.0), "it is silent, not gone"
 
 
-def answered(*replies: Reply, epoch: int = OWN) -> Reply | None:
+def answered(*replies: JoinReply, epoch: int = OWN) -> JoinReply | None:
     """What a process that the coordinator `epoch` admitted makes of the replies of several worlds."""
     network = LocalNetwork()
     for reply in replies:
@@ -88,7 +88,7 @@ def test_of_two_worlds_its_own_is_believed() -> None:
 
 
 @pytest.mark.parametrize("reply", [admission(NEXT), Wait(0.2, "paused"), Finished("arrived")])
-def test_worlds_of_other_runs_do_not_keep_it_from_the_next_of_its_own(reply: Reply) -> None:
+def test_worlds_of_other_runs_do_not_keep_it_from_the_next_of_its_own(reply: JoinReply) -> None:
     assert answered(OtherRun(), reply, OtherRun()) == reply
     assert answered(OtherRun(), OtherRun()) is None, "its own may return"
 

@@ -15,8 +15,9 @@ from deploy.output import bar
 from deploy.theory.certify.certificate import Certificate, GoalSet
 from deploy.theory.certify.prove import prove
 from deploy.theory.exact_flow import random_configuration
-from deploy.theory.function import Array, FleetProblem
+from deploy.theory.function import FleetProblem
 from deploy.theory.tuning import automatic_k
+from protocol.arrays import Reals
 from protocol.draws import Purpose, generator
 from tests.benchmarks.theory.smallest_k import arrival_threshold, arrives_from_all
 
@@ -68,7 +69,7 @@ def _certified(problem: FleetProblem, boxes: int) -> Certificate:
     return certificate
 
 
-def _fails(problem: FleetProblem, starts: Sequence[Array]) -> float | None:
+def _fails(problem: FleetProblem, starts: Sequence[Reals]) -> float | None:
     if arrives_from_all(replace(problem, k=LOWEST), starts):
         return None
     if not arrives_from_all(problem, starts):

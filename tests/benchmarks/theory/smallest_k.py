@@ -10,16 +10,17 @@ import numpy as np
 
 from deploy.library.instances import GOAL_SETS, RADIUS, TIGHTNESS, WORKSPACE, random_starts
 from deploy.theory.exact_flow import integrate
-from deploy.theory.function import Array, FleetProblem
+from deploy.theory.function import FleetProblem
+from protocol.arrays import Reals
 
 
-def arrives_from_all(problem: FleetProblem, starts: Sequence[Array]) -> bool:
+def arrives_from_all(problem: FleetProblem, starts: Sequence[Reals]) -> bool:
     """Whether the exact flow brings every one of these starts (p, 2) to the goal."""
     return all(integrate(problem, start).arrived for start in starts)
 
 
 def arrival_threshold(
-    problem: FleetProblem, starts: Sequence[Array], low: float = 1.0
+    problem: FleetProblem, starts: Sequence[Reals], low: float = 1.0
 ) -> tuple[float, float]:
     """(k at which some start fails, k at which all arrive), within a factor of 1.05.
 

@@ -11,7 +11,7 @@ import msgspec
 
 from deploy.processes.hosts.ssh import FramedMessages, Relay, SshSpawner
 from deploy.processes.hosts.table import read_hosts
-from deploy.processes.spawn import MAX_NEWS, Exited, Facts, ProcessReport, Started, encode_news
+from deploy.processes.spawn import MAX_NEWS, Exited, HostFacts, ProcessReport, Started, encode_news
 from deploy.security.roster import Home, KeyRoster, encoded, read
 from protocol.errors import CertificateError, HostsError, KeyGrammarError, ProcessError
 from tests.campaigns.fuzz.kept import written
@@ -22,7 +22,7 @@ _NEWS = [
     encode_news(Started(1, 4711)),
     encode_news(ProcessReport(1, "tcp/127.0.0.1:7447")),
     encode_news(Exited(2, -9, 1.5, 42.0)),
-    encode_news(Facts(0, "3.11.2", True, 1 << 30, "", 4711.5)),
+    encode_news(HostFacts(0, "3.11.2", True, 1 << 30, "", 4711.5)),
 ]
 _LINE = {
     "run": "yard", "host": "", "role": "robot", "robot": 3, "time": "2026-01-02T03:04:05.678Z",

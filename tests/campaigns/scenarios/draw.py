@@ -15,7 +15,7 @@ from deploy.library.load import resolved
 from protocol.errors import ScenarioError
 from protocol.scenario.body import PRESETS, Body, Preset
 from protocol.scenario.file import document_of, parse_document, validated
-from protocol.scenario.model import ADDITIONS, Control, Point, RobotSpec, Scenario, Time, Workspace
+from protocol.scenario.model import ADDITIONS, Control, Position, RobotSpec, Scenario, Time, Workspace
 from tests.campaigns.campaign import Dice
 from tests.campaigns.scenarios.disturbances import Scale, actuation, link, network, sensing
 from tests.campaigns.scenarios.events import Fleet, orders, sensible, stories
@@ -119,8 +119,8 @@ def _radii(dice: Dice, many: int, workspace: float) -> list[float]:
 
 
 def _goals(
-    dice: Dice, starts: Sequence[Point], radii: Sequence[float], workspace: float
-) -> list[Point] | None:
+    dice: Dice, starts: Sequence[Position], radii: Sequence[float], workspace: float
+) -> list[Position] | None:
     """Anywhere; opposite of the start; where it is; or where others of the same size begin."""
     kind = dice.pick(("anywhere", "anywhere", "opposite", "opposite", "here", "swapped"))
     if kind == "opposite":

@@ -6,7 +6,7 @@ from typing import Literal
 
 from protocol.geometry import Shape
 from protocol.scenario.checks import EVENTS
-from protocol.scenario.model import Journey, Obstacle, Order, Point, ProcessFault, RobotSpec
+from protocol.scenario.model import Journey, Obstacle, Order, Position, ProcessFault, RobotSpec
 from tests.campaigns.campaign import Dice
 from tests.campaigns.scenarios.disturbances import Scale
 from tests.campaigns.scenarios.places import anywhere, beside, one_obstacle
@@ -97,7 +97,7 @@ class Fleet:
         return self.room.around.radius
 
     @property
-    def centre(self) -> Point:
+    def centre(self) -> Position:
         """Of that disk, m."""
         return self.room.around.x, self.room.around.y
 
@@ -186,6 +186,6 @@ def _guest(dice: Dice, fleet: Fleet, like: RobotSpec, number: int) -> RobotSpec:
     return replace(like, id=number, radius=radius, start=start, goal=_somewhere(dice, fleet))
 
 
-def _somewhere(dice: Dice, fleet: Fleet) -> Point:
+def _somewhere(dice: Dice, fleet: Fleet) -> Position:
     robot = dice.pick(fleet.robots)
     return dice.pick((robot.start, robot.goal, anywhere(dice, 0.95 * fleet.reach, fleet.centre)))

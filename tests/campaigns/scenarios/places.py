@@ -8,7 +8,7 @@ from agents.lines import own_set
 from deploy.library.instances import random_starts
 from protocol.errors import UsageError
 from protocol.geometry import Disk, Shape
-from protocol.scenario.model import Carrying, Obstacle, Part, Point, RobotSpec, Scenario, Workspace
+from protocol.scenario.model import Carrying, Obstacle, Part, Position, RobotSpec, Scenario, Workspace
 from tests.campaigns.campaign import Dice
 
 _BETWEEN = (0.0, 0.0, 1e-9, 1e-6, 1e-3, 0.03)  # in radii; 0: the next number of the computer
@@ -22,7 +22,7 @@ _SMALLEST = 0.16  # of the room, the smallest robot among which parts are drawn:
 _REACHED = (0.0, 1e-6, 0.1, 0.5, 1.0)  # of the reach, between a part and its neighbour
 
 
-def scattered(dice: Dice, radii: Sequence[float], workspace: float) -> list[Point] | None:
+def scattered(dice: Dice, radii: Sequence[float], workspace: float) -> list[Position] | None:
     """Centres of disks in a workspace of this radius, all lengths in m; None if they found no room."""
     try:
         drawn = random_starts([radius / workspace for radius in radii], 1.0, dice.whole(0, 2**16))
@@ -31,7 +31,7 @@ def scattered(dice: Dice, radii: Sequence[float], workspace: float) -> list[Poin
     return [(workspace * x, workspace * y) for x, y in drawn]
 
 
-def fits(i: int, points: Sequence[Point], radii: Sequence[float], workspace: float) -> bool:
+def fits(i: int, points: Sequence[Position], radii: Sequence[float], workspace: float) -> bool:
     """Whether disk i touches neither boundary nor another disk, computed as the scenario's checks do."""
     x, y = points[i]
     return math.hypot(x, y) + radii[i] < workspace and all(
@@ -42,8 +42,8 @@ def fits(i: int, points: Sequence[Point], radii: Sequence[float], workspace: flo
 
 
 def drawn_together(
-    dice: Dice, points: Sequence[Point], radii: Sequence[float], workspace: float, times: int
-) -> list[Point]:
+    dice: Dice, points: Sequence[Position], radii: Sequence[float], workspace: float, times: int
+) -> list[Position]:
     """The same disks with some of them, `times` at most, moved against another one or the boundary."""
     points = list(points)
     for _ in range(times):
@@ -60,7 +60,7 @@ def drawn_together(
     return points
 
 
-def at_the_wall(point: Point, radius: float, workspace: float, gap: float) -> Point:
+def at_the_wall(point: Position, radius: float, workspace: float, gap: float) -> Position:
     """The point in the same direction at which a disk has this gap to the boundary, and surely some."""
     length, angle = workspace - radius - gap, math.atan2(point[1], point[0])
     return _surely(
@@ -69,7 +69,7 @@ def at_the_wall(point: Point, radius: float, workspace: float, gap: float) -> Po
     )
 
 
-def beside(other: Point, other_radius: float, point: Point, radius: float, gap: float) -> Point:
+def beside(other: Position, other_radius: float, point: Position, radius: float, gap: float) -> Position:
     """The point in the same direction from `other` at which two disks have this gap, and surely some."""
     apart, angle = other_radius + radius, math.atan2(point[1] - other[1], point[0] - other[0])
     return _surely(
@@ -78,7 +78,7 @@ def beside(other: Point, other_radius: float, point: Point, radius: float, gap: 
     )
 
 
-def _surely(place: Callable[[float], Point], is_clear: Callable[[Point], bool]) -> Point:
+def _surely(place: Callable[[float], Position], is_clear: Callable[[Position], bool]) -> Position:
     """The place nearest to an exact touch that the computer takes for clear."""
     whisker = _WHISKER
     while not is_clear(at := place(whisker)):
@@ -86,11 +86,11 @@ def _surely(place: Callable[[float], Point], is_clear: Callable[[Point], bool]) 
     return at
 
 
-def polar(centre: Point, length: float, angle: float) -> Point:
+def polar(centre: Position, length: float, angle: float) -> Position:
     return centre[0] + length * math.cos(angle), centre[1] + length * math.sin(angle)
 
 
-def anywhere(dice: Dice, reach: float, centre: Point = (0.0, 0.0)) -> Point:
+def anywhere(dice: Dice, reach: float, centre: Position = (0.0, 0.0)) -> Position:
     return polar(centre, reach * math.sqrt(dice.uniform(0.0, 1.0)), dice.uniform(-math.pi, math.pi))
 
 
@@ -107,14 +107,14 @@ def around(dice: Dice, workspace: Workspace, robots: Sequence[RobotSpec]) -> Wor
     return workspace if left is None else Workspace(points=tuple(zip(left.xs, left.ys, strict=True)))
 
 
-def _regular(dice: Dice, radius: float) -> tuple[Point, ...]:
+def _regular(dice: Dice, radius: float) -> tuple[Position, ...]:
     """Corners of a regular polygon around the workspace."""
     sides, turn = dice.whole(3, 8), dice.uniform(0.0, math.tau)
     reach = radius / math.cos(math.pi / sides)
     return tuple(polar((0.0, 0.0), reach, turn + math.tau * side / sides) for side in range(sides))
 
 
-def _walls(dice: Dice) -> list[Point]:
+def _walls(dice: Dice) -> list[Position]:
     """Outward normals of three to seven walls; some rooms have acute corners, some are narrow."""
     turn = dice.uniform(0.0, math.tau)
     angles = [math.tau * dice.uniform(0.0, 1.0) for _ in range(dice.whole(0, 4))]
@@ -143,7 +143,7 @@ def obstacles(dice: Dice, robots: Sequence[RobotSpec], workspace: float, room: S
     return tuple(clear[: dice.whole(1, 5)])
 
 
-def one_obstacle(dice: Dice, robots: Sequence[RobotSpec], workspace: float, centre: Point) -> Obstacle:
+def one_obstacle(dice: Dice, robots: Sequence[RobotSpec], workspace: float, centre: Position) -> Obstacle:
     """A disk or a polygon, half of the time right beside where a robot begins.
 
     Args:
@@ -161,7 +161,7 @@ def one_obstacle(dice: Dice, robots: Sequence[RobotSpec], workspace: float, cent
     return Obstacle(points=_polygon(dice, middle, size, turn))
 
 
-def _polygon(dice: Dice, centre: Point, size: float, turn: float) -> tuple[Point, ...]:
+def _polygon(dice: Dice, centre: Position, size: float, turn: float) -> tuple[Position, ...]:
     """Corners on an ellipse, one of which is `turn` away from its long axis."""
     corners, flat = dice.pick((3, 4, 4, 5, 8)), dice.pick((1.0, dice.log_uniform(0.02, 1.0)))
     cos, sin = math.cos(turn), math.sin(turn)
@@ -206,7 +206,7 @@ def by_points(scenario: Scenario) -> Scenario:
 
 def _start(
     dice: Dice, robots: Sequence[RobotSpec], parts: Sequence[Part], radius: float, reach: float, room: Shape
-) -> Point:
+) -> Position:
     point = _somewhere(dice, room)
     if dice.chance(0.2):
         return point
@@ -215,7 +215,7 @@ def _start(
     return beside(other.start, other.radius, point, radius, reach * dice.pick(_REACHED))
 
 
-def _goal(dice: Dice, start: Point, radius: float, unit: float, room: Shape) -> Point:
+def _goal(dice: Dice, start: Position, radius: float, unit: float, room: Shape) -> Position:
     """Not far off, or anywhere."""
     if dice.chance(0.3):
         return _somewhere(dice, room)
@@ -223,10 +223,10 @@ def _goal(dice: Dice, start: Point, radius: float, unit: float, room: Shape) -> 
     return polar(start, away, angle)
 
 
-def _somewhere(dice: Dice, room: Shape) -> Point:
+def _somewhere(dice: Dice, room: Shape) -> Position:
     return anywhere(dice, room.around.radius, (room.around.x, room.around.y))
 
 
-def _is_free(point: Point, radius: float, others: Iterable[Shape], room: Shape) -> bool:
+def _is_free(point: Position, radius: float, others: Iterable[Shape], room: Shape) -> bool:
     inside = room.distance(*point) + radius < 0.0
     return inside and all(shape.distance(*point) > radius for shape in others)

@@ -12,7 +12,7 @@ import pytest
 from deploy.run.options import Transport
 from deploy.software import code_digest
 from deploy.studies import execution
-from deploy.studies.execution import Result, RunLog, execute, run_one
+from deploy.studies.execution import RunLog, RunResult, execute, run_one
 from deploy.studies.experiments import tightness
 from deploy.studies.study import Build, Shard, Study
 from protocol.errors import ProcessError, UsageError
@@ -83,7 +83,7 @@ def test_a_worker_that_is_lost_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
         execute(_study(), "local", RunLog(None), jobs=1)
 
 
-def _signalled(build: Build, seed: int, transport: Transport) -> Result:
+def _signalled(build: Build, seed: int, transport: Transport) -> RunResult:
     os.kill(os.getpid(), signal.SIGINT)
     return run_one(build, seed, transport)
 

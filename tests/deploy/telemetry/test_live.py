@@ -12,7 +12,7 @@ from rich.console import Console, RenderableType
 from deploy.telemetry.live import FleetView
 from deploy.telemetry.monitor import snapshot as telling
 from deploy.telemetry.monitor.terminal import table
-from protocol.messages import Clock, Errand, GoalStatus, Health, Message, PartPlace, Standing, Truth
+from protocol.messages import Clock, GoalStatus, Health, Message, OrderStatus, PartPlace, Standing, Truth
 from protocol.operations import Steering
 from protocol.scenario.model import Order, Part, RobotSpec, Scenario, Time
 
@@ -74,7 +74,9 @@ def test_robots_move_with_the_truth_and_their_velocity_is_what_was_executed() ->
     assert frame["robots"][0]["distance"] == pytest.approx(0.097)
 
 
-def goal(number: int, tick: int, status: Errand = "under way", x: float = 0.2, ahead: int = 0) -> GoalStatus:
+def goal(
+    number: int, tick: int, status: OrderStatus = "under way", x: float = 0.2, ahead: int = 0
+) -> GoalStatus:
     return GoalStatus(1, tick, number, status, (x, 0.0), ahead)
 
 
@@ -182,7 +184,7 @@ def test_a_newcomer_is_a_robot_like_the_others_and_one_that_leaves_is_none() -> 
 @pytest.mark.parametrize(
     ("errand", "said"), [("arrived", "at goal"), ("cancelled", "cancelled"), ("given up", "given up")]
 )
-def test_a_robot_that_stays_says_why(errand: Errand, said: str) -> None:
+def test_a_robot_that_stays_says_why(errand: OrderStatus, said: str) -> None:
     it = view()
     run_to(it, 1, 0.0)
     it.on_message(GoalStatus(1, 1, 1, errand, (it.robots[1].position[0], 0.0)), 0.0)

@@ -3,13 +3,14 @@
 import numpy as np
 
 from deploy.theory.exact_flow import random_configuration
-from deploy.theory.function import Array, FleetProblem, beta_pairs, gamma, obstacle_functions
+from deploy.theory.function import FleetProblem, beta_pairs, gamma, obstacle_functions
+from protocol.arrays import Reals
 from protocol.draws import Purpose, generator
 
 SIZES = (2, 3, 6)
 
 
-def free(problem: FleetProblem, seed: int) -> Array:
+def free(problem: FleetProblem, seed: int) -> Reals:
     """A random configuration in the interior of free space."""
     b = random_configuration(generator(seed, Purpose.STUDY), problem.radii, problem.workspace)
     assert b is not None
@@ -32,12 +33,12 @@ def admissible(p: int, unequal: bool, k: float) -> FleetProblem:
     return FleetProblem(circle * np.stack([np.cos(angle), np.sin(angle)], axis=1), radii, workspace, k)
 
 
-def log_ratio(problem: FleetProblem, b: Array) -> float:
+def log_ratio(problem: FleetProblem, b: Reals) -> float:
     """log phi_hat = k log gamma - log beta, equation (5), written independently of the code under test."""
     return float(problem.k * np.log(gamma(problem, b)) - np.log(obstacle_functions(problem, b)).sum())
 
 
-def clusters(problem: FleetProblem, b: Array, eps: float) -> tuple[tuple[int, ...], ...]:
+def clusters(problem: FleetProblem, b: Reals, eps: float) -> tuple[tuple[int, ...], ...]:
     """The partition P_1..P_s of robot indices (from 0), sorted, ordered by smallest member (Lemma B.3)."""
     beta = beta_pairs(problem, b)
     near = (beta > 0.0) & (beta <= eps)  # N_eps(b, i), section 2.3
@@ -53,7 +54,7 @@ def clusters(problem: FleetProblem, b: Array, eps: float) -> tuple[tuple[int, ..
     return tuple(cells)
 
 
-def circulation(b: Array, cluster: tuple[int, ...]) -> Array:
+def circulation(b: Reals, cluster: tuple[int, ...]) -> Reals:
     """v_z = sum over the cluster of J (b_n - g_z) (x) e_n, equation (15), (p, 2) m.
 
     All members circle their centroid g_z, the others stand still: the direction of negative curvature of

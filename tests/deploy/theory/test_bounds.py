@@ -26,7 +26,8 @@ from deploy.theory.bounds import (
     stretch,
 )
 from deploy.theory.exact_flow import equilibria, swapped_pairs
-from deploy.theory.function import Array, FleetProblem, gamma, obstacle_functions, reduced_gradient
+from deploy.theory.function import FleetProblem, gamma, obstacle_functions, reduced_gradient
+from protocol.arrays import Reals
 from protocol.draws import Purpose, generator
 from tests.deploy.theory.problems import SIZES, admissible, circulation, clusters, crowded, free
 
@@ -125,11 +126,11 @@ def everyone(clusters: Family) -> int:
     return int(np.argmax(clusters.sizes))
 
 
-def problem_of(radii: Array, workspace: float = 200.0) -> FleetProblem:
+def problem_of(radii: Reals, workspace: float = 200.0) -> FleetProblem:
     return FleetProblem(np.zeros((len(radii), 2)), radii, workspace, 60.0)
 
 
-def random_cluster(draw: np.random.Generator, radii: Array, eps: float) -> Array | None:
+def random_cluster(draw: np.random.Generator, radii: Reals, eps: float) -> Reals | None:
     """A connected cluster grown disk by disk at random bearings; None when two disks overlap."""
     order, b = draw.permutation(len(radii)), np.zeros((len(radii), 2))
     for rank in range(1, len(radii)):

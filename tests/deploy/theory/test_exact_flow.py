@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from deploy.theory.exact_flow import classify, find_equilibrium, integrate
-from deploy.theory.function import Array, FleetProblem, obstacle_functions, reduced_jacobian
+from deploy.theory.function import FleetProblem, obstacle_functions, reduced_jacobian
 from deploy.theory.tuning import automatic_k
+from protocol.arrays import Reals
 from tests.deploy.theory.problems import circulation, crowded, free, log_ratio
 
 
@@ -26,7 +27,7 @@ def test_flow_descends_without_contact_and_arrives(unequal: bool) -> None:
         assert flow.nrl == pytest.approx(finer.nrl, rel=2e-3)
 
 
-def stuck(problem: FleetProblem) -> Array | None:
+def stuck(problem: FleetProblem) -> Reals | None:
     """Where the flow ends other than at the goal, from eight random starts."""
     for seed in range(8):
         flow = integrate(problem, free(problem, seed))

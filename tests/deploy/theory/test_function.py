@@ -8,7 +8,6 @@ import pytest
 
 from deploy.theory.exact_flow import classify, equilibria, swapped_pairs
 from deploy.theory.function import (
-    Array,
     FleetProblem,
     gamma,
     obstacle_curvature,
@@ -16,6 +15,7 @@ from deploy.theory.function import (
     reduced_gradient,
     reduced_jacobian,
 )
+from protocol.arrays import Reals
 from tests.deploy.theory.problems import SIZES, crowded, free, log_ratio
 
 H = 1e-5  # for differences
@@ -85,7 +85,7 @@ def test_outside_free_space_there_is_no_gradient() -> None:
 
 
 @cache
-def saddles(p: int, unequal: bool) -> tuple[FleetProblem, tuple[Array, ...]]:
+def saddles(p: int, unequal: bool) -> tuple[FleetProblem, tuple[Reals, ...]]:
     """A crowded problem at k = 60 and its interior critical points other than the goal."""
     problem = crowded(p, unequal, k=60.0)
     starts = swapped_pairs(problem) + [free(problem, seed) for seed in range(4 if p == 6 else 12)]
@@ -94,7 +94,7 @@ def saddles(p: int, unequal: bool) -> tuple[FleetProblem, tuple[Array, ...]]:
     return problem, found
 
 
-def n2_at(problem: FleetProblem, b: Array) -> float:
+def n2_at(problem: FleetProblem, b: Reals) -> float:
     """gamma lambda_max(L1 L1^T - L0 L0^T) at one configuration: what N2 maximises; unbounded near contact."""
     return float(gamma(problem, b) * np.linalg.eigvalsh(obstacle_curvature(problem, b))[-1] / 2.0)
 

@@ -17,7 +17,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
 from protocol.bus.bus import Event, Presence, Query
 from protocol.bus.local import LocalBus
-from protocol.joining import Admission, Finished, Join, Refusal, Reply, Wait, decode_reply, encode_request
+from protocol.joining import Admission, Finished, Join, JoinReply, Refusal, Wait, decode_reply, encode_request
 from protocol.keys import robot_key
 from protocol.scenario.model import ProcessFault, RobotSpec, Scenario
 from protocol.scenario.network import Link
@@ -63,7 +63,7 @@ def life(fleet: LocalFleet) -> Life:
     return fleet.world.world.lives.of[2]
 
 
-def answer(fleet: LocalFleet, session: str) -> Reply:
+def answer(fleet: LocalFleet, session: str) -> JoinReply:
     """What the world answers to a process that asks to join as robot 2."""
     replies: list[bytes] = []
     payload = encode_request(Join(2, session))

@@ -14,7 +14,7 @@ from deploy.run.operator import operating
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import BusError
-from protocol.scenario.model import Journey, Operation, Point
+from protocol.scenario.model import Journey, Operation, Position
 from tests.deploy.processes.ports import free_ports
 from tests.forks import Forks
 from tests.until import until
@@ -22,7 +22,7 @@ from tests.until import until
 PLACE = (0.05, 0.02)
 
 
-def sent(robot: int, *points: Point, within: float | None = None) -> Operation:
+def sent(robot: int, *points: Position, within: float | None = None) -> Operation:
     return Operation(goal=Journey(robot, points, within=within))
 
 

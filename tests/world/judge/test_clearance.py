@@ -8,10 +8,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from deploy.library.instances import random_instance
+from protocol.arrays import Complexes, Reals
 from protocol.geometry import ConvexPolygon, Disk, Shape
 from tests.protocol.shapes import disks, points, polygons, shapes
 from world.judge import clearance
-from world.judge.clearance import Disks, NearestGaps, Plane, Reals, close_pairs, gaps
+from world.judge.clearance import Disks, NearestGaps, close_pairs, gaps
 
 SAMPLES = 400
 ROBOTS = 60
@@ -100,7 +101,7 @@ def test_beta_is_the_squared_distance_less_that_of_contact(obstacles, robots) ->
 
 
 @pytest.fixture
-def crowd(monkeypatch: pytest.MonkeyPatch) -> tuple[Disks, Plane]:
+def crowd(monkeypatch: pytest.MonkeyPatch) -> tuple[Disks, Complexes]:
     """No number of pairs is so small that all are measured; some of the obstacles overlap robots."""
     monkeypatch.setattr(clearance, "FEW", 0)
     instance, random = random_instance(ROBOTS, 1), np.random.default_rng(2)
@@ -116,7 +117,7 @@ def negative(fleet: Disks, found: Reals) -> list[tuple[int, tuple[int, int], flo
     return [(row, fleet.names(index), found[row, index]) for row, index in np.argwhere(found < 0.0).tolist()]
 
 
-def assert_same(measured: tuple[Disks, Reals], fleet: Disks, before: Plane, after: Plane) -> None:
+def assert_same(measured: tuple[Disks, Reals], fleet: Disks, before: Complexes, after: Complexes) -> None:
     some, found = measured
     wanted = gaps(fleet, before, after)
     assert found.min(axis=-1).tolist() == wanted.min(axis=-1).tolist()

@@ -6,10 +6,10 @@ from pathlib import Path
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocol.joining import Admission, Finished, Join, Refusal, Reply, Wait
+from protocol.joining import Admission, Finished, Join, JoinReply, Refusal, Wait
 from protocol.messages import Health, Member
 from tests.world.driving import Stopwatch, two
-from world.coordinator.records import Life, Status
+from world.coordinator.records import Life, LifeStatus
 from world.shell.admission import RESERVATION, Admissions
 from world.shell.checkpoint import Checkpoint
 from world.shell.pacing import Pacing
@@ -25,7 +25,7 @@ class Desk:
         self.run = JudgedRun(two())
         self.admissions = Admissions("r", self.run.world, True, self.clock)
 
-    def ask(self, session: str, robot: int = 1, lived: int | None = None) -> Reply:
+    def ask(self, session: str, robot: int = 1, lived: int | None = None) -> JoinReply:
         health = None if lived is None else Health(robot, lived, 5, 0.0, 0, 0, {}, (), ())
         join = Join(robot, session, health)
         return self.admissions.refusal(join) or self.admissions.enlist(join)
@@ -117,7 +117,7 @@ def test_the_process_of_a_robot_that_was_removed_is_not_that_of_the_next_with_it
     desk = Desk()
     assert desk.admitted("first") == 1
     desk.arrive("first")
-    desk.run.world.lives.of[1] = Life(1, Status.LOST, fenced=True, fate="removed")
+    desk.run.world.lives.of[1] = Life(1, LifeStatus.LOST, fenced=True, fate="removed")
     desk.admissions.expect(1)
     assert desk.ask("first") == Finished("removed")
     assert desk.ask("first") == Finished("removed")
@@ -199,7 +199,7 @@ class Ending(Desk):
             self.admissions.enlist(Join(robot, f"session {robot}"))
             self.admissions.arrive(robot, f"session {robot}")
 
-    def report(self, robot: int, published: int | None = None) -> Reply | None:
+    def report(self, robot: int, published: int | None = None) -> JoinReply | None:
         """A process asks to join, with a report of so many messages or without one."""
         health = None if published is None else Health(robot, 1, 5, 0.0, published, 0, {}, (), ())
         join = Join(robot, f"session {robot}", health)

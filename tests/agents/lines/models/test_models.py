@@ -100,8 +100,8 @@ MUTANTS = (
         ),
         Edit(
             _LIVES,
-            "            if life.status is Status.UP:\n"
-            "                life.status = Status.LOST\n"
+            "            if life.status is LifeStatus.UP:\n"
+            "                life.status = LifeStatus.LOST\n"
             "\n"
             "    def listeners",
             "\n    def listeners",

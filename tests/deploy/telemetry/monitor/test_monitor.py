@@ -19,7 +19,7 @@ from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.messages import Clock, Truth
 from protocol.operations import Steer
-from protocol.scenario.model import Journey, Operation, Order, Point, RobotSpec, Time
+from protocol.scenario.model import Journey, Operation, Order, Position, RobotSpec, Time
 from tests.deploy.telemetry.monitor.watched import ring, running, watch_local
 from tests.system.orders.turnover import asked
 from tests.until import PATIENCE, until
@@ -79,7 +79,7 @@ def test_a_late_viewer_is_shown_what_is_in_force() -> None:
         until(lambda: watcher.snapshot()["verdict"] == "arrived")
 
 
-def sent(*points: Point) -> Operation:
+def sent(*points: Position) -> Operation:
     return Operation(goal=Journey(1, points))
 
 

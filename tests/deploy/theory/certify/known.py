@@ -15,7 +15,8 @@ from deploy.theory.exact_flow import (
     random_configuration,
     swapped_pairs,
 )
-from deploy.theory.function import Array, FleetProblem, gamma, obstacle_functions
+from deploy.theory.function import FleetProblem, gamma, obstacle_functions
+from protocol.arrays import Reals
 from protocol.draws import Purpose, generator
 
 WORKSPACE = 0.3
@@ -29,7 +30,7 @@ class Known:
     point: CriticalPoint
 
     @property
-    def row(self) -> Array:
+    def row(self) -> Reals:
         """(b, lambda, kappa)."""
         problem, b = self.problem, self.point.b
         beta = np.roll(obstacle_functions(problem, b), -problem.p)  # pairs first
@@ -58,7 +59,7 @@ def known(seed: int, starts: int = 4) -> tuple[Known, ...]:
     return tuple(_found(problem, [*(b for b in places if b is not None), *swapped_pairs(problem)]))
 
 
-def _found(problem: FleetProblem, starts: list[Array]) -> Iterator[Known]:
+def _found(problem: FleetProblem, starts: list[Reals]) -> Iterator[Known]:
     for start in starts:
         b = find_equilibrium(problem, start)
         if b is not None and gamma(problem, b) > 1e-8:
@@ -91,7 +92,7 @@ def forever(equal: bool) -> Known:
     return found
 
 
-def boxes(known: Known, count: int, seed: int) -> Iterator[Array]:
+def boxes(known: Known, count: int, seed: int) -> Iterator[Reals]:
     """Boxes of all sizes that hold the point and every lambda; kappa is narrow, or reaches to 0."""
     draw = generator(seed, Purpose.STUDY, robot=1)
     n, row = 2 * known.problem.p, known.row
@@ -104,12 +105,12 @@ def boxes(known: Known, count: int, seed: int) -> Iterator[Array]:
         yield box
 
 
-def holds(box: Array, row: Array) -> bool:
+def holds(box: Reals, row: Reals) -> bool:
     slack = 1e-8 * np.maximum(1.0, np.abs(row))
     return bool(((box[:, 0] - slack <= row) & (row <= box[:, 1] + slack)).all())
 
 
-def half_form(found: Known, v: Array) -> float:
+def half_form(found: Known, v: Reals) -> float:
     """v^T H v / 2 without -2 (y . v)^2 / gamma, H = gamma kappa Hess(log phi^), by M and the gradients."""
     problem, b = found.problem, found.point.b
     scene, row, n = scene_of(problem), found.row, 2 * problem.p

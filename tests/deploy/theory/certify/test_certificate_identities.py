@@ -5,7 +5,8 @@ import pytest
 
 from deploy.theory.certify.boxes import scene_of
 from deploy.theory.exact_flow import classify
-from deploy.theory.function import Array, FleetProblem, gamma, obstacle_functions, reduced_jacobian
+from deploy.theory.function import FleetProblem, gamma, obstacle_functions, reduced_jacobian
+from protocol.arrays import Reals
 from protocol.draws import Purpose, generator
 from tests.deploy.theory.certify.known import J, Known, half_form, known
 
@@ -14,7 +15,7 @@ def points() -> list[Known]:
     return [found for seed in range(20) for found in known(seed)]
 
 
-def matrix(found: Known) -> Array:
+def matrix(found: Known) -> Reals:
     """M = I - Laplacian(lambda_ij) + diag(lambda_0i)."""
     scene, row, p = scene_of(found.problem), found.row, found.problem.p
     m = np.eye(p)

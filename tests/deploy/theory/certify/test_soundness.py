@@ -11,7 +11,7 @@ from deploy.theory.certify.contractors import enclose
 from deploy.theory.certify.curvature import corrected, form
 from deploy.theory.certify.replay import Walk
 from deploy.theory.certify.search import OPEN, Search, contract, contract_newton, settle
-from deploy.theory.function import Array
+from protocol.arrays import Reals
 from protocol.draws import Purpose, generator
 from tests.deploy.theory.certify.known import Known, blockade, boxes, forever, half_form, holds, known
 
@@ -111,7 +111,7 @@ def points() -> list[Known]:
     ]
 
 
-def around(found: Known, width: float) -> tuple[Scene, Array, Derived]:
+def around(found: Known, width: float) -> tuple[Scene, Reals, Derived]:
     scene, row = scene_of(found.problem), found.row
     n = 2 * found.problem.p
     margin = width * np.where(np.arange(len(row)) < n, 0.1, np.abs(row))
@@ -147,7 +147,7 @@ def test_the_quadratic_form_is_bounded_from_above_and_closely() -> None:
         assert exact - 1e-9 * abs(exact) <= bound <= exact + 1e-3 * abs(exact) + 1e-3
 
 
-def gradient(scene: Scene, b: Array, q: int) -> Array:
+def gradient(scene: Scene, b: Reals, q: int) -> Reals:
     row, i, j = np.zeros_like(b), scene.first[q], scene.second[q]
     apart = b[2 * i : 2 * i + 2] - (b[2 * j : 2 * j + 2] if j >= 0 else 0.0)
     row[2 * i : 2 * i + 2] = -apart if j < 0 else apart
