@@ -23,7 +23,7 @@ from deploy.theory.function import FleetProblem, obstacle_functions
 from protocol.errors import DocumentError, UsageError
 from protocol.errors import Problem as Fault
 from protocol.scenario.body import Length
-from protocol.scenario.model import Point, Scenario
+from protocol.scenario.model import Position, Scenario
 
 EMPTY, FALLS = 255, 254  # leaves of the branching; other bytes are halved rows
 FORMAT = "disknav certificate 2"
@@ -41,7 +41,7 @@ class ProofError(DocumentError):
 class GoalSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The certified goals, radii and workspace, by robot id, m."""
 
-    goals: Annotated[tuple[Point, ...], msgspec.Meta(max_length=MOST_ROBOTS)]
+    goals: Annotated[tuple[Position, ...], msgspec.Meta(max_length=MOST_ROBOTS)]
     radii: tuple[Length, ...]
     workspace: Length
 
