@@ -12,8 +12,8 @@ from typing import Final, final
 
 import numpy as np
 from mypy_extensions import mypyc_attr
-from numpy.typing import NDArray
 
+from protocol.arrays import Reals
 from protocol.geometry import Disk, Shape
 from protocol.kernel.records import GONE, Held
 from protocol.kernel.records import DiskRecord as Disk_
@@ -110,7 +110,7 @@ class RegionGeometry:
     def __init__(self) -> None:
         self._names: list[int] = []
         self._rows: dict[int, int] = {}
-        self._around: NDArray[np.float64] = np.full((3, 16), np.nan)  # x, y, radius, m; NaN if gone
+        self._around: Reals = np.full((3, 16), np.nan)  # x, y, radius, m; NaN if gone
 
     def note(self, disk: Disk_[Region]) -> None:
         """Note that the regions of a disk, or its presence, have changed."""

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from deploy.maps.occupancy import Mask, Occupancy
+from protocol.arrays import Reals
 from protocol.scenario.model import Position
 
 _AROUND: Final = np.ones((3, 3), dtype=bool)
@@ -108,7 +109,7 @@ class _Forbidden:
         return int((self._before[each, end] - self._before[each, begin]).sum())
 
 
-def _outermost(rows: Ints, chain: Ints, pick: np.ufunc) -> NDArray[np.float64]:
+def _outermost(rows: Ints, chain: Ints, pick: np.ufunc) -> Reals:
     """Column of an ascending chain of corners in each row; the outer end of a level side."""
     flat = np.interp(rows, chain[:, 1], chain[:, 0])
     pick.at(flat, chain[:, 1] - rows[0], chain[:, 0].astype(np.float64))

@@ -15,9 +15,8 @@ from typing import Final, NamedTuple
 import msgspec
 import numpy as np
 from msgspec.structs import replace
-from numpy.typing import NDArray
 
-from protocol.arrays import Complexes
+from protocol.arrays import Complexes, Reals
 from protocol.geometry import Shape
 from protocol.messages import LISTED, Count, Id, Truth, Vector
 from protocol.scenario.model import Scenario
@@ -25,7 +24,7 @@ from world.judge.clearance import Disks, NearestGaps
 from world.judge.measures import Goals, Level, levels_of
 
 DiskPair = tuple[int, int]
-Configurations = Sequence[Sequence[Vector]] | NDArray[np.float64]  # shape (n, p, 2)
+Configurations = Sequence[Sequence[Vector]] | Reals  # shape (n, p, 2)
 
 TOUCH: Final = 1e-9  # m; a gap below minus this is a contact, an exact touch with rounding is not
 _SAME = 1e-6  # ticks; intervals with a smaller gap are joined

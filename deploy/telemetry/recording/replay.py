@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from mcap.writer import Writer
-from numpy.typing import NDArray
 
 from deploy.output import writing
 from deploy.telemetry.recording.reader import Progress, Recording
 from deploy.telemetry.recording.writer import LIBRARY
 from deploy.telemetry.scene import WORLD, frame
+from protocol.arrays import Reals
 from protocol.bus.bus import Bus, Publish, Sample
 from protocol.codec import encode
 from protocol.errors import RecordingError
@@ -83,7 +83,7 @@ class _Plane(NamedTuple):
     """Positions of all present disks, m."""
 
     robots: tuple[int, ...]
-    places: Sequence[Vector] | NDArray[np.float64]
+    places: Sequence[Vector] | Reals
 
 
 class CheckedTrajectory(NamedTuple):

@@ -130,12 +130,12 @@ def middle(a: Interval) -> float:
 
 
 @compiled
-def ends(array: NDArray[np.float64], row: int) -> Interval:
+def ends(array: Reals, row: int) -> Interval:
     """A row as an interval."""
     return array[row, 0], array[row, 1]
 
 
-Box = NDArray[np.float64]
+Box = Reals
 
 _LARGEST = float(np.finfo(np.float64).max)
 
@@ -146,8 +146,8 @@ class Scene(NamedTuple):
     Factors q are the p (p - 1) / 2 pairs, then the p walls, for which `second` is -1.
     """
 
-    goals: NDArray[np.float64]
-    contact: NDArray[np.float64]
+    goals: Reals
+    contact: Reals
     first: NDArray[np.int64]
     second: NDArray[np.int64]
 
@@ -158,11 +158,11 @@ class Derived(NamedTuple):
     beta: (N, 2) m^2; work: (N, 2), y . grad beta_q / 2; total: (2, 2), gamma and s = kappa gamma.
     """
 
-    apart: NDArray[np.float64]
-    pull: NDArray[np.float64]
-    beta: NDArray[np.float64]
-    work: NDArray[np.float64]
-    total: NDArray[np.float64]
+    apart: Reals
+    pull: Reals
+    beta: Reals
+    work: Reals
+    total: Reals
 
 
 def scene_of(problem: FleetProblem) -> Scene:
@@ -209,7 +209,7 @@ def whole(scene: Scene, kappa: tuple[float, float]) -> Box:
 
 
 @compiled
-def narrow(array: NDArray[np.float64], row: int, new: Interval) -> bool:
+def narrow(array: Reals, row: int, new: Interval) -> bool:
     """Intersect a row with an interval. False: nothing is left.
 
     A bound that is nan is ignored, and one that overflows becomes the largest double.

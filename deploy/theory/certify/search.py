@@ -180,7 +180,7 @@ class Search:
         self.nodes, self.stuck = 0, False
 
     @property
-    def open(self) -> NDArray[np.float64]:
+    def open(self) -> Reals:
         """Boxes still to be processed."""
         return self._stack[: self._height]
 
@@ -208,7 +208,7 @@ class Search:
 @compiled
 def _advance(
     scene: Scene,
-    stack: NDArray[np.float64],
+    stack: Reals,
     level: NDArray[np.int64],
     height: int,
     out: Derived,
