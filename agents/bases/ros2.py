@@ -53,7 +53,7 @@ class Ros2Base:
 
     def hear(self, topic: Topic, payload: bytes, now: float) -> Vector | None:
         """Receive a message of one of `hears`; returns a wish for an external law, m/s, if any."""
-        if self._shared and topic in (self._odometry, self._pose):
+        if self._shared:
             return None
         if topic == self._odometry:
             self.senses.on_odometry(payload, now)
@@ -110,7 +110,7 @@ class Ros2Base:
     def on_timer(self, now: float) -> bytes:
         """The payload to publish by now."""
         self.senses.look(now)
-        if not self.senses.sound and self._drive.velocity != STILL and not self._blind:
+        if not self.senses.sound:
             self._blind = True
             return self.stand(now)
         return self._advance(now)

@@ -258,7 +258,7 @@ class Senses:
         newest, rest = self._odometer.newest, self._rest
         if wrong:
             self.invalidate(wrong)
-        elif newest is None or rest is None or (not self.sound and _has_moved(rest, newest)):
+        elif newest is None or rest is None or _has_moved(rest, newest):
             self._settled_from, self._rest = now, newest
 
     def on_pose(self, payload: bytes) -> None:
@@ -332,12 +332,11 @@ class Senses:
         return self.age(now) > self._odometer.oldest
 
     def read(self, tick: int, motion: BaseMotion | None, now: float) -> Sense | None:
-        """Odometry and measurement as `tick` begins; None if they are not trusted.
+        """Odometry and measurement as `tick` begins, after `look`; None if they are not trusted.
 
         The tick begins for this robot at the stamp of its newest odometry, at which the base executes
         `motion`.
         """
-        self.look(now)
         fix, newest = self._fix, self._odometer.newest
         if not self.sound or fix is None or newest is None or self.is_late(now):
             return None

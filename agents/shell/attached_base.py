@@ -34,7 +34,6 @@ class AttachedBase:
         base: the base.
         link: carries its topics.
         warn: takes warnings for the operator.
-        clock: time for the base, s.
 
     Attributes:
         hears: topics to subscribe to.
@@ -42,17 +41,11 @@ class AttachedBase:
         in_place: whether the base was free of faults, with the robot at a valid start, at least once.
     """
 
-    def __init__(
-        self,
-        base: Ros2Base,
-        link: RosLink,
-        warn: Callable[[str], None],
-        clock: Callable[[], float] = since_boot,
-    ) -> None:
+    def __init__(self, base: Ros2Base, link: RosLink, warn: Callable[[str], None]) -> None:
         self.hears = base.hears
         self.trouble = ""
         self.in_place = False
-        self._base, self._warn, self._clock = base, warn, clock
+        self._base, self._warn = base, warn
         link.subscribe(*base.hears)
         self._tell = link.publisher(base.tells)
         self._others: set[str] = set()  # tokens of other processes that drive this base
@@ -61,7 +54,7 @@ class AttachedBase:
     @property
     def due(self) -> float:
         """Time of the next `on_timer`, s, monotonic."""
-        return time.monotonic() + self._base.due - self._clock()
+        return time.monotonic() + self._base.due - since_boot()
 
     @property
     def heading(self) -> float:
@@ -70,7 +63,7 @@ class AttachedBase:
 
     def hear(self, topic: Topic, payload: bytes) -> Vector | None:
         """Receive a message of one of its topics; as `Ros2Base.hear`."""
-        return self._base.hear(topic, payload, self._clock())
+        return self._base.hear(topic, payload, since_boot())
 
     def on_driver(self, token: str, alive: bool) -> None:
         """A token of a process that drives this base came or went. With several, the robot stands."""
@@ -81,7 +74,7 @@ class AttachedBase:
 
     def begin(self, core: Robot, tick: Tick) -> Sense | None:
         """Odometry and measurement as a tick begins; resets the core's estimate after a fault."""
-        sense, senses = self._base.begin(tick, self._clock()), self._base.senses
+        sense, senses = self._base.begin(tick, since_boot()), self._base.senses
         if senses.take_reset():
             core.reset_estimate()
         elif core.lost and not senses.fault:
@@ -90,11 +83,11 @@ class AttachedBase:
 
     def obey(self, command: Command) -> None:
         """Execute the Command of the newest tick, before it is sent."""
-        self._tell(self._base.obey(command, self._clock()))
+        self._tell(self._base.obey(command, since_boot()))
 
     def stand(self, core: Robot, *, founded: bool) -> None:
         """Brake at once, outside of a tick. The parameters are those of `on_timer`."""
-        self._tell(self._base.stand(self._clock()))
+        self._tell(self._base.stand(since_boot()))
         self.on_timer(core, founded=founded)
 
     def on_timer(self, core: Robot, *, founded: bool) -> None:
@@ -104,7 +97,7 @@ class AttachedBase:
             core: the robot that it moves.
             founded: whether the run had begun when the robot was admitted: then it starts at its disk.
         """
-        self._tell(self._base.on_timer(self._clock()))
+        self._tell(self._base.on_timer(since_boot()))
         trouble = self._base.senses.fault
         if not self.in_place and not trouble:
             known = self._base.senses.place()

@@ -106,7 +106,7 @@ class RobotNode:
         if reply is None:
             self._due = now + RETRY
         elif isinstance(reply, joining.Wait):
-            self._due = now + min(max(0.0, reply.after), PATIENCE)
+            self._due = now + min(reply.after, PATIENCE)
         elif isinstance(reply, joining.Finished):
             self.verdict, self.finished = reply.verdict, True
             self._info(f"the run is over: {reply.verdict}")
@@ -263,7 +263,7 @@ class RobotNode:
 
     def _on_tick(self, core: Robot, tick: Tick) -> None:
         self._world.hear()
-        if tick.over and tick.incarnation >= core.incarnation:
+        if tick.over:
             self._over = True
             self._world.over()
             self._rejoin(core)
@@ -332,7 +332,7 @@ class RobotNode:
             base.on_timer(self.core, founded=self._founded)
             if base.in_place and not self._announced:
                 self._announce()
-        if base is None or now >= self._due:
+        if now >= self._due:
             self._look(now)
 
     def _look(self, now: float) -> None:

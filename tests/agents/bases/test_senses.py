@@ -146,6 +146,7 @@ ODOMETRY = {
         "odometry that is no number",
     ),
     "is upside down": (turned_over, "not in the plane"),
+    "has no direction": (lambda m: replace_pose(m, orientation=[0.0] * 4), "not in the plane"),
     "is in another frame": (lambda m: framed(m, "map"), "odometry of 'base_link' in 'map'"),
     "is of another frame": (lambda m: replace(m, child="laser"), "odometry of 'laser' in 'odom'"),
 }

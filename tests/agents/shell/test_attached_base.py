@@ -31,11 +31,12 @@ class Told:
     stand = on_timer
 
 
-def test_time_passes_for_a_base_while_its_computer_is_suspended():
+def test_time_passes_for_a_base_while_its_computer_is_suspended(monkeypatch: pytest.MonkeyPatch):
     asleep = 0.0
+    monkeypatch.setattr(time, "clock_gettime", lambda _: time.monotonic() + asleep)
     base = Told()
     link = RosLink(LocalNetwork().connect(), Base())
-    attached = AttachedBase(base, link, lambda _: None, lambda: time.monotonic() + asleep)
+    attached = AttachedBase(base, link, lambda _: None)
     core = Robot(load("turtlebots-2"), 1, 1)
     attached.on_timer(core, founded=True)
     before = base.now

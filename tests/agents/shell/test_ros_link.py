@@ -7,16 +7,7 @@ import pytest
 
 from agents.bases import dialects as ros
 from agents.bases.dialects import Topic, dialect_of
-from agents.bases.ros_messages import (
-    Flag,
-    Header,
-    Markers,
-    Odometry,
-    Pose,
-    StampedPose,
-    Transforms,
-    decode,
-)
+from agents.bases.ros_messages import Flag, Header, Markers, Odometry, Pose, StampedPose, Transforms, decode
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from protocol.bus.bus import RawSample
@@ -32,10 +23,8 @@ class Person:
         self.dialect, self.heard, self._bus = dialect_of(base), {}, bus
         for name, kind in (("/tf", ros.TF), ("disknav/odom", ros.ODOMETRY), ("disknav/markers", ros.MARKERS)):
             bus.listen(self.dialect.expression(Topic(base.topic(name), kind)))
-        stop, goal = (
-            Topic(base.topic("disknav/stop"), ros.BOOL),
-            Topic(base.topic("goal_pose"), ros.STAMPED_POSE),
-        )
+        stop = Topic(base.topic("disknav/stop"), ros.BOOL)
+        goal = Topic(base.topic("goal_pose"), ros.STAMPED_POSE)
         self.stop, self.goal = (
             bus.raw_publisher(self.dialect.key(each), self.dialect.attach(each.name)) for each in (stop, goal)
         )
