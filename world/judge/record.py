@@ -20,7 +20,7 @@ from protocol.arrays import Complexes, Reals
 from protocol.geometry import Shape
 from protocol.messages import LISTED, Count, Id, Truth, Vector
 from protocol.scenario.model import Scenario
-from world.judge.clearance import Disks, NearestGaps
+from world.judge.clearance import Disks, NearestGaps, gaps
 from world.judge.measures import Goals, Level, levels_of
 
 DiskPair = tuple[int, int]
@@ -249,9 +249,13 @@ class Record:
         for row, nearest in enumerate(during):
             tick = totals.truth.tick + row / parts
             for index in (nearest < -TOUCH).nonzero()[0].tolist() if nearest.min() < -TOUCH else ():
-                for begin, end in disks.overlaps(index, before[row], plane[row], TOUCH):
+                start, motion = before[row], plane[row] - before[row]
+                found = disks.overlaps(index, start, plane[row], TOUCH)
+                for begin, end in found:
+                    ends = start + begin * motion, start + end * motion
+                    deepest = nearest[index] if len(found) == 1 else gaps(disks, *ends)[index]
                     times = tick + begin / parts, tick + end / parts
-                    self._touch(disks.names(index), *times, float(nearest[index]))
+                    self._touch(disks.names(index), *times, float(deepest))
         worst = self.segment.goals.deviations(plane).max(axis=0).tolist()
         for robot, deviation in zip(disks.ids, worst, strict=True):
             totals.deviation[robot] = max(totals.deviation[robot], deviation)

@@ -113,11 +113,12 @@ def test_an_exact_touch_is_no_contact(distance, contacts):
 def test_crossing_the_workspace_from_outside_to_outside_ends_one_contact_and_begins_another():
     world = joined(scenario(((0.2, 0.0), (0.0, 0.0)), control=Control(k=60.0, speed=20.0)))
     advance(world, {1: (2.0, 0.0)})
-    advance(world, {1: (-12.0, 0.0)})
+    advance(world, {1: (-13.0, 0.0)})
     first, second = result_of(world)["contacts"]
-    assert first["until"] == pytest.approx(0.05 + 0.04 / 12.0, abs=1e-8)
-    assert second["from"] == pytest.approx(0.05 + 0.56 / 12.0, abs=1e-8)
+    assert first["until"] == pytest.approx(0.05 + 0.04 / 13.0, abs=1e-8)
+    assert second["from"] == pytest.approx(0.05 + 0.56 / 13.0, abs=1e-8)
     assert second["until"] == pytest.approx(0.1)
+    assert [first["deepest"], second["deepest"]] == pytest.approx([-0.04, -0.09])
 
 
 @given(begin=st.integers(0, 9), last=st.integers(10, 30))
