@@ -31,8 +31,8 @@ from deploy.telemetry.recording.form import from_json
 from deploy.telemetry.recording.trajectory import CompactTruth, Trajectory, columns_of
 from protocol.codec import DAMAGED
 from protocol.errors import KeyGrammarError, RecordingError, ScenarioError, UsageError
-from protocol.keys import STREAMS, parse, world_key
-from protocol.messages import Message, Truth
+from protocol.keys import STREAMS, parse
+from protocol.messages import Count, Message, Truth, Vector
 from protocol.scenario.file import validated
 from protocol.scenario.model import Scenario
 from world.world import WorldCore
@@ -58,7 +58,7 @@ class _RecordedFile:
 
     Attributes:
         firsts: smallest log time of each chunk, ns.
-        cut: the file has no proper end, or is damaged; all before that is available.
+        cut: the file has no proper end, goes on after it, or is damaged; all before that is available.
     """
 
     path: Path
@@ -78,7 +78,7 @@ class _RecordedFile:
                 yield from StreamReader(file, emit_chunks=True, record_size_limit=size).records
             except _DAMAGE:
                 return
-            self.cut = False
+            self.cut = bool(file.read(1))
 
     def messages(self, progress: Progress) -> Iterator[Recorded]:
         """Messages by log time, of equal times as written.
@@ -124,6 +124,8 @@ def _look_through(path: Path) -> _RecordedFile:
                 found.metadata[record.name] = record.metadata
             elif isinstance(record, Chunk):
                 found.firsts.append(record.message_start_time)
+            elif isinstance(record, McapMessage):
+                raise RecordingError(f"{path} has messages outside of chunks: name a file that disknav wrote")
     except OSError as error:
         raise UsageError(f"cannot read {path}: {error.strerror}") from error
     return found
@@ -145,18 +147,18 @@ class Contents:
         self.path = path
         self._files, self._complete = [_look_through(path)], True
         while following := self._files[-1].metadata.get("recorder", {}).get("following"):
-            path = path.with_name(Path(following).name)
-            if not self._continued(path):
+            if not self._continued(following):
                 self._complete = False
                 break
         first, self.metadata = self._files[0].metadata, dict(self._files[-1].metadata)
         self.metadata.update({name: first[name] for name in ("run", "scenario") if name in first})
 
-    def _continued(self, path: Path) -> bool:
-        """Whether `path` continues the files so far; it may belong to another recording."""
+    def _continued(self, name: str) -> bool:
+        """Whether the file of this name continues those so far; it may belong to another recording."""
         try:
+            path = self.path.with_name(Path(name).name)
             file = _look_through(path)
-        except (UsageError, RecordingError):
+        except (UsageError, RecordingError, ValueError):
             return False
         if file.run != self._files[0].run or path in [each.path for each in self._files]:
             return False
@@ -179,6 +181,16 @@ class Contents:
 
 
 _M = TypeVar("_M", bound=Message)
+
+
+class _Judged(msgspec.Struct):
+    """What readers use of a result."""
+
+    verdict: str
+    ticks: Count = 0
+    trajectory_sha256: str | None = None
+    positions: dict[int, Vector] | None = None
+    worlds: tuple[Count, ...] = ()
 
 
 class Entry(NamedTuple):
@@ -285,6 +297,7 @@ def read(path: Path | str, progress: Progress = lambda _: None) -> Recording:
     with _by_this_version(path):
         counts, trajectory = _looked_through(found, scenario, not preceding, progress)
         report = None if result is None else json.loads(result["json"])
+        msgspec.convert(report, _Judged | None, strict=False)
     recorder = found.metadata.get("recorder")
     cut = found.cut or recorder is None
     return Recording(path, run, scenario, report, Entries(found), counts, trajectory, preceding, cut)
@@ -294,7 +307,7 @@ def read(path: Path | str, progress: Progress = lambda _: None) -> Recording:
 def _by_this_version(path: Path) -> Iterator[None]:
     try:
         yield
-    except (KeyError, ValueError, KeyGrammarError) as error:
+    except (KeyError, ValueError, KeyGrammarError, RecursionError) as error:
         reason = f"{path} was written by another version, with other fields in a message: {error}"
         raise RecordingError(f"{reason}; read it with the version that wrote it") from error
 
@@ -317,10 +330,9 @@ def _looked_through(
     counts: Counter[str] = Counter()
     places: dict[int, CompactTruth] = {}
     robots: tuple[int, ...] = ()
-    truths = world_key(found.metadata.get("run", {}).get("name", ""), "truth")
     for key, _, data in found.messages(progress):
         counts[key] += 1
-        if key == truths:
+        if key.endswith("/world/truth"):
             truth = from_json(Truth, data)
             assert isinstance(truth, Truth)
             robots = robots if truth.robots == robots else truth.robots  # share equal tuples

@@ -113,10 +113,9 @@ def recomputed(recording: Recording) -> CheckedTrajectory:
     known = _known(recording)
     begin = max((recording.result or {}).get("worlds", ()), default=0)
     if begin not in known:
-        raise RecordingError(
-            f"{recording.path}: the Truth of tick {begin}, the first of the trajectory, was not recorded, "
-            f"so the trajectory cannot be checked; record with less load on the machine"
-        )
+        raise _unchecked(recording, f"the Truth of tick {begin}, the trajectory's first, was not recorded")
+    if max(known) - begin > recording.counts.total():
+        raise _unchecked(recording, "most of its ticks were not recorded")
     missing = set(range(begin, max(known))).difference(known)
     moves = _Moves(recording, missing) if missing else None
     digest = hashlib.sha256()
@@ -124,14 +123,16 @@ def recomputed(recording: Recording) -> CheckedTrajectory:
     for tick in range(begin, max(known) + 1):
         there = moves.follow(here, tick) if moves and tick in missing else known[tick]
         if there.robots != here.robots and tick - 1 in missing:
-            raise RecordingError(
-                f"{recording.path}: robots appeared or left before tick {tick}, and the Truth of the "
-                f"previous tick was not recorded, so the trajectory cannot be checked; record with less "
-                f"load on the machine"
-            )
+            changed = f"robots appeared or left before tick {tick}"
+            raise _unchecked(recording, f"{changed}, and the Truth of the previous tick was not recorded")
         digest.update(trajectory_rows(there.robots, [tick], np.array([there.places])))
         here = there
     return CheckedTrajectory(digest.hexdigest(), len(missing))
+
+
+def _unchecked(recording: Recording, why: str) -> RecordingError:
+    so = "so the trajectory cannot be checked; record with less load on the machine"
+    return RecordingError(f"{recording.path}: {why}, {so}")
 
 
 def _known(recording: Recording) -> dict[int, _Plane]:
@@ -151,7 +152,7 @@ class _Moves:
     """Motion of each robot in the tick before each of `ticks`, from odometry."""
 
     def __init__(self, recording: Recording, ticks: Set[int]) -> None:
-        self._path = recording.path
+        self._recording = recording
         self._sensed: defaultdict[int, dict[int, Vector]] = defaultdict(dict)
         self._commanded: dict[tuple[int, int], Vector] = {}
         for _, _, message in recording.entries.of(Tick, Command):
@@ -166,10 +167,8 @@ class _Moves:
         for robot, (x, y) in zip(before.robots, before.places, strict=True):
             move, velocity = self._sensed[tick].get(robot), self._commanded.get((robot, tick - 1))
             if move is None and velocity is not None:
-                raise RecordingError(
-                    f"{self._path}: the Truth of tick {tick} was not recorded, nor the odometry of robot "
-                    f"{robot}, so the trajectory cannot be checked; record with less load on the machine"
-                )
+                lost = f"the Truth of tick {tick} was not recorded, nor the odometry of robot {robot}"
+                raise _unchecked(self._recording, lost)
             dx, dy = move or (0.0, 0.0)
             after.append((x + dx, y + dy))
         return _Plane(before.robots, after)
@@ -182,8 +181,7 @@ def published(recording: Recording, run: str | None = None) -> Iterator[tuple[fl
     run = run or recording.run
     last = 0.0
     for last, recorded_key, message in recording.entries:
-        address = parse(recorded_key)
-        name, robot = address.stream, address.robot
+        _, robot, name, _ = parse(recorded_key)
         key = world_key(run, name) if robot is None else robot_key(run, robot, name)
         yield last, Sample(key, encode(message))
     if recording.result is not None:

@@ -6,6 +6,7 @@ import struct
 from contextlib import suppress
 from io import BytesIO
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -109,6 +110,75 @@ def test_a_whole_file_of_others_says_so(tmp_path):
         writer.start()
         writer.finish()
     with pytest.raises(RecordingError, match="holds no scenario: disknav did not write it"):
+        read(path)
+
+
+def rewritten(path: Path, chunks: bool = True, **metadata: dict[str, str]) -> bytes:
+    """A recording whose metadata are others; none where they are empty."""
+    buffer, reader = BytesIO(), make_reader(BytesIO(path.read_bytes()))
+    writer, numbers = Writer(buffer, use_chunking=chunks), {}
+    writer.start()
+    kept = {each.name: each.metadata for each in reader.iter_metadata()} | metadata
+    for name, about in kept.items():
+        if about:
+            writer.add_metadata(name, about)
+    for _, channel, message in reader.iter_messages(log_time_order=False):
+        if channel.topic not in numbers:
+            numbers[channel.topic] = writer.register_channel(channel.topic, "json", 0)
+        writer.add_message(numbers[channel.topic], message.log_time, message.data, message.publish_time)
+    writer.finish()
+    return buffer.getvalue()
+
+
+@pytest.mark.parametrize(
+    "report",
+    [
+        *("3", "[]", '"arrived"', '{"ticks": 4}', '{"verdict": "arrived", "ticks": -1}', "[" * 100_000),
+        '{"verdict": "arrived", "ticks": 4, "positions": 3}',
+        '{"verdict": "arrived", "ticks": 4, "worlds": "x"}',
+    ],
+    ids=range(8),
+)
+def test_a_result_of_another_form_is_refused(recorded, tmp_path, report):
+    path = tmp_path / "other.mcap"
+    path.write_bytes(rewritten(recorded[0], result={"json": report}))
+    with pytest.raises(RecordingError, match=r"other\.mcap was written by another version"):
+        read(path)
+
+
+def test_a_result_of_a_far_later_tick_is_not_compared(recorded, tmp_path):
+    path, result = tmp_path / "far.mcap", recorded[1] | {"ticks": 10**15}
+    path.write_bytes(rewritten(recorded[0], result={"json": json.dumps(result)}))
+    with pytest.raises(RecordingError, match="most of its ticks were not"):
+        recomputed(read(path))
+
+
+def test_a_recording_without_its_run_loses_nothing(recorded, tmp_path):
+    path = tmp_path / "nameless.mcap"
+    path.write_bytes(rewritten(recorded[0], run={}))
+    found, whole = read(path), read(recorded[0])
+    assert not found.cut
+    assert found.counts == whole.counts
+    assert found.trajectory.ticks.tolist() == whole.trajectory.ticks.tolist()
+
+
+@pytest.mark.parametrize("name", ["/", "..", "a\0b", "x" * 5000, "nothing.mcap"])
+def test_a_name_that_no_file_has_is_a_file_that_is_missing(recorded, tmp_path, name):
+    path = tmp_path / "first.mcap"
+    path.write_bytes(rewritten(recorded[0], recorder={"following": name}))
+    found = read(path)
+    assert found.cut
+    assert found.counts == read(recorded[0]).counts
+
+
+def test_what_is_not_read_is_told(recorded, tmp_path):
+    """Behind the end of the file, or outside of chunks."""
+    path, whole = tmp_path / "two.mcap", recorded[0].read_bytes()
+    path.write_bytes(whole + whole)
+    assert read(path).cut
+    assert recomputed(read(path)) == recomputed(read(recorded[0]))
+    path.write_bytes(rewritten(recorded[0], chunks=False))
+    with pytest.raises(RecordingError, match="outside of chunks"):
         read(path)
 
 
