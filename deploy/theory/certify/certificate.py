@@ -66,8 +66,7 @@ class GoalSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     @property
     def is_free(self) -> bool:
         """Whether all robots can be at their goals at once, apart from each other and the boundary."""
-        problem = self.problem
-        return bool((obstacle_functions(problem, problem.goals) > 0.0).all())
+        return bool((obstacle_functions(self.problem, np.array(self.goals)) > 0.0).all())
 
 
 class Slab(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

@@ -104,17 +104,12 @@ def contract_distances(scene: Scene, box: Box, out: Derived) -> bool:
 
 
 @compiled
-def _inside(members: int, robot: int) -> int:
-    return 1 if (members >> robot) & 1 else 0
-
-
-@compiled
 def _sign(scene: Scene, members: int, q: int) -> int:
     """Sign of lambda_q d_q as a force on the set; 0 if it does not act, or acts inside."""
     i, j = scene.first[q], scene.second[q]
     if j < 0:
-        return -_inside(members, i)
-    return _inside(members, i) - _inside(members, j)
+        return int(-((members >> i) & 1))
+    return int(((members >> i) & 1) - ((members >> j) & 1))
 
 
 @compiled

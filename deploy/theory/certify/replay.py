@@ -105,7 +105,8 @@ class Walk:
         """
         advice = self._next() if stored else EMPTY
         leaf = advice >= self._leaf
-        if rows is None or self.settled(box := self._box(rows)):
+        self.boxes += rows is not None
+        if rows is None or self.settled(box := BoxConditions(self._goals, rows)):
             return [] if leaf else [(None, True), (None, True)]
         self._further = 0 if stored else self._further + 1
         if self._further > _FURTHER:
@@ -115,10 +116,6 @@ class Walk:
         left, right = [[*each] for each in box.rows], [[*each] for each in box.rows]
         left[row][1] = right[row][0] = cut
         return [(half, not leaf) for half in (left, right)]
-
-    def _box(self, rows: Rows) -> BoxConditions:
-        self.boxes += 1
-        return BoxConditions(self._goals, rows)
 
     def _next(self) -> int:
         if self._at >= len(self._nodes):

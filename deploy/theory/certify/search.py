@@ -56,8 +56,7 @@ def _point(x: float) -> Interval:
 
 @compiled
 def _accumulate(array: Reals, row: int, value: Interval) -> None:
-    total = add(ends(array, row), value)
-    array[row] = total
+    array[row] = add(ends(array, row), value)
 
 
 @compiled
