@@ -113,7 +113,8 @@ def recomputed(recording: Recording) -> CheckedTrajectory:
     known = _known(recording)
     begin = max((recording.result or {}).get("worlds", ()), default=0)
     if begin not in known:
-        raise _unchecked(recording, f"the Truth of tick {begin}, the trajectory's first, was not recorded")
+        first = f"the Truth of tick {begin}, the first of the trajectory, was not recorded"
+        raise _unchecked(recording, first)
     if max(known) - begin > recording.counts.total():
         raise _unchecked(recording, "most of its ticks were not recorded")
     missing = set(range(begin, max(known))).difference(known)
