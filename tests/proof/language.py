@@ -34,15 +34,7 @@ STORED = {  # by a class, beside fields of its own objects
     "self.pairs[high.name][low.name]",
     "RobotLife": "bound.place bound.static self.bound[listed.number]",
 }
-ALIKE = {  # by loops: of each element something else
-    *["self._end(pair, disk)", "self._begin(pair, disk)", "self._release(disk, self.disks[peer])"],
-    *["bound.place", "bound.static", "self.bound[listed.number]", "self.held", "self._geometry.note(disk)"],
-}
 OWN = r"self\.(\w+|begin\(listed\.first\)|_geometry\.note\(disk\))"  # what is done by whatever is made
-OF_EACH = r"self\._geometry\.(clear\(other\.held, region\)|apart\(other\.held, disk\.held\)"
-OF_EACH += r"|keeps\(covered, bound\)|note\(disk\))"  # what is asked by loops: there may be no element
-ELEMENT = {"pair", "peer", "bound", "listed", "line", "other"}  # what a loop may name it, or something of it
-OF_ELEMENT = r"self\.disks\[(element)\]|known\.get\((element)\.number\)|Bound\((element), .+\)"
 OF_PAIR = r"(pair|living|static)\..+"  # what `_end` and `_begin` read, ask and store for a loop
 
 KINDS = {
@@ -69,11 +61,22 @@ PAIRS = r"self\.pairs\[\w+\.name\]"
 ENTRIES = rf"self\.disks\[(name|peer)\]|self\.disks\.get\(name\)|{PAIRS}(\.get\(\w+\.name\))?"
 ENTRIES += r"|known\.get\(listed\.number\)|(\w+\.)+regions\[(0|-1)\](\[1\])?|each\[0\]"
 MANY = rf"({PAIRS}|self\.(disks|bound)|places)\.(values|items)\(\)|list\({PAIRS}\)"
-ELEMENTS = rf"(disk|other) in self\.disks\.values\(\)|pair in {PAIRS}\.values\(\)|peer in list\({PAIRS}\)"
-ELEMENTS += rf"|peer, pair in {PAIRS}\.items\(\)|binding in \(pair\.living, pair\.static\)|name in places"
-ELEMENTS += r"|name, place in places\.items\(\)|name in self\._geometry\.around\(disk, region\)"
-ELEMENTS += r"|listed in told\.bindings|bound in self\.bound\.values\(\)"
-ELEMENTS += r"|(each|(_|number), line) in self\.(open|regions)"
+LOOPS = {  # and what they require or do of each element; there may be none
+    r"name in self\._geometry\.around\(disk, region\)": r"other = self\.disks\[name\]|require\("
+    r"self\._geometry\.(clear\(other\.held, region\)|apart\(other\.held, disk\.held\)), .+\)",
+    r"other in self\.disks\.values\(\)": r"require\(self\._geometry\.apart\(other\.held, disk\.held\), .+\)",
+    r"bound in self\.bound\.values\(\)": r"require\(self\._geometry\.keeps\(covered, bound\), .+\)",
+    r"disk in self\.disks\.values\(\)": r"self\._geometry\.note\(disk\)",
+    rf"pair in {PAIRS}\.values\(\)": r"self\._(end|begin)\(pair, disk\)",
+    rf"peer in list\({PAIRS}\)": r"self\._release\(disk, self\.disks\[peer\]\)",
+    r"listed in told\.bindings": r"self\.bound\[listed\.number\] = bound|"
+    r"bound\.place, bound\.static = \(listed\.place, listed\.static\)",
+    r"number, line in self\.open": r"self\.held = line",
+    rf"peer, pair in {PAIRS}\.items\(\)": r"other = self\.disks\[peer\]",
+}
+LOCAL = r"(?!other$)\w+"  # names that a loop may give anything
+ELEMENTS = r"name(, place)? in places(\.items\(\))?|(each|_, line) in self\.(open|regions)|binding in "
+ELEMENTS += r"\(pair\.living, pair\.static\)|" + "|".join(LOOPS)
 GROWS = r"(found|listed)\.(append|extend)\(.+\)"  # a list of the method's own
 CHANGES = rf"{GROWS}|require\(.+\)|self\.(open|regions)\.(append|extend)\(.+\)"
 CHANGES += r"|self\.pairs\[(one|other)\.name\]\.pop\((one|other)\.name, None\)"
@@ -358,37 +361,24 @@ class Kernel:
             need(all(re.fullmatch(OF_PAIR + r"|self\.version|disk\.name", each) for each in read), node)
         for each in ast.walk(node):
             if is_loop(each):
-                self._check_loop(owner, node, each)
+                self._check_loop(owner, each)
 
-    def _check_loop(self, owner: str, node: ast.FunctionDef, loop: Any) -> None:
-        """What is asked and done is of the element; nothing goes to another, or to what follows."""
+    def _check_loop(self, owner: str, loop: Any) -> None:
+        """A loop requires or does of each element what `LOOPS` says, and asks nothing else."""
         inside = [each for statement in loop.body for each in ast.walk(statement)]
-        made = [each for each in inside if isinstance(each, ast.Assign | ast.AnnAssign)]
-        mine = names_in(loop.target)
-        of = OF_ELEMENT.replace("element", "|".join(mine))
-        given = {(ast.unparse(to), said(what, of)) for to, what in chain(*map(assigned, made))}
-        mine |= {to for to, is_of in given if is_of} - {to for to, is_of in given if not is_of}
-        acts = set(self._acts(owner, loop.body, deep=False))
-        changes = not acts <= {"require"}
-        need(not changes or acts <= ALIKE, loop, "stores what is of no element, or requires, too")
+        head = f"{ast.unparse(loop.target).strip('()')} in {ast.unparse(loop.iter)}"
+        does = next((does for elements, does in LOOPS.items() if re.fullmatch(elements, head)), "")
+        made = [each for each in inside if isinstance(each, ast.Assign | ast.AnnAssign | ast.AugAssign)]
+        done = [each for each in made if not all(said(to, LOCAL) for to, _ in assigned(each))]
+        done += [each for each in inside if isinstance(each, ast.Expr) and not said(each, GROWS)]
+        within = list(chain(*map(ast.walk, done)))
+        changes = any(not said(each, r"(require|other = ).+") for each in done)
         for each in inside:
             need(not is_loop(each) and not isinstance(each, ast.Return | ast.ListComp), each, "is in a loop")
-            if (isinstance(each, ast.Expr) and not said(each, GROWS)) or (each in made and changes):
-                about = names_in(each) & {*mine, *ELEMENT}
-                need(about and about <= mine, each, "is of no element")
+            need(each not in done or said(each, does), each, "is of no element")
             if isinstance(each, ast.Call):
                 called = [self.methods[name] for name in self._called(each, owner)]
                 need(not any(map(is_loop, chain(*map(ast.walk, called)))), each, "loops in a loop")
-                asked = each.args[0] if said(each.func, "require") else each
-                asks = asked is not each or any(self._asks(*name) for name in self._called(each, owner))
-                need(not asks or said(asked, OF_EACH), each, "asks what is of no element")
+                asks = any(self._asks(*name) for name in self._called(each, owner))
                 is_made = getattr(each.func, "attr", "get") in ("get", "append", "extend")
-                need(not changes or is_made or ast.unparse(each) in acts, each, "asks what may change")
-        stored = [re.sub(r"\[.*|\.pop.*", "", each) for each in self._acts(owner, loop.body)]
-        words = {each.rpartition(".")[2] for each in stored}
-        entries = [each for each in inside if isinstance(each, ast.Subscript | ast.Attribute)]
-        entered = [each.value for each in entries if isinstance(each.ctx, ast.Store)]
-        for each in ast.walk(node):
-            if isinstance(each, ast.Attribute) and isinstance(each.ctx, ast.Load) and each.attr in words:
-                is_before = each in entered or (each not in inside and each.lineno <= loop.end_lineno)
-                need(is_before or ast.unparse(each.value) in names_in(loop.target), each, "may be of another")
+                need(each in within or is_made or not (asks or changes), each, "asks what is of no element")
