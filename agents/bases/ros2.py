@@ -92,7 +92,7 @@ class Ros2Base:
         if command.may_move:  # otherwise the coordinator may declare its robot static at once
             self._lease.sent(command.tick, now)
         late = self.senses.is_late(now) or now - self._begun > DECISION
-        velocity = STILL if self._blind or late else command.velocity
+        velocity = command.velocity if self.senses.sound and not (self._blind or late) else STILL
         self._drive.command(velocity, self._heading, now, self._lease.until)
         return self._advance(now)
 
@@ -110,10 +110,7 @@ class Ros2Base:
     def on_timer(self, now: float) -> bytes:
         """The payload to publish by now."""
         self.senses.look(now)
-        if not self.senses.sound:
-            self._blind = True
-            return self.stand(now)
-        return self._advance(now)
+        return self._advance(now) if self.senses.sound else self.stand(now)
 
     def _advance(self, now: float) -> bytes:
         """The velocity for the base by now."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import pytest
 
@@ -59,9 +58,7 @@ RULES = {
     ),
     "odometry must be young": (
         without_age,
-        partial(
-            shown.test_a_robot_stands_while_a_stream_is_unsound_says_why_and_goes_on, "odometry", "stops"
-        ),
+        lambda: shown.test_a_robot_stands_while_a_stream_is_unsound_says_why_and_goes_on("odometry", "stops"),
     ),
     "odometry is as old as its link is slow": (
         with_age_since_arrival,
@@ -69,8 +66,8 @@ RULES = {
     ),
     "a silent robot may have gone on": (
         without_the_way,
-        partial(
-            shown.test_a_process_that_was_stopped_is_fenced_where_it_is_and_does_not_move_on_stale_ticks, 1
+        lambda: shown.test_a_process_that_was_stopped_is_fenced_where_it_is_and_does_not_move_on_stale_ticks(
+            1
         ),
     ),
 }

@@ -11,10 +11,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.bases.ros_messages import NANO, Odometry, Pose, Velocity, header_at
+from agents.bases.ros2 import Ros2Base
+from agents.bases.ros_messages import NANO, Odometry, Pose, Velocity, decode, header_at
 from agents.bases.senses import DRIFT, LinkDelay, Odometer, Senses
 from deploy.library.load import load
-from protocol.scenario.body import PRESETS, Base
+from protocol.messages import Command, Tick
+from protocol.scenario.body import DECISION, PRESETS, Base
 from tests.agents.bases.wheels import Wheels
 
 DELAYS = st.lists(st.floats(0.0, 0.2), min_size=1, max_size=50)
@@ -186,6 +188,23 @@ def test_an_unsound_stream_says_why_and_is_trusted_again_after_a_while(stream, w
     assert any(re.search(says, note) for note in notes), notes
     assert (notes[-1] != "", senses.place()) == (True, None)
     assert [*hear(2.0)][-1] == ""
+
+
+@pytest.mark.parametrize(("fault", "taken"), [(False, 0.0), (True, 0.0), (False, 1.01 * DECISION)])
+def test_what_is_commanded_after_a_fault_in_the_same_tick_or_too_late_is_not_executed(fault, taken):
+    base, wheels, now = Ros2Base(PAIR, 1, PAIR.base_of(1)), Wheels(PAIR, 1, Random(1)), 0.0
+    odometry, pose = base.hears
+    while now < 1.0:
+        now += 0.02
+        base.hear(odometry, wheels.odometry(now).serialize(), now)
+        base.hear(pose, wheels.pose(now).serialize(), now)
+        base.on_timer(now)
+    for tick in (0, 1):  # by the second the coordinator has the Command of the first
+        base.begin(Tick(1, 1, tick, (1, 2), heard=tick - 1 if tick else None), now)
+        for by in (0.5, 0.0) if fault and tick else ():
+            base.hear(odometry, shifted(wheels.odometry(now + 0.01), by).serialize(), now)
+        told = decode(Velocity, base.obey(Command(1, 1, tick, (0.1, 0.1)), now + taken))
+    assert (told.linear[0] == told.angular[2] == 0.0) is (fault or taken > 0.0)
 
 
 def test_what_a_fast_base_can_do_is_no_jump():

@@ -300,11 +300,7 @@ MUTANTS = (
         "a base misses what it is told by a share of its way",
         Edit(_SWEEP, "_Hull(error, slip)", "_Hull(0.0, slip)"),
     ),
-    ride_without(
-        "slip",
-        "and by its lag and play",
-        Edit(_SWEEP, "_Hull(error, slip)", "_Hull(error, 0.0)"),
-    ),
+    ride_without("slip", "and by its lag and play", Edit(_SWEEP, "_Hull(error, slip)", "_Hull(error, 0.0)")),
     ride_without(
         "change",
         "lag counts for the velocity that it had, even if the one commanded is small",

@@ -6,16 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.law.late_states import (
-    FIRST,
-    KEPT,
-    LATEST,
-    SOFT_AT_ALL,
-    SOFT_IN_FULL,
-    SOFTER,
-    foreseen,
-    late_gain,
-)
+from agents.law.late_states import FIRST, KEPT, LATEST, SOFT_AT_ALL, SOFT_IN_FULL, SOFTER, foreseen, late_gain
 from agents.peers.state import Peer, PeerState
 
 R = 0.04

@@ -26,11 +26,7 @@ def corner(width: float) -> Obstacle:
 @pytest.mark.parametrize("slack", [1e-3, 1e-2, 1e-1])
 @pytest.mark.parametrize(
     ("below", "above"),
-    [
-        (NEEDLE, face),
-        (DISK, lambda width: Obstacle(center=(0.0, width + 0.9), radius=0.9)),
-        (DISK, corner),
-    ],
+    [(NEEDLE, face), (DISK, lambda width: Obstacle(center=(0.0, width + 0.9), radius=0.9)), (DISK, corner)],
     ids=["needle and face", "disks", "disk and corner"],
 )
 def test_a_robot_passes_a_gap_that_is_little_wider_than_its_disk(

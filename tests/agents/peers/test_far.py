@@ -78,9 +78,5 @@ def test_disks_that_may_touch_are_left_out_and_an_empty_field_is_nothing() -> No
     touching = field_of([Peer(*PLACE, 0.06, 2.0)], [1.5])
     assert (touching.log_x, touching.xx) == (0.0, 0.0)
     assert (touching.gamma, touching.largest, touching.slice) == (2.0, 2.0, 1.5)
-    empty = field_of([Peer(0.0, 0.0, 0.96, 1.0)], [1.0], [0])
-    assert (
-        (empty.count, empty.gamma, empty.slice)
-        == (NOTHING.count, NOTHING.gamma, NOTHING.slice)
-        == (0, 0.0, 0.0)
-    )
+    for empty in (NOTHING, field_of([Peer(0.0, 0.0, 0.96, 1.0)], [1.0], [0])):
+        assert (empty.count, empty.gamma, empty.slice) == (0, 0.0, 0.0)

@@ -27,20 +27,9 @@ cosines = st.floats(-1.0, 1.0)
 vectors = st.tuples(numbers, numbers)
 proposals = st.lists(st.builds(Proposal, ids, counts, counts, cosines, cosines, numbers), max_size=18)
 answers = st.lists(st.builds(Answer, ids, counts, counts, counts), max_size=18)
-states = st.builds(
-    State,
-    ids,
-    counts,
-    counts,
-    st.one_of(st.none(), vectors),
-    sizes,
-    sizes,
-    sizes,
-    vectors,
-    st.just(EPOCH),
-    proposals.map(tuple),
-    answers.map(tuple),
-)
+entries = proposals.map(tuple), answers.map(tuple)
+places = st.one_of(st.none(), vectors)
+states = st.builds(State, ids, counts, counts, places, *[sizes] * 3, vectors, st.just(EPOCH), *entries)
 
 
 def fields(state: PeerState) -> dict[str, Any]:
