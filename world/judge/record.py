@@ -69,6 +69,7 @@ class Totals(msgspec.Struct):
         collisions, contacts: number of overlaps, and the first `LISTED` of them, by their beginning.
         touched, touches: number of contacts reported by the plant, each once, and the first `LISTED` of them,
             as tick and pair of ids.
+        touching: pairs that were in such a contact in the last tick.
     """
 
     truth: Truth
@@ -80,6 +81,7 @@ class Totals(msgspec.Struct):
     contacts: list[Contact] = []
     touched: Count = 0
     touches: list[tuple[Count, DiskPair]] = []
+    touching: frozenset[DiskPair] = frozenset()
 
 
 class PastRecord(msgspec.Struct, frozen=True):
@@ -139,7 +141,6 @@ class Record:
         self.segment = segment_of(scenario, goals, obstacles)
         self._parts = parts
         self._batch = parts * max(1, min(_BATCH, _LARGEST // parts // len(self.segment.disks)))
-        self._touching: frozenset[DiskPair] = frozenset()
         self._news: list[Truth] = []
         self._digest = hashlib.sha256()
         if past is None:
@@ -172,12 +173,12 @@ class Record:
         self._aside.extend(between)
         self._aside.append(tuple(positions))
         present, totals = frozenset(touching), self._totals
-        for pair in sorted(present - self._touching):
+        for pair in sorted(present - totals.touching):
             totals.touched += 1
             if len(totals.touches) < LISTED:
                 tick = totals.truth.tick + len(self._aside) // self._parts - 1
                 totals.touches.append((tick, pair))
-        self._touching = present
+        totals.touching = present
         if len(self._aside) >= self._batch:
             self._measure()
 

@@ -3,6 +3,7 @@
 import math
 import struct
 
+import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 from protocol.geometry import Disk
 from protocol.scenario.model import Control, Obstacle, RobotSpec, Scenario, Workspace
 from tests.world.driving import advance, joined, scenario, two
-from world.judge.record import Record, trajectory_rows
+from world.judge.record import PastRecord, Record, trajectory_rows
 from world.report import result_of
 
 BOX = ((-0.05, 0.1), (0.05, 0.1), (0.05, 0.2), (-0.05, 0.2))
@@ -95,6 +96,18 @@ def test_phi_rises_by_motion_alone():
 
 
 FAST = Control(k=60.0, speed=10.0)
+
+
+def test_a_contact_that_outlasts_its_world_is_one() -> None:
+    """Of those that it measured itself, and of those that its plant has found."""
+    places = [[(-0.1, 0.02), (-0.1, -0.01)]]
+    record = Record(two(), [(-0.1, 0.1), (-0.1, -0.1)])
+    for _ in range(2):
+        record.add(*places, touching=[(1, 2)])
+        past = msgspec.msgpack.decode(msgspec.msgpack.encode(record.past), type=PastRecord)
+        record = Record(two(), *places, past=past)
+    assert (record.totals.touched, record.totals.touches) == (1, [(0, (1, 2))])
+    assert record.totals.collisions == 1
 
 
 def passing(y):
