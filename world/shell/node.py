@@ -319,7 +319,7 @@ class WorldNode:
     def _inform(self, *, due: bool) -> None:
         """Publish Clock and Truth to monitors if `due`, or if the last ones are old."""
         if due or self._publishers.is_due:
-            self._publishers.watched(self._run.clock(), self._run.world.referee.record.news())
+            self._publishers.watched(self._run.clock(), self._run.news())
 
     def _close(self) -> None:
         run = self._run

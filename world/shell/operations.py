@@ -103,4 +103,4 @@ class Operations:
             what = OTHER_WORLD if alive else left
             self._warn(f"tick {self._run.world.tick}: {what}")
         self._run.world.contest(bool(self._rivals))
-        self._publishers.watched(self._run.clock(), self._run.world.referee.record.news())
+        self._publishers.watched(self._run.clock(), self._run.news())

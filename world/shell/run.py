@@ -13,7 +13,7 @@ from enum import Enum
 from typing import Any, Final
 
 from protocol import joining
-from protocol.messages import Clock, Tick
+from protocol.messages import Clock, Tick, Truth
 from protocol.scenario.model import Scenario
 from world.past import Past
 from world.report import result_of
@@ -82,6 +82,11 @@ class JudgedRun:
             passed_over=world.lives.passed_over,
             stops=world.stops,
         )
+
+    def news(self) -> list[Truth]:
+        """Truths to publish; none before the run begins, when a recorder may not be listening yet."""
+        begun = self.world.lives.founded or self.world.verdict
+        return self.world.referee.record.news() if begun else []
 
     def is_marked(self) -> bool:
         """Whether this tick has an event that a launcher executes."""

@@ -1,12 +1,17 @@
 """The report lists the operators' requests: goals, robots added and removed, every emergency stop."""
 
 import json
+import time
 
 import msgspec
 
 from deploy.library.load import load
+from deploy.run.local import LocalFleet
 from protocol.bus.bus import Query
 from protocol.bus.local import LocalNetwork
+from protocol.codec import decode
+from protocol.messages import Truth
+from tests.listening import overhear
 from world.shell.node import WorldNode
 
 ASKED = (
@@ -44,3 +49,17 @@ def test_a_log_holds_every_order_and_a_person_hears_of_every_stop() -> None:
     assert noted[2].startswith("tick 0: robot 1 goes")
     assert noted[3].startswith("tick 0: an obstacle comes")
     assert len(noted) == 4
+
+
+def test_who_listens_before_the_first_tick_hears_where_the_robots_start() -> None:
+    fleet, heard = LocalFleet(load("swap-2")), list[int]()
+    fleet.world.on_timer(time.monotonic())  # it tells monitors that it waits
+
+    def hear(key: str, payload: bytes) -> None:
+        truth = decode(key, payload)
+        assert isinstance(truth, Truth)
+        heard.append(truth.tick)
+
+    overhear(fleet.network, hear, "disknav/local/world/truth")
+    fleet.execute()
+    assert heard == list(range(fleet.world.world.tick + 1))
