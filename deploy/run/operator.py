@@ -18,7 +18,7 @@ from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode, encode
 from protocol.errors import BusError, MessageError, UnservedError, UsageError
-from protocol.keys import STREAMS, checked_run, robot_key, world_key
+from protocol.keys import STREAMS, checked_run, robot_key, world_key, world_tokens
 from protocol.messages import GoalStatus, Result, Vector, Wish
 from protocol.operations import Reply, decode_reply
 from protocol.process.log import LOG
@@ -26,6 +26,7 @@ from protocol.process.signals import STOP
 from protocol.scenario.model import Operation
 
 ANSWER = 5.0  # s for a router to accept, and for a world to answer
+_SOON = 2.0  # s to wait for an answer before a person hears that there is none, if the request is repeated
 _PRESENT = 2.0  # s from a release to the number of stops in force; after that others may have followed
 _LOOK = 0.05  # s between queries of the state
 _PAUSE = 0.5  # s between them while nothing is published about an order
@@ -46,8 +47,8 @@ class Operator:
         self._heard = inf  # s, monotonic: newest answer
         self._wishes: dict[int, Publish] = {}  # publishers, by robot
 
-    def operate(self, operation: Operation | None = None) -> Reply:
-        """Request an operation, or (None) the state alone.
+    def operate(self, operation: Operation | None = None, within: float = ANSWER) -> Reply:
+        """Request an operation, or (None) the state alone; waits `within` s for an answer.
 
         If several worlds answer, their replies are combined: a refusal if one refuses, the newest tick,
         halted if all are, and all robots that move. A release asks for the number of stops so far, and lifts
@@ -61,11 +62,11 @@ class Operator:
         request = b"" if operation is None else msgspec.msgpack.encode(operation)
         once = operation is not None and not operation.halt  # a stop may be obeyed twice
         try:
-            answers = self._bus.ask(world_key(self._run, "operation"), request, ANSWER, once=once)
+            answers = self._bus.ask(world_key(self._run, "operation"), request, within, once=once)
         except BusError as error:
             sent = operation is not None and not isinstance(error, UnservedError)
             late = f" (It may still take effect: see `disknav monitor {self._run}`.)" if sent else ""
-            raise BusError(f"no world of run {self._run!r} answers: {error}{late}") from error
+            raise BusError(f"no world of run {self._run!r} answers{self._others()}: {error}{late}") from error
         self._heard = time.monotonic()
         if len(answers) > 1 and not self._warned:
             self._warned = True
@@ -78,6 +79,11 @@ class Operator:
             stops=min(reply.stops for reply in replies),
             moving=tuple(sorted({robot for reply in replies for robot in reply.moving})),
         )
+
+    def _others(self) -> str:
+        """The runs that have a world on this network, if this one has none."""
+        runs = {token.split("/")[1] for token in self._bus.tokens(world_tokens("*"))}
+        return f" (there is one of {', '.join(sorted(runs))})" if runs and self._run not in runs else ""
 
     def _in_force(self) -> int:
         """Number of stops so far; BusError if the answer is late: later stops may be among them."""
@@ -144,13 +150,16 @@ class Operator:
 
         The world may be restarted meanwhile: BusError is raised if none answers at the end, or for too long.
         """
-        deadline = time.monotonic() + within
+        deadline, patience = time.monotonic() + within, _SOON
         while True:
             try:
-                reply = self.operate(operation)
-            except BusError:
+                reply = self.operate(operation, patience)
+            except BusError as error:
                 if time.monotonic() >= min(deadline, self._heard + _AWAY):
                     raise
+                if patience < ANSWER:
+                    self._warn(f"{error}; asks again")
+                patience = ANSWER
             else:
                 if done(reply) or time.monotonic() >= deadline:
                     return reply

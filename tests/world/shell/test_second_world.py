@@ -16,7 +16,7 @@ from protocol.bus.bus import Query, Sample
 from protocol.bus.local import LocalNetwork
 from protocol.codec import decode, encode
 from protocol.errors import BusError, RunTakenError
-from protocol.keys import robot_key, world_key
+from protocol.keys import robot_key, world_key, world_token
 from protocol.messages import Command, GoalStatus, Message, PlacedObstacle, Result, Tick
 from protocol.operations import Reply, decode_operation
 from protocol.scenario.model import Operation
@@ -196,15 +196,21 @@ class Answers:
         self.rounds = list(rounds)
         self.events: list[Sample] = []
         self.asked: list[tuple[bytes, bool]] = []
+        self.waited: list[float] = []
+        self.announced: list[str] = []
 
     def ask(self, key: str, payload: bytes, timeout: float, *, once: bool) -> list[bytes]:
         self.asked.append((payload, once))
+        self.waited.append(timeout)
         replies = self.rounds.pop(0) if len(self.rounds) > 1 else self.rounds[0]
         if not replies:
             raise BusError("no answer")
         return [msgspec.msgpack.encode(reply) for reply in replies]
 
     def subscribe(self, *keys: str) -> None: ...
+
+    def tokens(self, _: str) -> list[str]:
+        return self.announced
 
     def receive(self, _: object) -> Sample | None:
         return self.events.pop(0) if self.events else None
@@ -220,10 +226,24 @@ def test_a_stop_is_repeated_until_all_of_all_worlds_stand() -> None:
     assert told == stands
     assert len(bus.rounds) == 1
     assert not any(once for _, once in bus.asked)
-    assert said == ["2 worlds of run 'r' answer: end all but one"]
+    assert said[0].startswith("no world of run 'r' answers: no answer")
+    assert said[1:] == ["2 worlds of run 'r' answer: end all but one"]
     bus = Answers((Reply(True, tick=4, halted=True, moving=(3, 7)), moving))
     told = Operator(bus, "r", print).stop(0.0)  # type: ignore[arg-type]
     assert (told.halted, told.moving) == (True, (2, 3, 7)), "without effect it names those that move"
+
+
+def test_who_misspells_a_run_hears_soon_which_runs_there_are_and_the_stop_is_sent_again() -> None:
+    said, bus = list[str](), Answers((), (), (Reply(True, tick=5, halted=True),))
+    bus.announced = [world_token("yard", "1"), world_token("dock", "2")]
+    assert Operator(bus, "yrad", said.append).stop(60.0).halted  # type: ignore[arg-type]
+    (told,) = said
+    assert told.startswith("no world of run 'yrad' answers (there is one of dock, yard): ")
+    assert told.endswith("; asks again")
+    assert bus.waited == [2.0, 5.0, 5.0]
+    bus.rounds, bus.announced = [()], [world_token("yrad", "1")]
+    with pytest.raises(BusError, match="no world of run 'yrad' answers: "):
+        Operator(bus, "yrad", said.append).stop(0.0)  # type: ignore[arg-type]
 
 
 def test_a_release_lifts_no_stop_that_may_have_come_after_it(monkeypatch: pytest.MonkeyPatch) -> None:
