@@ -10,7 +10,7 @@ from typing import Any
 from deploy.library.load import catalogue, prepared
 from deploy.library.load import load as load_named
 from protocol.errors import UsageError
-from protocol.scenario.file import apply_settings, parse_document
+from protocol.scenario.file import apply_settings, parse_document, toml_value
 from protocol.scenario.model import Scenario
 
 Settings = Mapping[str, Any]
@@ -63,13 +63,19 @@ def build(document: Mapping[str, Any], settings: Settings | None = None) -> Scen
         UsageError: a law from outside is missing, too slow or without its library, or `control.k` is
             "certified".
     """
-    plain = json.loads(written(document))
-    return prepared(parse_document(apply_settings(plain, _written(settings or {}))))
+    return prepared(parse_document(apply_settings(_table(document), _written(settings or {}))))
 
 
 def _written(settings: Settings) -> list[str]:
-    """As `--set` takes them: what JSON can say of values, TOML understands."""
-    return [f"{path}={written(value)}" for path, value in settings.items()]
+    """As `--set` takes them."""
+    return [f"{path}={toml_value(value)}" for path, value in _table(settings).items()]
+
+
+def _table(given: Mapping[str, Any]) -> dict[str, Any]:
+    plain = json.loads(written(given))
+    if not isinstance(plain, dict):
+        raise UsageError(f"{plain!r:.60}: give a dictionary, such as {{'control.k': 80}} for settings")
+    return plain
 
 
 def written(value: Any) -> str:

@@ -48,7 +48,7 @@ def apply_settings(document: Document, settings: Iterable[str]) -> Document:
     value is written as in TOML; a bare word is a string. Values are checked by the reader of the document,
     paths here.
 
-    Raises ScenarioError with all settings that are malformed, or whose path leads nowhere.
+    Raises ScenarioError if a setting is malformed or its path leads nowhere, with every problem of the rest.
     """
     changed = copy.deepcopy(document)
     problems: list[Problem] = []
@@ -57,11 +57,15 @@ def apply_settings(document: Document, settings: Iterable[str]) -> Document:
         try:
             if not equals:
                 raise _RefusedError("write path=VALUE, such as control.k=80")
-            _assign(changed, _steps(path.strip()), _parsed(text.strip()))
+            tried = copy.deepcopy(changed)
+            _assign(tried, _steps(path.strip()), _parsed(text.strip()))
+            changed = tried
         except _RefusedError as error:
             problems.append(Problem(path.strip(), str(error)))
     if problems:
-        raise ScenarioError("settings (--set)", problems)
+        if "map" not in changed:  # which brings obstacles
+            problems += _read(changed)[1]
+        raise ScenarioError("scenario with settings (--set)", problems)
     return changed
 
 
@@ -170,14 +174,20 @@ def parse_toml(text: str, source: str = "scenario") -> Scenario:
 
 def parse_document(document: Document, source: str = "scenario") -> Scenario:
     """A scenario from plain tables, arrays and values; raises ScenarioError with every problem."""
+    scenario, problems = _read(document)
+    if problems:
+        raise ScenarioError(source, problems)
+    return scenario
+
+
+def _read(document: Document) -> tuple[Scenario, list[Problem]]:
+    """The scenario, which is only usable without problems."""
     single = isinstance(document.get("sensing"), dict)
     arrays = _with_radii(document | {"sensing": [document["sensing"]]} if single else document)
     scenario, findings = read_table(arrays, Scenario)
     findings += checked(scenario, {steps for steps, _ in findings})
-    if not findings:
-        return scenario
     findings.sort(key=file_order(Scenario))
-    raise ScenarioError(source, [Problem(_path(steps, single), text) for steps, text in findings])
+    return scenario, [Problem(_path(steps, single), text) for steps, text in findings]
 
 
 def validated(scenario: Scenario) -> Scenario:
@@ -275,7 +285,7 @@ def _lines(path: tuple[str, ...], table: Document) -> Iterator[str]:
     """A table's own values first, then its tables: TOML allows no other order."""
     for key, value in table.items():
         if not _holds_tables(value):
-            yield f"{key} = {_value(value)}"
+            yield f"{key} = {toml_value(value)}"
     for key, value in table.items():
         inner = (*path, key)
         if isinstance(value, dict):
@@ -291,9 +301,12 @@ def _holds_tables(value: Any) -> bool:
     return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], dict))
 
 
-def _value(value: Any) -> str:
+def toml_value(value: Any) -> str:
+    """As it stands after `key =` in TOML."""
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{toml_value(key)} = {toml_value(item)}' for key, item in value.items())}}}"
     if isinstance(value, list):
-        return f"[{', '.join(_value(item) for item in value)}]"
+        return f"[{', '.join(map(toml_value, value))}]"
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):  # JSON's escapes are TOML's, but for the one control character JSON allows

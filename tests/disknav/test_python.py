@@ -28,6 +28,14 @@ def test_settings_are_as_on_the_command_line() -> None:
     )
     assert (scenario.control.k, scenario.control.additions, scenario.seed) == (80, ("escape",), 5)
     assert scenario.robots[0].goal == (0.1, 0.0)
+    assert disknav.load("swap-3", {"link": {"delay": [0, 0.1]}}).link.delay == (0.0, 0.1)
+    with pytest.raises(disknav.ScenarioError, match="must be a finite number"):
+        disknav.load("swap-3", {"control.k": float("nan")})
+    for refused in (["control.k=80"], "control.k=80"):
+        with pytest.raises(UsageError, match="give a dictionary"):
+            disknav.load("swap-3", refused)  # type: ignore[arg-type]
+        with pytest.raises(UsageError, match="give a dictionary"):
+            disknav.build(refused)  # type: ignore[arg-type]
 
 
 def test_every_problem_is_named() -> None:

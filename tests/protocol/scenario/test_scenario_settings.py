@@ -61,6 +61,12 @@ def test_settings_that_lead_nowhere(setting: str, words: str) -> None:
     assert len(caught.value.problems) == 2
 
 
+def test_a_setting_that_leads_nowhere_hides_no_other_mistake() -> None:
+    with pytest.raises(ScenarioError) as caught:
+        apply_settings(document() | {"nam": 1}, ["contrl.k=3", "time.limit=-1"])
+    assert [problem.path for problem in caught.value.problems] == ["contrl.k", "nam", "time.limit"]
+
+
 def test_a_setting_for_one_of_many_sensing_entries_must_say_which() -> None:
     several = document() | {"sensing": [{}, {}]}
     with pytest.raises(ScenarioError, match=r"sensing\[0\].noise"):
