@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from errno import ENOSPC
 from io import TextIOWrapper
 
 from protocol.process.signals import STOP, Stopped
@@ -55,6 +56,11 @@ def _run() -> int:
             raise
         LOG.error(explanation)
         return EXIT_INVALID if isinstance(explanation, invalid) else EXIT_FAULT
+    except OSError as error:
+        if error.errno != ENOSPC:
+            raise
+        LOG.error(f"cannot write to {error.filename or 'standard output'}: {error.strerror}")
+        return EXIT_FAULT
     except SystemExit as ending:
         return ending.code if isinstance(ending.code, int) else EXIT_FAULT
     return 0

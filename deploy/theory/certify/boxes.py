@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from itertools import combinations
 from typing import NamedTuple, TypeVar, cast
 
@@ -37,8 +38,13 @@ F = TypeVar("F", bound=Callable[..., object])
 
 
 def compiled(function: F) -> F:
-    """The function as cached machine code, strictly IEEE: nothing is reassociated or flushed to zero."""
-    return cast("F", njit(cache=True, error_model="numpy", fastmath=False)(function))
+    """The function as machine code, strictly IEEE: nothing is reassociated or flushed to zero. It is cached
+    if this file's folder or the home can be written."""
+    strictly = partial(njit, error_model="numpy", fastmath=False)
+    try:
+        return cast("F", strictly(cache=True)(function))
+    except RuntimeError:
+        return cast("F", strictly()(function))
 
 
 Interval = tuple[float, float]

@@ -36,6 +36,14 @@ def test_down_and_up_reach_beyond_the_neighbours(x: float) -> None:
     assert i.down(-math.inf) == -math.inf
 
 
+def test_where_no_folder_can_be_written_nothing_is_cached(monkeypatch: pytest.MonkeyPatch) -> None:
+    def nowhere(_: object) -> None:
+        raise RuntimeError("cannot cache function 'down': no locator available")
+
+    monkeypatch.setattr("numba.core.dispatcher.FunctionCache", nowhere)
+    assert i.compiled(lambda x: x + 1.0)(1.0) == 2.0
+
+
 @given(ordered, ordered, shares, shares)
 @settings(max_examples=400)
 @pytest.mark.slow
