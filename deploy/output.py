@@ -75,13 +75,12 @@ def whole_folder(target: Path) -> Iterator[Path]:
             raise
 
 
-_STANDARD_OUTPUT = "-"
 _JSON = "write JSON"
 
 
 def is_standard_output(target: Path | None) -> bool:
     """Whether `target` means standard output, which then gets no other text."""
-    return str(target) == _STANDARD_OUTPUT
+    return str(target) == "-"
 
 
 def check_json(target: Path | None) -> None:

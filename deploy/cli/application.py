@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from inspect import getdoc
 from typing import Annotated, Any
@@ -68,11 +69,13 @@ GROUPS: dict[str, tuple[Callable[..., None] | typer.Typer, ...]] = {
     "Learn": (check, certify, study),
     "Prepare": (scenario.app, setup.app, node.app),
 }
+_EXAMPLE = re.compile("^Examples?:.*", re.MULTILINE)
 for _group, _commands in GROUPS.items():
     for _command in _commands:
         if isinstance(_command, typer.Typer):
-            app.add_typer(_command, rich_help_panel=_group)
             for _info in _command.registered_commands:
                 _info.help = _paragraphs(_info.callback)
+            _example = _EXAMPLE.findall(_command.registered_commands[0].help or "")[0]
+            app.add_typer(_command, rich_help_panel=_group, help=f"{_command.info.help}\n\n{_example}")
         else:
             app.command(rich_help_panel=_group, help=_paragraphs(_command))(_command)

@@ -70,30 +70,25 @@ def _certificate(name: str, scenario: Scenario) -> Certified | None:
     return None if found is None else Certified(path, found.proven)
 
 
-_MINUTES = 10.0
-
-
 def certify(
     scenario: Annotated[
         str | None,
-        typer.Argument(
-            metavar="SCENARIO",
-            help="A scenario file or library name; optional with --verify.",
-        ),
+        typer.Argument(metavar="SCENARIO", help="A scenario file or library name; optional with --verify."),
     ] = None,
     k: Annotated[
         float | None,
-        typer.Option("--k", min=1.0, help="Prove down to this k; by default as far down as time allows."),
+        typer.Option(
+            "--k", metavar="K", min=1.0, help="Prove down to this k; default: as far as time allows."
+        ),
     ] = None,
     minutes: Annotated[
-        float | None, typer.Option(min=0.0, help="Stop after this many minutes; default 10.")
-    ] = None,
+        float, typer.Option(metavar="M", min=0.0, help="Stop after this many minutes.")
+    ] = 10.0,
     verify: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Check a certificate with independent arithmetic.")
     ] = None,
     out: Annotated[
-        Path | None,
-        options.out("Certificate to write or continue; default SCENARIO.certificate.json."),
+        Path | None, options.out("Certificate to write or continue; default SCENARIO.certificate.json.")
     ] = None,
     setting: options.SettingOptions = None,
     json_file: options.JsonFile = None,
@@ -125,7 +120,7 @@ def certify(
         from deploy.theory.certify.replay import replay
 
         goals = None if read_scenario is None else GoalSet.of(read_scenario)
-        checked = replay(fetch(verify, goals), _MINUTES if minutes is None else minutes, silent)
+        checked = replay(fetch(verify, goals), minutes, silent)
         _print(_verified(checked), asdict(checked), json_file, silent)
         raise typer.Exit(_status(checked.enough(k)))
     if scenario is None or read_scenario is None:
@@ -136,7 +131,7 @@ def certify(
 
     path = out or path_for(scenario)
     check_target(path, "write the certificate")
-    found = perform(read_scenario, path, k, _MINUTES if minutes is None else minutes, quiet=silent)
+    found = perform(read_scenario, path, k, minutes, quiet=silent)
     _print(f"{_found(found)}\n{path}", to_json(found, path, k), json_file, silent)
     raise typer.Exit(_status(found.proves(k)))
 
@@ -176,8 +171,7 @@ def study(
         int | None, typer.Option("--runs", min=1, help="Runs per cell; each study has its own default.")
     ] = None,
     jobs: Annotated[
-        int | None,
-        typer.Option("--jobs", "-j", min=1, help="Parallel runs; by default one per core."),
+        int | None, typer.Option("--jobs", "-j", min=1, help="Parallel runs; by default one per core.")
     ] = None,
     shard: Annotated[
         str | None,

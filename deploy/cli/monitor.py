@@ -39,8 +39,7 @@ def monitor(
     web: options.Web = False,
     secure: options.Secure = None,
     foxglove: Annotated[
-        bool,
-        typer.Option("--foxglove", help="Serve a scene for Foxglove; its address is printed."),
+        bool, typer.Option("--foxglove", help="Serve a scene for Foxglove; its address is printed.")
     ] = False,
     metrics: Annotated[
         str | None,

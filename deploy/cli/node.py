@@ -43,8 +43,7 @@ def robot(
     wait: WaitSeconds = _WAIT,
     alive: Alive = None,
     base: Annotated[
-        Literal["ros2"] | None,
-        typer.Option(help="Drive an external base by ROS 2 messages over zenoh."),
+        Literal["ros2"] | None, typer.Option(help="Drive an external base by ROS 2 messages over zenoh.")
     ] = None,
     namespace: Annotated[
         str | None,
@@ -88,12 +87,10 @@ def world(
     setting: options.SettingOptions = None,
     secure: options.Secure = None,
     plant: Annotated[
-        str | None,
-        typer.Option(help="Plant: integrator, mujoco, or external for external bases."),
+        str | None, typer.Option(help="Plant: integrator, mujoco, or external for external bases.")
     ] = None,
     checkpoint: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Checkpoint; continue from it if it exists."),
+        Path | None, typer.Option(metavar="FILE", help="Checkpoint; continue from it if it exists.")
     ] = None,
     wait: WaitSeconds = _WAIT,
     alive: Alive = None,
@@ -152,8 +149,7 @@ def router(
     secure: options.Secure = None,
     host: Annotated[str, typer.Option(help="Name of this host, if the keys are for several.")] = "",
     admin: Annotated[
-        bool,
-        typer.Option("--admin", help="Show connections and declarations in zenoh's admin space."),
+        bool, typer.Option("--admin", help="Show connections and declarations in zenoh's admin space.")
     ] = False,
     log: options.LogFile = None,
     print_config: Annotated[

@@ -41,8 +41,7 @@ SettingOptions = Annotated[
     ),
 ]
 JsonFile = Annotated[
-    Path | None,
-    typer.Option("--json", metavar="FILE", help="Write the result as JSON; '-' prints it alone."),
+    Path | None, typer.Option("--json", metavar="FILE", help="Write the result as JSON; '-' prints it alone.")
 ]
 Web = Annotated[bool, typer.Option("--web", help="Serve a live page; its address is printed.")]
 Record = Annotated[Path | None, typer.Option("--record", metavar="FILE", help="Record the run (MCAP).")]
@@ -57,11 +56,7 @@ Rotate = Annotated[
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print neither progress nor table.")]
 RunName = Annotated[
     str | None,
-    typer.Option(
-        "--run",
-        metavar="NAME",
-        help="Name of the fleet's run; with --secure that of the keys.",
-    ),
+    typer.Option("--run", metavar="NAME", help="Name of the fleet's run; with --secure that of the keys."),
 ]
 Run = Annotated[str, typer.Argument(metavar="RUN", help="Name of the run.")]
 FreshRun = Annotated[
@@ -92,11 +87,7 @@ LogFile = Annotated[
     typer.Option("--log", metavar="DIR", help="Write one log file per process to this directory."),
 ]
 ModeOption = Annotated[
-    Mode,
-    typer.Option(
-        "--mode",
-        help="Ticks wait for all robots, or follow the wall clock.",
-    ),
+    Mode, typer.Option("--mode", help="Ticks wait for all robots, or follow the wall clock.")
 ]
 
 

@@ -22,10 +22,7 @@ app = typer.Typer(name="recording", help="Inspect, draw and replay recordings.",
 
 
 @app.command()
-def info(
-    recording: options.RecordingFile,
-    json_file: options.JsonFile = None,
-) -> None:
+def info(recording: options.RecordingFile, json_file: options.JsonFile = None) -> None:
     """Print scenario, verdict and streams of a recording, and whether its trajectory matches the result.
 
     Example: disknav recording info figure-1.mcap
@@ -47,8 +44,7 @@ def plot(
         Path, options.out("Picture to write: .png, .svg, .pdf, or an animation: .gif, .webp, .mp4.")
     ],
     until: Annotated[
-        float | None,
-        typer.Option(min=0.0, help="Draw only this many simulated seconds."),
+        float | None, typer.Option(min=0.0, help="Draw only this many simulated seconds.")
     ] = None,
     width: Annotated[
         int | None, typer.Option(min=100, max=2000, help="Width of an animation, pixels; default 440.")
@@ -96,15 +92,13 @@ def replay(
         typer.Option(metavar="NAME", help="Name of the run to publish as; by default the recorded one."),
     ] = None,
     speed: Annotated[
-        float | None,
-        typer.Option(min=0.0, help="Simulated seconds per second; 0: unlimited. Default 1."),
+        float | None, typer.Option(min=0.0, help="Simulated seconds per second; 0: unlimited. Default 1.")
     ] = None,
     web: Annotated[
         bool, typer.Option("--web", help="Show it on the live page; its address is printed.")
     ] = False,
     ros2: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE.mcap", help="Write the poses tick by tick, for ROS 2 tools."),
+        Path | None, typer.Option(metavar="FILE.mcap", help="Write the poses tick by tick, for ROS 2 tools.")
     ] = None,
 ) -> None:
     """Recompute a recording's trajectory and compare it with the result; replay it on request.

@@ -24,11 +24,7 @@ def run(
     seed: options.Seed = None,
     setting: options.SettingOptions = None,
     keep: Annotated[
-        bool,
-        typer.Option(
-            "--keep",
-            help="Keep the fleet up until Ctrl-C, for [b]disknav fleet[/b].",
-        ),
+        bool, typer.Option("--keep", help="Keep the fleet up until Ctrl-C, for [b]disknav fleet[/b].")
     ] = False,
     name: Annotated[
         str | None,
@@ -68,8 +64,7 @@ def run(
     ] = None,
     secure: options.Secure = None,
     open_to_all: Annotated[
-        bool,
-        typer.Option("--open", help="Allow --hosts without --secure; --listen works without it."),
+        bool, typer.Option("--open", help="Allow --hosts without --secure; --listen works without it.")
     ] = False,
     restart: Annotated[
         str | None,

@@ -33,9 +33,7 @@ def list_() -> None:
 
 @app.command()
 def show(
-    scenario: options.Scenario,
-    seed: options.Seed = None,
-    setting: options.SettingOptions = None,
+    scenario: options.Scenario, seed: options.Seed = None, setting: options.SettingOptions = None
 ) -> None:
     """Print a scenario as a TOML file, checked and complete.
 
@@ -89,8 +87,7 @@ def import_(
     radius: Annotated[float, typer.Option(min=1e-3, help="Radius of the robots, m (maps, MovingAI).")] = 0.2,
     seed: Annotated[int, typer.Option(min=0, help="Seed of all random values (maps).")] = 0,
     error: Annotated[
-        float,
-        typer.Option(min=0.0, max=10.0, help="How far obstacles may reach into free space, m (maps)."),
+        float, typer.Option(min=0.0, max=10.0, help="How far obstacles may reach into free space, m (maps).")
     ] = 0.05,
     obstacles: Annotated[Path | None, typer.Option(help="World file with obstacles (LSC-DR).")] = None,
 ) -> None:

@@ -41,8 +41,7 @@ def keys(
     ],
     run: options.FreshRun = None,
     host: Annotated[
-        list[str] | None,
-        typer.Option(help="Further name or address of the router; repeatable."),
+        list[str] | None, typer.Option(help="Further name or address of the router; repeatable.")
     ] = None,
     hosts: Annotated[
         Path | None,

@@ -142,11 +142,7 @@ class Assembly:
     """
 
     def __init__(
-        self,
-        scenario: Scenario,
-        options: RunOptions,
-        record: Path | None,
-        stack: ExitStack,
+        self, scenario: Scenario, options: RunOptions, record: Path | None, stack: ExitStack
     ) -> None:
         self._scenario, self._options = scenario, options
         hosts = options.hosts
@@ -214,8 +210,7 @@ class Assembly:
         if options.hosts is not None:
             return self._link(MultiHost(options.hosts, membership, self._there))
         router = table.router(
-            membership.router(() if options.listen is None else (options.listen,)),
-            options.restarts,
+            membership.router(() if options.listen is None else (options.listen,)), options.restarts
         )
         self.supervisor.start([router])
         endpoint = Endpoint(self.supervisor.report(ROUTER, _START))

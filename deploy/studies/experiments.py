@@ -99,10 +99,7 @@ _FITTED = {
 
 
 def scale(
-    runs: int = 3,
-    seed: int = 0,
-    robots: Sequence[int] = ROBOTS,
-    transports: Sequence[Transport] = TRANSPORTS,
+    runs: int = 3, seed: int = 0, robots: Sequence[int] = ROBOTS, transports: Sequence[Transport] = TRANSPORTS
 ) -> Study:
     """Random instances at the paper's density with the filter on; `runs` for every number of robots."""
     cells = [

@@ -20,8 +20,7 @@ Share = Annotated[float, Meta(ge=0, le=0.9)]
 Probability = Annotated[float, Meta(ge=0, le=1)]
 # The number has its range from `checks`: msgspec 0.22 fails on one that is bounded beside a tuple.
 Span = Annotated[
-    float | tuple[NonNegative, NonNegative],
-    Meta(description="a number of seconds or an array [low, high]"),
+    float | tuple[NonNegative, NonNegative], Meta(description="a number of seconds or an array [low, high]")
 ]
 RobotId = Annotated[int, Meta(ge=1, le=999_999_999)]
 

@@ -181,10 +181,7 @@ def _carriers(scenario: Scenario, sound: Sound) -> Iterator[Mistake]:
         if body is not None and body.kind != "point":
             yield (*steps, "body"), 'cannot carry parts: leave parts out, or let every body be a "point"'
     if scenario.network.interest == "near":
-        yield (
-            ("network", "interest"),
-            "robots that carry parts plan with all others' ways: leave it out",
-        )
+        yield (("network", "interest"), "robots that carry parts plan with all others' ways: leave it out")
 
 
 def _wheels(steps: Steps, body: Body) -> Iterator[Mistake]:

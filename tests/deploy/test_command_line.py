@@ -60,8 +60,10 @@ def test_a_short_option_means_the_same_everywhere() -> None:
 
 @pytest.mark.parametrize("title", ALL)
 def test_every_command_has_an_example(title: str) -> None:
+    group = COMMAND.commands[title.split(maxsplit=1)[0]]  # type: ignore[attr-defined]
     assert f"disknav {title}" in ALL[title].help
     assert "Example" in ALL[title].help
+    assert f"disknav {group.name} " in group.help
 
 
 CANNOT_APPLY = [
