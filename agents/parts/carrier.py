@@ -81,7 +81,7 @@ class PartCarrier:
         self._loaded = carried != 0
         if carried:
             self._carry(carried)
-        elif self._task and self._is_mine(self._task) and self._fits(self._task):
+        elif self._is_mine(self._task) and self._fits(self._task):
             self._fetch(self._task)
         else:
             self._choose()
@@ -153,7 +153,7 @@ class PartCarrier:
             self._choose()
             return
         self.held = self._perception.obstacles.get(part, 0)
-        if self._place is None or self._seen != layout:
+        if self._seen != layout:
             self._seen = layout
             self._place = self._planner.fetch(part, self._position, layout)
         if self._place is None or self._is_stuck():
@@ -190,7 +190,7 @@ class PartCarrier:
         if self._refuge is not None and self._tick < self._back:
             self.goal = self._refuge
             return
-        if self._place is not None and self._is_beside(self._target, spec.radius + carried):
+        if self._is_beside(self._target, spec.radius + carried):
             self.handles = Handling(part, carried, self._target)
 
     def _is_beside(self, centre: Vector, touching: float) -> bool:

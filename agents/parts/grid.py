@@ -263,8 +263,7 @@ class GridPlaces:
 
     def is_home(self, part: int, layout: Layout) -> bool:
         """Whether a part is at its goal."""
-        at = layout.parts.get(part)
-        return at is not None and part not in layout.held and math.dist(at, self.parts[part].goal) < _HOME
+        return part not in layout.held and math.dist(layout.parts[part], self.parts[part].goal) < _HOME
 
     def is_barred(self, part: int, layout: Layout) -> bool:
         """Whether an obstacle that is not a part covers a part's goal."""

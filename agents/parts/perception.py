@@ -195,11 +195,8 @@ class Perception:
     def _empty(self, member: Member, carried: dict[int, int]) -> Disk:
         """The disk of a static robot without its part."""
         assert member.position is not None
-        part = carried.get(member.robot)
-        with_it = part is not None and member.radius <= self._scenario.parts[part - 1].radius
-        radius = (
-            radii_of(self._scenario.robots).get(member.robot, member.radius) if with_it else member.radius
-        )
+        own = radii_of(self._scenario.robots).get(member.robot, member.radius)
+        radius = own if member.robot in carried else member.radius
         return Disk(*member.position, radius + member.bound)
 
     def first(self, robot: int, claim: Claim | None) -> list[PeerState]:
@@ -217,10 +214,11 @@ class Perception:
         at, parts = peer.position, self._scenario.parts
         if at is None:
             return None
-        part = 0 if peer.claim is None else peer.claim.part
-        if not 0 < part <= len(parts):
+        claim = dict(self.claims).get(peer.robot)
+        if claim is None:
             home = next((each.goal for each in self._scenario.robots if each.id == peer.robot), at)
             return Traveller(at, home, peer.radius, self.among(0))
+        part = claim.part
         spec, carries = parts[part - 1], self.carriers.get(peer.robot) == part
         to = spec.goal if carries else self.layout.parts.get(part, at)
         radius = max(peer.radius, spec.radius) if carries else peer.radius
