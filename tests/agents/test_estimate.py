@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from agents.estimate import HISTORY, Estimate
 from agents.lines.own_set import SIDES
 from protocol.line import HalfPlane
-from protocol.messages import Sense
+from protocol.messages import Sense, Vector
 
 REACH = 0.005
 polar = st.tuples(st.floats(0.0, 2.0 * math.pi), st.floats(0.0, 1.0))
@@ -22,14 +22,9 @@ def support(estimate: Estimate, nx: float, ny: float) -> float:
 
 
 def tell(
-    estimate: Estimate,
-    bound: float,
-    tick: int,
-    position: tuple[float, float] | None,
-    stamp: int | None = None,
-    displacement: tuple[float, float] = (0.0, 0.0),
+    estimate: Estimate, bound: float, tick: int, at: Vector | None, stamp: int | None = None, moved=(0.0, 0.0)
 ) -> None:
-    estimate.update(tick, Sense(position, tick if stamp is None else stamp, bound, displacement))
+    estimate.update(tick, Sense(at, tick if stamp is None else stamp, bound, moved))
 
 
 def off(angle: float, share: float, size: float) -> tuple[float, float]:
@@ -89,6 +84,15 @@ def test_odometry_carries_a_delayed_measurement_to_the_present() -> None:
     tell(estimate, 0.001, 5, (0.5, 0.5), 2, (0.002, 0.001))
     assert estimate.position == pytest.approx((0.506, 0.503))
     assert estimate.bound == pytest.approx(0.001, rel=0.02)
+
+
+def test_a_measurement_of_before_some_missed_ticks_is_off_by_one_motion_more() -> None:
+    estimate = Estimate(REACH)
+    for tick in (0, 1):
+        tell(estimate, 0.001, tick, None)
+    tell(estimate, 0.001, 5, (0.5, 0.5), 1, (0.002, 0.001))
+    assert estimate.position == pytest.approx((0.502, 0.501))
+    assert estimate.bound == pytest.approx(0.001 + REACH, rel=0.02)
 
 
 def test_a_measurement_from_before_this_life_is_of_no_use() -> None:

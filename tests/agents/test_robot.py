@@ -2,6 +2,7 @@
 
 from functools import cache
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
@@ -61,6 +62,18 @@ def test_commands_are_the_same_in_whatever_order_its_peers_are_heard(orders: lis
             told = OWN in order[: count + 1]
             assert not told or robot.hearing.complete == (count == len(order) - 1)
         assert robot.command() == command
+
+
+@pytest.mark.parametrize(("halted", "stopped"), [(False, False), (True, False), (False, True)])
+def test_a_robot_stands_while_its_fleet_is_halted_or_it_is_stopped(halted: bool, stopped: bool) -> None:
+    robot = robots()[1][OWN]
+    for opened, states, _ in said():
+        robot.begin(replace(opened, halted=halted))
+        robot.stopped = stopped
+        for peer in OTHERS:
+            robot.hearing.on_state(heard(states[peer]))
+        velocity = robot.command().velocity
+    assert (velocity == (0.0, 0.0)) is (halted or stopped)
 
 
 def test_a_later_life_begins_as_the_disk_that_its_earlier_one_was() -> None:

@@ -71,6 +71,9 @@ def test_a_robot_that_asks_a_world_that_leaves_hears_that_it_has_left(
     node.on_timer(time.monotonic())
     assert 0.0 < sum(waited) < 0.5, "the launcher ends processes that have not left after 2 s"
     assert not node.finished, "the world may be busy"
+    later = Tick(1, 1, over.tick + 1, (), epoch=over.epoch)
+    node.handle(Sample(robot_key("local", 1, "tick"), encode(later)))
+    assert node.core.tick == over.tick, "this life is over"
     node.handle(Presence(token(fleet.network), False))
     assert node.finished
 

@@ -45,20 +45,8 @@ velocities = st.builds(Velocity, array(3), array(3))
 poses = st.builds(Pose, array(3), array(4))
 transforms = st.lists(st.builds(Transform, headers, texts, array(3), array(4)), max_size=2)
 colors, points = array(4, st.floats(0.0, 1.0, width=32)), st.lists(array(3), max_size=3)
-marked = (
-    headers,
-    texts,
-    int32,
-    int32,
-    int32,
-    poses,
-    array(3),
-    colors,
-    int32,
-    st.just(7),
-    st.booleans(),
-    points,
-)
+looks = poses, array(3), colors, int32, st.just(7), st.booleans(), points
+marked = headers, texts, int32, int32, int32, *looks
 CASES: dict[str, st.SearchStrategy[Any]] = {
     "geometry_msgs/msg/Twist": velocities,
     "geometry_msgs/msg/TwistStamped": st.builds(StampedVelocity, headers, velocities),
@@ -109,8 +97,9 @@ def test_damaged_payloads_are_refused(name: str, data: st.DataObject) -> None:
     for length in range(len(payload)):
         with pytest.raises(MessageError):
             decode(kind, payload[:length])
-    with pytest.raises(MessageError, match="no CDR"):
-        decode(kind, b"\1" + payload[1:])
+    for head in (b"\1\1", b"\0\2"):
+        with pytest.raises(MessageError, match="no CDR"):
+            decode(kind, head + payload[2:])
     decode(kind, payload + bytes(3))  # which some fill the last word with
     with pytest.raises(MessageError, match=f"{len(payload) + 4} bytes, of which"):
         decode(kind, payload + bytes(4))

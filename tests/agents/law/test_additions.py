@@ -36,13 +36,7 @@ def test_without_additions_the_law_is_the_papers_to_the_last_bit(seed: int) -> N
                 gamma = math.dist(spec.start, spec.goal) ** 2
                 state = (spec.id, 1, tick, True, *spec.start, 0.0, gamma, 0.1, 0.05, 0.05)
                 known.on_state(PeerState(*state, radius=spec.radius), 0)
-        view = View(
-            tick=tick,
-            position=(x, y),
-            goal=scenario.robots[0].goal,
-            displacement=(period * vx, period * vy),
-            neighbours=known,
-        )
+        view = View(tick, (x, y), scenario.robots[0].goal, (period * vx, period * vy), known)
         vx, vy = papers.velocity(view)
         assert augmented.velocity(view) == (vx, vy)
         assert augmented.slice_norm((x, y), view.goal) == papers.slice_norm((x, y), view.goal)

@@ -50,9 +50,7 @@ def under(law: str, scenario: str = "head-on", **over: object) -> Scenario:
 
 
 def a_view() -> View:
-    return View(
-        tick=3, position=(0.0, 0.0), goal=(0.1, 0.0), displacement=(0.0, 0.0), neighbours=Neighbours({})
-    )
+    return View(3, (0.0, 0.0), (0.1, 0.0), (0.0, 0.0), Neighbours({}))
 
 
 def test_a_law_that_inherits_from_the_interface_has_its_slice() -> None:

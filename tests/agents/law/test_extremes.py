@@ -61,14 +61,8 @@ def drive(
             for name, value in far.items():
                 setattr(known.far, name, value)
             known.far.count = 3
-        view = View(
-            tick=tick,
-            position=(x, y),
-            goal=own.goal,
-            displacement=(period * vx, period * vy),
-            neighbours=known,
-            obstacles=tuple(scenario.shapes.values()),
-        )
+        shapes = tuple(scenario.shapes.values())
+        view = View(tick, (x, y), own.goal, (period * vx, period * vy), known, shapes)
         vx, vy = law.velocity(view)
         assert math.hypot(vx, vy) <= speed * (1.0 + 1e-9), (tick, vx, vy)
         norm = law.slice_norm((x, y), own.goal)

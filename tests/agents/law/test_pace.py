@@ -73,9 +73,7 @@ def speed(norm: float, farthest: float, late: int = 0) -> float:
     neighbours = Neighbours({2: 0.04})
     neighbours.far = field
     law = choose(SCENARIO, 1)
-    view = View(
-        tick=10, position=(0.0, 0.0), goal=(0.05, 0.0), displacement=(0.0, 0.0), neighbours=neighbours
-    )
+    view = View(10, (0.0, 0.0), (0.05, 0.0), (0.0, 0.0), neighbours)
     return math.hypot(*law.velocity(view))
 
 

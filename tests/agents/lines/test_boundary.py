@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.lines.boundary import RoundBoundary
+from agents.lines.boundary import Boundary, RoundBoundary, StraightBoundary
 from agents.lines.own_set import Polygon, around
-from protocol.line import ROUNDING
+from protocol.line import ROUNDING, HalfPlane
 from tests.interpreted import interpreted
 
 W, SPEED, PERIOD = 0.26, 0.1, 0.05
@@ -132,3 +132,16 @@ def test_a_robot_that_has_less_room_than_rounding_takes_stands_still(room: float
         assert boundary.cut((1.5 * error, 0.0), shape, (dx, dy)) is not None
         assert boundary.cut((1.5 * error, 0.0), shape, (dx, dy), 0.3) is not None
     assert boundary.cut((1.5 * error, 0.0), shape, (0.0, 0.0)) is None
+
+
+WALLS = [HalfPlane(0.0, 1.0, 1.0), HalfPlane(1.0, 0.0, 1.0), HalfPlane(0.0, -1.0, 1.0)]
+
+
+@pytest.mark.parametrize("boundary", [RoundBoundary(1.0), StraightBoundary(WALLS)], ids=["round", "straight"])
+def test_the_outermost_part_of_a_set_is_cut_off_and_does_not_go_on(boundary: Boundary) -> None:
+    diamond = Polygon([0.1, 0.0, -0.1, 0.0], [0.0, 0.1, 0.0, -0.1])
+    assert boundary.beyond(0.8, 0.0, diamond) is None
+    beyond, left = boundary.beyond(0.95, 0.0, diamond), boundary.cut((0.85, 0.0), diamond, (0.1, 0.0))
+    for edge in (beyond, left):
+        assert edge is not None
+        assert (edge.nx, edge.ny) == (1.0, 0.0)

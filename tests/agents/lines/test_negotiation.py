@@ -6,7 +6,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from agents.lines.negotiation import MovingDisk, fit_line
+from agents.lines.negotiation import MovingDisk, deficit, fit_line
+from protocol.geometry import Disk
+from protocol.messages import Vector
 
 place = st.floats(-1.0, 1.0)
 velocity = st.floats(-0.5, 0.5)
@@ -15,20 +17,11 @@ RADIUS = 0.1
 
 
 @settings(max_examples=200, deadline=None)
-@given(place, place, *[velocity] * 6, seconds, seconds, seconds)
+@given(place, place, *[st.tuples(velocity, velocity)] * 3, seconds, seconds, seconds)
 def test_the_owner_satisfies_every_line_now_and_leaves_the_other_where_it_was_seen_to_be_going(
-    x: float,
-    y: float,
-    vx: float,
-    vy: float,
-    wx: float,
-    wy: float,
-    ux: float,
-    uy: float,
-    ahead: float,
-    begin: float,
-    longer: float,
+    x: float, y: float, own: Vector, wanted: Vector, seen: Vector, ahead: float, begin: float, longer: float
 ) -> None:
+    (vx, vy), (wx, wy), (ux, uy) = own, wanted, seen
     me, peer = MovingDisk(0.0, 0.0, RADIUS, vx, vy), MovingDisk(x, y, RADIUS, wx, wy, ux, uy)
     end = begin + longer
     line = fit_line(me, peer, ahead=ahead, begin=begin, end=end)
@@ -60,14 +53,16 @@ def test_a_standoff_is_left_on_either_side_as_far_as_there_is_any_and_first_to_t
     assert -line.gap(x, y) >= RADIUS + min(standoff, max(0.0, room - standoff)) - 1e-9
 
 
-def test_behind_one_that_drives_off_the_line_follows_it() -> None:
-    """Seen 0.6 s ago at 0.3 m, driving off at 0.1 m/s; the line is to be obeyed 0.6 s from now."""
-    me, peer = MovingDisk(0.0, 0.0, RADIUS, 0.1, 0.0), MovingDisk(0.3, 0.0, RADIUS, 0.1, 0.0, 0.1, 0.0)
-    line = fit_line(me, peer, ahead=0.0, begin=1.2, end=1.3, share=1.0)
-    assert line.offset == pytest.approx(0.3 + 0.12 - RADIUS)
+@pytest.mark.parametrize(("seen", "way"), [(0.1, 0.12), (0.0, 0.0)], ids=["it does", "it only wants to"])
+def test_behind_one_that_drives_off_the_line_follows_it(seen: float, way: float) -> None:
+    """Seen 0.6 s ago at 0.3 m, driving off at 0.1 m/s or not at all; obeyed 0.6 s from now."""
+    me, peer = MovingDisk(0.0, 0.0, RADIUS, 0.1, 0.0), MovingDisk(0.3, 0.0, RADIUS, 0.1, 0.0, seen, 0.0)
+    line = fit_line(me, peer, begin=1.2, end=1.3, share=1.0)
+    assert line.offset == pytest.approx(0.3 + way - RADIUS)
 
 
-def test_one_that_does_not_move_as_it_wants_to_keeps_its_place() -> None:
-    me, peer = MovingDisk(0.0, 0.0, RADIUS), MovingDisk(0.3, 0.0, RADIUS, 0.1, 0.0, 0.0, 0.0)
-    line = fit_line(me, peer, ahead=0.0, begin=1.2, end=1.3, share=1.0)
-    assert line.offset == pytest.approx(0.3 - RADIUS)
+@pytest.mark.parametrize(("x", "way"), [(0.0, 0.0), (0.02, -0.01), (0.09, -0.08), (0.1, 0.09), (0.2, 0.0)])
+def test_what_backs_off_from_a_disk_goes_straight_away_from_it_as_far_as_it_lacks(
+    x: float, way: float
+) -> None:
+    assert deficit(Disk(0.1, 0.0, 0.04), x, 0.0, 0.05) == pytest.approx((way, 0.0))

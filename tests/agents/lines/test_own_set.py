@@ -9,10 +9,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import structs
 
-from agents.lines.own_set import DIRECTIONS, SIDES, around
+from agents.lines.own_set import DIRECTIONS, SIDES, OwnSet, around
 from deploy.run.local import LocalFleet
+from protocol.bodies.sweep import Sweep
 from protocol.bus.bus import Event, Sample
 from protocol.codec import decode, encode
+from protocol.line import HalfPlane
 from protocol.messages import Tick
 from protocol.scenario.model import Control, RobotSpec, Scenario, Sensing, Time
 from tests.proxy import Proxy
@@ -66,6 +68,14 @@ def test_the_support_is_that_of_all_points_that_satisfy_every_cut(edges, angle) 
 
 def test_nothing_is_left_beyond_the_farthest_corner() -> None:
     assert around(1.0).cut(1.0, 0.0, -1.1) is None
+
+
+@pytest.mark.parametrize(("swept", "most"), [(None, 0.1), (Sweep([0.0, 0.2], [0.0] * 2, [0.0, 0.05]), 0.35)])
+def test_a_set_counts_with_all_its_further_motion(swept: Sweep | None, most: float) -> None:
+    own = OwnSet(0.0, 0.0, 0.1, None, swept)
+    for room, enough in ((most - 1e-6, False), (most + 1e-6, True)):
+        assert own.satisfies(HalfPlane(1.0, 0.0, room)) is enough
+        assert own.within(0.0, 0.0, room) is enough
 
 
 def lied_to(policy: str, caplog: pytest.LogCaptureFixture) -> tuple[dict, str]:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from agents.lines.boundary import RoundBoundary, StraightBoundary
 from agents.lines.safe_velocity import Limits, safe_velocity, wedge
+from protocol.bodies.sweep import Sweep
 from protocol.line import ROUNDING, HalfPlane
 
 PERIOD, SPEED, ROOM = 0.05, 0.1, 0.26
@@ -140,3 +141,9 @@ def test_a_wedge_holds_whatever_the_noise(slack: float, noise: float, size: floa
 def test_noise_keeps_the_apex_in_front_of_a_line() -> None:
     vx, _ = solved((0.1, 0.0), (0.0, 0.0), [HalfPlane(1.0, 0.0, 0.001)], noise=0.25)
     assert vx * 1.25 * PERIOD == pytest.approx(0.001)
+
+
+def test_a_sweep_that_leaves_the_room_on_its_way_violates_something_wherever_it_ends() -> None:
+    limits, margins = Limits((0.2, 0.0), (), [RoundBoundary(ROOM)], None), [0.0, 0.01, 0.01]
+    assert limits.cut(Sweep([0.0, 0.04, 0.0], [0.0] * 3, margins)) is None
+    assert limits.cut(Sweep([0.0, 0.06, 0.0], [0.0] * 3, margins)) is not None

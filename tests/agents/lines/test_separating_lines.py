@@ -95,10 +95,8 @@ def test_a_robot_that_finds_no_room_for_a_first_line_backs_off_until_there_is(id
     lines, x = robot(identity, ListedBinding(5, 2, None, ((0.082, 0.0),), 0.043), bound=0.001), 0.0
     for tick in range(1, 9):
         vx, vy = lines.make_room(STILL)
-        assert vx <= 0.0
         assert vy == 0.0
-        if not lines.firsts():
-            assert vx < 0.0
+        assert vx == 0.0 if lines.firsts() else vx < 0.0
         x += 0.05 * max(vx, -0.1)
         lines.locate(tick, (x, 0.0), 0.001)
     assert lines.firsts()
@@ -119,8 +117,8 @@ def test_an_owner_obeys_what_it_proposes_at_once_and_drops_it_when_it_is_answere
 
 def test_a_follower_adopts_what_fits_once_and_says_so() -> None:
     follower = robot(2, ListedBinding(5, 1, HALFWAY), at=(0.1, 0.0))
-    for number, offset in ((1, 0.055), (2, 0.07), (1, 0.052)):
-        offer = Proposal(2, 5, number, 1.0, 0.0, offset)
+    for binding, number, offset in ((4, 9, 0.054), (5, 1, 0.055), (5, 2, 0.07), (5, 1, 0.052)):
+        offer = Proposal(2, binding, number, 1.0, 0.0, offset)
         follower.on_state(addressed_to(2, said(1, number, 0.0, offer), 0.04))
     assert [answer.seen for answer in follower.entries(STILL)[1]] == [2]
     ((_, nx, _, limit),) = follower.obeyed_lines()

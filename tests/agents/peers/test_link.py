@@ -13,9 +13,10 @@ from protocol.scenario.model import RobotSpec, Scenario
 from protocol.scenario.network import Burst, Distance, Partition, Roaming
 from protocol.scenario.network import Link as LinkFaults
 
-RADIOS = tuple(RobotSpec(i, 0.01, (0.05 * i, 0.0), (0.05 * i, 0.1)) for i in (1, 2))
+ROBOTS = tuple(RobotSpec(i, 0.01, (0.05 * i, 0.0), (0.05 * i, 0.1)) for i in (1, 2, 3, 4))
+SCENARIO = Scenario(robots=ROBOTS, seed=5)
 LINK = LinkFaults(burst=Burst(good=2.0, bad=0.5), roaming=Roaming(10.0, (0.5, 1.5)))
-WIRELESS = Scenario(robots=RADIOS, seed=5, link=LINK)
+WIRELESS = replace(SCENARIO, robots=ROBOTS[:2], link=LINK)
 TICKS = range(24_000)
 
 
@@ -51,10 +52,6 @@ def test_what_a_radio_does_does_not_depend_on_what_was_asked_before(seed: int, t
         )
 
 
-ROBOTS = tuple(RobotSpec(i, 0.01, (0.05 * i, 0.0), (0.05 * i, 0.1)) for i in (1, 2, 3, 4))
-SCENARIO = Scenario(robots=ROBOTS, seed=5)
-
-
 def state(robot: int, tick: int, incarnation: int = 1) -> PeerState:
     return PeerState(robot, incarnation, tick, True, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, radius=0.1)
 
@@ -69,10 +66,14 @@ def heard(faults: LinkFaults, states: list[PeerState], until: int = 200) -> list
 
 def test_an_ideal_link_delivers_each_state_once_at_its_tick() -> None:
     ticks = heard(LinkFaults(), [state(2, 3), state(3, 3), state(2, 4)])
-    assert [(tick, entry) for tick, entry in enumerate(ticks) if entry] == [
-        (3, [(2, 3), (3, 3)]),
-        (4, [(2, 4)]),
-    ]
+    assert {tick: entry for tick, entry in enumerate(ticks) if entry} == {3: [(2, 3), (3, 3)], 4: [(2, 4)]}
+
+
+def test_only_a_state_of_the_tick_or_a_later_one_is_ahead() -> None:
+    link = StateLink(SCENARIO, 1)
+    for each in (state(2, 3), state(3, 4), state(4, 5)):
+        link.put(each)
+    assert list(link.ahead(4)) == [3, 4]
 
 
 def test_a_delay_takes_effect_at_the_first_tick_at_or_after_it() -> None:

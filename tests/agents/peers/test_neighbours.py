@@ -1,9 +1,12 @@
 """What one robot knows of the others, by their States and the roster."""
 
-from agents.peers.neighbours import Neighbours
+import pytest
+
+from agents.peers.neighbours import Neighbours, PeerInbox
 from agents.peers.state import PeerState
+from deploy.library.load import load
 from protocol.geometry import Disk
-from protocol.messages import Member, PlacedObstacle, Roster, Vector
+from protocol.messages import Member, PlacedObstacle, Roster, Tick, Vector
 
 
 def state(robot: int, incarnation: int, tick: int) -> PeerState:
@@ -57,10 +60,13 @@ def test_a_robot_that_is_gone_is_forgotten() -> None:
 def test_a_peer_that_the_scenario_did_not_name() -> None:
     known = Neighbours({2: 0.1})
     tell(known, Member(7, 0, "appearing", 0.3, (1.0, 1.0)))
+    lost = state(2, 1, 3)
+    lost.placed = False
+    assert known.on_state(lost, 9)
     assert [(disk.x, disk.radius) for disk in known.disks()] == [(1.0, 0.3)]
     tell(known, Member(7, 1, "live", 0.3))
     assert known.on_state(state(7, 1, 4), 9)
-    assert [peer.robot for peer in known.moving()] == [7]
+    assert [peer.robot for peer in known.moving()] == [2, 7]
     tell(known, Member(7, 1, "gone", 0.3))
     assert not known.on_state(state(7, 1, 5), 9)  # it was late
     assert known.disks() == []
@@ -98,3 +104,16 @@ def test_obstacles_are_those_of_the_scenario_but_for_what_came_and_went() -> Non
     assert known.shapes == tuple(listed.values())
     known.on_roster(Roster(2, (), (PlacedObstacle(1, "gone"), came)))
     assert known.shapes == (listed[2], came.shape)
+
+
+@pytest.mark.parametrize("lockstep", [True, False])
+def test_only_in_real_time_a_state_of_a_tick_that_was_missed_counts(lockstep: bool) -> None:
+    accepted: list[PeerState] = []
+    inbox = PeerInbox(load("swap-2"), 1, accepted.append, lockstep=lockstep)
+    inbox.open(Tick(1, 1, 4, (1, 2)))
+    inbox.on_state(state(2, 1, 4))
+    inbox.close()
+    inbox.on_state(state(2, 1, 5))
+    inbox.open(Tick(1, 1, 6, (1, 2)))
+    assert [each.tick for each in accepted] == ([4] if lockstep else [4, 5])
+    assert inbox.missing == [2]

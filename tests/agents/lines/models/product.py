@@ -6,23 +6,14 @@ from typing import Any
 
 from tests.interpreted import Edit, interpreted
 
-_KERNEL = [
-    "protocol.line",
-    "protocol.crowd",
-    *(f"protocol.kernel.{name}" for name in ("records", "pair", "robot", "ledger")),
-    "protocol.region",
-]
+_KERNEL = [f"protocol.kernel.{name}" for name in ("records", "pair", "robot", "ledger")]
+_KERNEL = ["protocol.line", "protocol.crowd", *_KERNEL, "protocol.region"]
 _LINES = [
     "agents.peers.neighbours",
     *(f"agents.lines.{name}" for name in ("own_set", "boundary", "negotiation", "separating_lines")),
 ]
-_ROBOT = [
-    "agents.estimate",
-    "agents.lines.safe_velocity",
-    "agents.bodies",
-    "agents.safety_filter",
-    "agents.robot",
-]
+_ROBOT = ["agents.estimate", "agents.lines.safe_velocity"]
+_ROBOT += [f"agents.{name}" for name in ("bodies", "safety_filter", "robot")]
 _WORLD = [
     *(f"world.coordinator.{name}" for name in ("roster", "keeper", "lives", "exchange", "parts")),
     *("world.plants.plant", "world.plants.integrator", "world.simulation", "world.world"),
