@@ -67,11 +67,9 @@ class Estimate:
         return (self.x, self.y) if self.bound < math.inf else None
 
     def update(self, tick: int, sense: Sense) -> None:
-        """Take in the odometry and the measurement of `tick`, unless it is not newer. A measurement of before
+        """Take in the odometry and the measurement of `tick`, newer than all before. A measurement of before
         this life is of no use, as no odometry carries it on."""
         if self._tick is not None:
-            if tick <= self._tick:
-                return
             self._move(sense, tick - self._tick)
         self._tick = tick
         if sense.position is not None and not self.lost:

@@ -20,7 +20,6 @@ from agents.safety_filter import SafetyFilter
 from protocol.crowd import period
 from protocol.kernel.records import NO
 from protocol.messages import (
-    LARGEST,
     STILL,
     Answer,
     Command,
@@ -72,7 +71,6 @@ class Robot:
         self._peers = self.hearing.neighbours
         self._law = GuardedLaw(scenario, robot)
         self._mover = PartCarrier(scenario, robot) if scenario.parts else None
-        self._reports = scenario.is_external
         self._period = period(scenario) if scenario.hears_near else 0  # ticks, of summaries
         self._desired = self._moved = STILL
         self._blind = True  # whether the displacement of the last tick is unknown
@@ -124,7 +122,7 @@ class Robot:
         first = self._peers.version == 0
         self._peers.on_roster(roster)
         own = self._peers.members.get(self.robot)
-        if first and own is not None and own.radius != self._filter.radius:
+        if first and own is not None:
             self._filter.resize(own.radius)  # an earlier life may carry a part
 
     def _state(self) -> State:
@@ -137,7 +135,6 @@ class Robot:
             slice_norm = self._law.slice_norm(position, self.goal)
             if self._filter.obeyed:
                 proposals, answers = self._filter.lines.entries(self._desired)
-        desired = _within(self._desired[0]), _within(self._desired[1])
         claim = None if self._mover is None else self._mover.claim
         return State(
             *self._life,
@@ -145,7 +142,7 @@ class Robot:
             bound=bound or 0,  # an integer takes one byte of nine
             gamma=gamma,
             slice=slice_norm,
-            desired=desired,
+            desired=self._desired,
             epoch=self.epoch,
             proposals=proposals,
             answers=answers,
@@ -189,7 +186,7 @@ class Robot:
             velocity=velocity,
             epoch=self.epoch,
             roster=self._peers.version,
-            report=self._report() if self._reports else None,
+            report=self._report() if self.scenario.is_external else None,
             version=lines.version,
             region=lines.region,
             firsts=lines.firsts(),
@@ -238,7 +235,7 @@ class Robot:
     def _move_parts(self, mover: PartCarrier) -> None:
         """Decide on parts in this tick; a robot with an order leaves them alone."""
         position = self._estimate.position
-        if position is not None and self._peers.version:
+        if position is not None:
             mover.look(self.tick, position, self._peers, self._ordered)
             self.goal = mover.goal
 
@@ -306,8 +303,3 @@ class Robot:
         _, bound = self.place
         life = self.robot, self.incarnation, max(self.tick, 0)
         return Health(*life, bound, published, received, rejected, heard, self.lines, self.note)
-
-
-def _within(number: float) -> float:
-    """The nearest number that a message may contain."""
-    return min(max(number, -LARGEST), LARGEST)

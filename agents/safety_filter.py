@@ -52,9 +52,9 @@ class SafetyFilter:
         if estimate.shape is not None and self.obeyed:
             self._confine(estimate, estimate.shape)
         position = estimate.position
-        self._located = position is not None and not estimate.lost and not blind
+        self._located = not (estimate.lost or blind)
         if position is None or not self._located:
-            self.lines.locate(tick, position or STILL, inf)  # no constraint is certainly satisfied
+            self.lines.locate(tick, STILL, inf)  # no constraint is certainly satisfied
         else:
             self.lines.locate(tick, position, estimate.bound, estimate.shape, self._body.swept)
 
@@ -92,7 +92,7 @@ class SafetyFilter:
         """Be a larger disk from now on, of `radius`, m, if that satisfies all that is obeyed and is inside
         the workspace; whether it is. Of disk `part`, unless that is NO, only the present one keeps clear."""
         position = estimate.position
-        if position is None or not (self._located and self.lines.ready):
+        if position is None or not self._located:
             return False
         swept = 0.0 if self._body.swept is None else self._body.reach
         inside = boundary_of(self._room, radius).contains(*position, estimate.bound + swept)

@@ -90,11 +90,9 @@ def fit_line(
 
     None if the disks overlap by their States, and also after the desired motion.
     """
-    mine, theirs, least = 0.0, 0.0, _NEED
-    if standoff > 0.0:
-        gap = math.hypot(follower.x - owner.x, follower.y - owner.y) - owner.radius - follower.radius
-        room = max(0.0, _MOST * (gap - _NEED))
-        mine, theirs = min(standoff, room), min(standoff, max(0.0, room - standoff))
+    gap = math.hypot(follower.x - owner.x, follower.y - owner.y) - owner.radius - follower.radius
+    room = max(0.0, _MOST * (gap - _NEED))
+    mine, theirs, least = min(standoff, room), min(standoff, max(0.0, room - standoff)), _NEED
     need = owner.radius + follower.radius + least + mine + theirs
     span = _closest(owner, follower, ahead, begin, end)
     if _length(span) < need:
@@ -224,9 +222,8 @@ class Bond:
 
     def resize(self, own_radius: float) -> None:
         """Change the radius of the own disk."""
-        if own_radius != self.own_radius:
-            self.own_radius = own_radius
-            self.renew()
+        self.own_radius = own_radius
+        self.renew()
 
 
 @final

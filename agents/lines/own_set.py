@@ -171,8 +171,6 @@ class CoverGeometry:
 
     def inside(self, body: Cover, region: Region) -> bool:
         """Whether a body is in a region."""
-        if region.is_everywhere:
-            return True
         shape, own = region.shape.around, body.own
         return own.within(shape.x, shape.y, shape.radius - body.radius)
 

@@ -141,17 +141,13 @@ class SeparatingLines:
         kernel = self.kernel
         if kernel is None:
             return
-        self._cover(kernel)
+        kernel.locate(Cover(self._own, self._radius), Cover(self._own, self._small))
         for bond in self._still:
             self._turn(kernel, bond)
         offered = kernel.offered
         is_new = kernel.offered_number > max(kernel.number, kernel.life)
         if is_new and offered is not None and CoverGeometry().inside(kernel.body, offered):
             kernel.adopt()
-
-    def _cover(self, kernel: Kernel) -> None:
-        body = Cover(self._own, self._radius)
-        kernel.locate(body, body if self._small == self._radius else Cover(self._own, self._small))
 
     def _turn(self, kernel: Kernel, bond: Bond) -> None:
         """Turn the half-plane towards a static disk, or find the first line towards it."""
@@ -205,8 +201,6 @@ class SeparatingLines:
         """Reduce the own disk to `radius`, m, or set that of a new life."""
         self._radius = self._small = radius
         self.part = NO
-        if self.kernel is not None:
-            self._cover(self.kernel)
         self._renew()
 
     def _renew(self) -> None:
@@ -299,14 +293,10 @@ class SeparatingLines:
         ]
 
     def obeyed_lines(self) -> tuple[tuple[int, float, float, float], ...]:
-        """Obeyed lines towards robots, for a monitor: peer, nx, ny, limit; the own disk keeps n.x <= limit.
-        All of them, or if those are too many, the tightest of each pair."""
+        """Obeyed lines towards robots, at most `SHOWN`, for a monitor: peer, nx, ny, limit; the own disk
+        keeps n.x <= limit."""
         found = [(bond.peer, side) for bond in self._each if bond.peer > 0 for side in bond.half_planes]
-        if len(found) > SHOWN:
-            x, y = self._own.x, self._own.y
-            found.sort(key=lambda each: each[1].slack(x, y), reverse=True)
-            found = list(dict(found).items())  # the last of each pair
-        return tuple((peer, side.nx, side.ny, side.limit + self._radius) for peer, side in found)
+        return tuple((peer, side.nx, side.ny, side.limit + self._radius) for peer, side in found[:SHOWN])
 
 
 def _told(grants: Grants) -> Told[Region, Line]:

@@ -56,8 +56,6 @@ class Radio:
 
     def back(self, tick: int) -> int:
         """The first tick at or after `tick` at which it has an access point."""
-        if self._scenario.link.roaming is None:
-            return tick
         window = tick // self._window
         for each in (window - 1, window):  # a gap ends before the next window does
             begin, end = self._gap(each) if each >= 0 else (0, 0)
@@ -124,7 +122,8 @@ class StateLink:
 
     def take(self, tick: int) -> list[PeerState]:
         """States due up to `tick`, by due tick, then sender and age; without faults in order of arrival."""
-        early = self._take_early(tick)
+        early = [state for state in self._early if state.tick <= tick]
+        self._early = [state for state in self._early if state.tick > tick]
         if self.ideal:
             return early
         for state in early:
@@ -134,13 +133,6 @@ class StateLink:
         for due in sorted([each for each in self._waiting if each <= tick]):
             taken += sorted(self._waiting.pop(due), key=lambda each: (each.robot, each.tick))
         return taken
-
-    def _take_early(self, tick: int) -> list[PeerState]:
-        early, self._early = self._early, []
-        if not early:
-            return early
-        self._early = [state for state in early if state.tick > tick]
-        return [state for state in early if state.tick <= tick] if self._early else early
 
     def _due(self, state: PeerState) -> list[int]:
         """Ticks at which copies of this State are delivered; empty when it is lost."""

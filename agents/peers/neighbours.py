@@ -139,9 +139,7 @@ class Neighbours:
 
     def attend(self, heard: Iterable[int]) -> None:
         """Keep the States of these peers and of static disks, and drop the others."""
-        kept = sorted({*heard, *self.standing})
-        if kept != list(self._states):
-            self._states = {peer: self._states.get(peer) for peer in kept}
+        self._states = {peer: self._states.get(peer) for peer in sorted({*heard, *self.standing})}
 
     @property
     def known(self) -> Iterable[int]:
@@ -268,7 +266,10 @@ class PeerInbox:
 
     @property
     def complete(self) -> bool:
-        """Whether all States awaited in this tick have arrived, and the summary that is due."""
+        """Whether all States awaited in this tick have arrived, and the summary that is due; real time awaits
+        none."""
+        if not self._lockstep:
+            return True
         return not self._awaited and (self._far is None or self._far.has_summary)
 
     @property

@@ -73,7 +73,6 @@ class RobotNode:
         self._link: RosLink | None = None
         self._base: AttachedBase | None = None
         self._tools: RosTools | None = None
-        self._lockstep = True
         self._founded = False  # whether the run had begun when this robot was admitted
         self._announced = False
         self._noted = 0  # reported troubles of the robot
@@ -127,7 +126,7 @@ class RobotNode:
             lockstep=admission.lockstep,
             epoch=admission.epoch,
         )
-        self._lockstep, self._founded = admission.lockstep, admission.founded
+        self._founded = admission.founded
         self._ended = self._over = False
         self._noted = 0
         self._info(f"life {admission.incarnation} begins, in scenario {admission.scenario.name!r}")
@@ -289,8 +288,7 @@ class RobotNode:
             self._warn(core.note)
         self._tell_state(self._said_state)
         self._published += 1
-        if core.hearing.complete or not self._lockstep:
-            self._command(core)
+        self._command_if_complete(core)
 
     def _command_if_complete(self, core: Robot) -> None:
         if core.hearing.is_open and core.hearing.complete:

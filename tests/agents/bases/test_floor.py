@@ -10,8 +10,6 @@ from random import Random
 import pytest
 
 from agents.bases.ros_messages import Odometry, StampedPose
-from protocol.messages import Command, Tick
-from protocol.scenario.body import Base
 from tests.agents.bases.floor import Floor
 from tests.agents.bases.test_senses import ODOMETRY, PAIR, POSE, fleet, shifted
 from world.report import result_of
@@ -129,19 +127,6 @@ def test_wheels_do_what_the_filter_counts_on_with_odometry_as_old_as_it_may_be(a
     assert floor.strayed <= 1e-6  # servos come to rest in no finite time
     assert floor.excess <= 0.0
     assert floor.closest > 0.0
-
-
-def test_a_decision_that_takes_too_long_does_not_move_the_base():
-    floor = Floor(PAIR, 2).run(FROM)
-    floor.cut = True
-    floor.run(FROM + STOPPED)
-    base, core = floor.crews[1].base, floor.crews[1].core
-    base._lease.until = math.inf
-    base.begin(Tick(1, core.incarnation, core.tick + 1, PAIR.ids), floor.now)
-    command = Command(1, core.incarnation, core.tick + 1, (0.2, 0.0), region=1)
-    for decided, moves in ((Base().age + Base().latency, False), (0.0, True)):
-        base.obey(command, floor.now + decided)
-        assert (base._drive.due < math.inf) is moves
 
 
 def late(now: float) -> float:

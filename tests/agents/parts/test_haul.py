@@ -169,9 +169,7 @@ MUTANTS = (
     without(
         "born-large",
         "a later life begins as the disk that its earlier one was",
-        Edit(
-            _ROBOT, "        if first and own is not None and own.radius", "        if False and own.radius"
-        ),
+        Edit(_ROBOT, "        if first and own is not None:", "        if False and own is not None:"),
         first=1900,
     ),
     without(
@@ -186,7 +184,7 @@ MUTANTS = (
     without(
         "lines-of-the-larger-disk",
         "half-planes are those of the disk that it is",
-        Edit("agents.lines.negotiation", "            self.own_radius = own_radius\n", "            pass\n"),
+        Edit("agents.lines.negotiation", "        self.own_radius = own_radius\n", "        pass\n"),
     ),
 )
 

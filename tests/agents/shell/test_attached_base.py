@@ -15,6 +15,7 @@ from agents.shell.ros_link import RosLink
 from deploy.library.load import load
 from protocol.bus.bus import Presence
 from protocol.bus.local import LocalNetwork
+from protocol.messages import Sense, Tick
 from protocol.scenario.body import Base
 
 
@@ -27,6 +28,9 @@ class Told:
     def on_timer(self, now):
         self.now, self.due = now, now + 0.1
         return b""
+
+    def begin(self, tick, now):
+        return None
 
     stand = on_timer
 
@@ -45,6 +49,20 @@ def test_time_passes_for_a_base_while_its_computer_is_suspended(monkeypatch: pyt
     assert attached.due < time.monotonic() - 3000.0  # long over
     attached.stand(core, founded=True)
     assert base.now - before >= 3600.0
+
+
+def test_a_robot_whose_measurements_contradict_each_other_is_lost_until_its_base_begins_anew():
+    base, core, faults = Told(), Robot(load("turtlebots-2"), 1, 1), []
+    for tick in (0, 1):
+        core.begin(Tick(1, 1, tick, (1,)), Sense((0.1 * tick, 0.0), tick, 0.0, (0.0, 0.0)))
+    attached = AttachedBase(base, RosLink(LocalNetwork().connect(), Base()), lambda _: None)
+    for fault, anew in (("", False), ("waits", False), ("", True)):
+        base.senses = SimpleNamespace(fault=fault, take_reset=[anew].pop, invalidate=faults.append)
+        assert core.lost
+        attached.begin(core, Tick(1, 1, 2, (1,)))
+        assert len(faults) == 1
+    assert not core.lost
+    assert "exclude each other" in faults[0]
 
 
 def test_two_processes_that_drive_one_base_stand_until_one_is_gone():
