@@ -90,16 +90,14 @@ def certify(
     goals = GoalSet.of(scenario)
     certificate = fetch(path, goals) if path.exists() else Certificate(goals=goals, scenario=scenario.name)
     until = time.monotonic() + 60.0 * minutes
-    try:
-        with bar("compiling", silent=quiet) as show, suppress(Stopped):
-            for found in prove(certificate, target):
-                if found.trial is UNSET:
-                    store(found, path)
-                show(1.0 if found.trial is UNSET else found.trial.done, _state(found))
-                if time.monotonic() >= until:
-                    break
-    finally:
-        store(certificate, path)
+    with bar("compiling", silent=quiet) as show, suppress(Stopped):
+        for found in prove(certificate, target):
+            if found.trial is UNSET:
+                store(found, path)
+            show(1.0 if found.trial is UNSET else found.trial.done, _state(found))
+            if time.monotonic() >= until:
+                break
+    store(certificate, path)
     return certificate
 
 

@@ -80,11 +80,12 @@ def test_too_little_time_is_status_1_and_the_next_call_goes_on() -> None:
     assert json.loads(second.stdout)["proven"] == 10.0
 
 
-@pytest.mark.usefixtures("here")
-def test_nothing_to_certify_is_an_error() -> None:
+def test_nothing_to_certify_is_an_error(here: Path) -> None:
     assert isinstance(call("certify").exception, UsageError)
     assert isinstance(call("certify", "--verify", "nowhere.json").exception, ProofError)
     assert call("certify", "figure-2", "--k", "0.5").exit_code == 2
+    assert isinstance(call("certify", "figure-2", "--k", "inf").exception, UsageError)
+    assert not list(here.iterdir())
 
 
 @pytest.mark.process
