@@ -197,6 +197,7 @@ def study(
     quiet: options.Quiet = False,
 ) -> None:
     """Run a study and print its table: the paper's experiments, faults, late states, peers, fleet sizes.
+    Most take minutes, peers takes hours unless [b]--only[/b] and [b]--runs[/b] limit it.
 
     Every finished run is kept in FILE.runs.jsonl beside the --json FILE; the same command goes on from
     there after Ctrl-C or a crash, unless the code or the settings have changed.

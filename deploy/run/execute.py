@@ -122,7 +122,8 @@ def execute(
 
 def _show(scenario: Scenario, show: Callable[[float, str], None], clock: Clock) -> None:
     """Show the newest Clock."""
-    figures = f"t = {clock.time:5.2f} s  smallest clearance {1000 * clock.clearance:6.2f} mm"
+    limit = "" if scenario.time.endless else f" of at most {scenario.time.limit:g} s"
+    figures = f"t = {clock.time:.2f} s{limit}  gap {1000 * clock.clearance:.2f} mm"
     with suppress(Stopped):  # after a signal the run still ends with a report
         show(clock.time / scenario.time.limit, f"{scenario.name}  {figures}")
 
