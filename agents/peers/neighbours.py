@@ -204,7 +204,7 @@ class PeerInbox:
         self._robot, self._tick, self._lockstep = robot, -1, lockstep
         self._link = StateLink(scenario, robot)
         self._far = Arrivals(scenario, robot) if scenario.hears_near else None
-        self._since: dict[int, int] = {}  # tick of the first accepted State, by peer
+        self._since: dict[int, int] = {}  # tick of the first State that may be accepted, by peer
         self._active: tuple[int, ...] = ()  # as the tick before named them
         self._awaited: set[int] = set()
         self.is_open = False
@@ -286,4 +286,6 @@ class PeerInbox:
             return
         state.size(self.neighbours.radii.get(state.robot, 0.0))
         if self.neighbours.on_state(state, self._tick):
+            # Repeated, it is no news, even if this peer was dropped meanwhile.
+            self._since[state.robot] = state.tick + 1
             self._accepted(state)

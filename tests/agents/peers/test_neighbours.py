@@ -79,6 +79,18 @@ def test_in_which_order_peers_are_heard_first_changes_nothing() -> None:
     assert [each.robot for each in known.moving()] == [2, 3, 4]
 
 
+def test_a_repeated_state_is_no_news_even_of_a_peer_that_was_dropped() -> None:
+    heard: list[PeerState] = []
+    inbox = PeerInbox(load("swap-2"), 1, heard.append, lockstep=True)
+    inbox.open(Tick(1, 1, 3, (1, 2)))
+    inbox.on_state(state(2, 1, 3))
+    inbox.close()
+    inbox.neighbours.attend(())
+    inbox.on_state(state(2, 1, 3))
+    inbox.open(Tick(1, 1, 4, (1, 2)))
+    assert (len(heard), inbox.neighbours.position(2)) == (1, None)
+
+
 def test_only_a_newer_roster_counts() -> None:
     known = Neighbours({2: 0.1})
     known.on_roster(Roster(3, (standing(2, (7.0, 7.0)),)))
