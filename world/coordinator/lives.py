@@ -159,11 +159,11 @@ class Lives:
         return known
 
     def settle(self) -> bool:
-        """Let each announced obstacle appear that all robots keep clear of; returns whether any did."""
+        """Let each announced obstacle appear that all robots keep clear of; returns whether any did. The
+        roster follows with the parts that are among them."""
         settled = [number for number in self.obstacles.appearing if self.keeper.appear(-number)]
         for number in settled:
             self.obstacles.put_up(number)
-        self.roster.follow()
         return bool(settled)
 
     def refuses(self, command: Command) -> bool:

@@ -6,7 +6,7 @@ import pytest
 
 from protocol.geometry import Disk
 from protocol.messages import Command, Handling, PartPlace
-from protocol.scenario.model import Operation, Part, Time, Workspace
+from protocol.scenario.model import Obstacle, Operation, Part, Time, Workspace
 from tests.world.driving import joined, obeying, scenario
 from world.report import result_of
 from world.world import WorldCore
@@ -102,6 +102,22 @@ def test_a_robot_that_no_longer_asks_has_put_nothing_down() -> None:
     tick(found, kept=False)
     assert where(found) == PartPlace(1, carrier=1)
     assert not found.lives.obstacles.appearing
+
+
+def test_no_part_is_put_down_where_an_obstacle_is_to_appear() -> None:
+    found = world()
+    tick(found, {1: TAKE})
+    assert found.operate(Operation(place=Obstacle(center=(-0.15, 0.0), radius=0.02))).accepted
+    tick(found, {1: PUT}, kept=False)
+    assert where(found) == PartPlace(1, carrier=1)
+
+
+def test_no_robot_takes_a_part_from_one_that_lives() -> None:
+    found = world()
+    tick(found, {1: TAKE})
+    found.simulation.plant.positions[1] = (0.0, -0.095)  # of robot 2
+    tick(found, {2: TAKE})
+    assert where(found) == PartPlace(1, carrier=1)
 
 
 @pytest.mark.parametrize("last", [TAKE, PUT], ids=["carries", "puts down"])
