@@ -24,7 +24,6 @@ CAMPAIGNS = {  # what each searches for, and where it is
     "adversary-mujoco": ("the same of wheels in MuJoCo", "models:ADVERSARY_MUJOCO"),
     "deviations": ("a body in MuJoCo that is off its way by more than it states", "models:DEVIATIONS"),
     "worlds": ("a contact, or something forgotten, when the world dies at any moment", "models:WORLDS"),
-    "turnover": ("a contact, or a robot that is stuck, while robots come and go", "models:TURNOVER"),
     "laws": ("a livelock of the reciprocal law where the paper's law arrives", "laws:LAWS"),
     "movers": ("parts that do not reach their goals though there is an order", "movers:MOVERS"),
     "fuzz": ("damaged input that any reader does not refuse as declared", "fuzz.campaign:FUZZ"),

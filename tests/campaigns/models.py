@@ -10,11 +10,9 @@ from tests.agents.bodies.test_rides import Product as RideProduct
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import aftermath, skirmish
 from tests.campaigns.campaign import Campaign, Dice, Outcome
-from tests.system.orders.turnover import Turnover
 from tests.world.plants.fleet import BODIES as CARRIERS
 from tests.world.plants.fleet import PERIODS, drive, hostile
 from tests.world.shell import test_world_dies as worlds
-from world.report import result_of
 
 _product, _ride_product = cache(Product), cache(RideProduct)
 
@@ -56,18 +54,6 @@ def _deviation(dice: Dice) -> Outcome:
     return Outcome(f"{name}, {period:g} s", violation, figures={"play, m": play, "drift, m": drift})
 
 
-def _turnover(dice: Dice) -> Outcome:
-    """Two minutes of simulated time with a change every 36 ticks; a few minutes on one core."""
-    turnover = Turnover(dice.seed, 36, 120.0)
-    turnover.run(2_400)
-    settled = turnover.settles(6000)
-    report = result_of(turnover.fleet.world.world)
-    faults = ((report["collisions"], "contact"), (not settled, "stuck"), (turnover.changes < 33, "rest"))
-    violation = ", ".join(text for wrong, text in faults if wrong)
-    figures = {"changes": float(turnover.changes), "clearance, m": report["min_clearance"]}
-    return Outcome("violated" if violation else "held", violation, figures=figures)
-
-
 def _deaths(dice: Dice) -> Outcome:
     """A course whose world dies at any operation by which it tells what it did."""
     name = dice.pick(sorted(worlds.COURSES))
@@ -81,6 +67,5 @@ AFTERMATH = Campaign(partial(_of_lines, aftermath), 5_000)
 BODIES = Campaign(_ride, 30_000)
 DEVIATIONS = Campaign(_deviation, 40, patience=600.0)
 WORLDS = Campaign(_deaths, 1_000)
-TURNOVER = Campaign(_turnover, 100, patience=900.0)
 ADVERSARY = Campaign(partial(_attack, "integrator"), 4_000)
 ADVERSARY_MUJOCO = Campaign(partial(_attack, "mujoco"), 300, patience=600.0)

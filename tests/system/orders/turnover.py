@@ -21,14 +21,13 @@ GUEST = RobotSpec(7, 0.03, (0.0, 0.0), (0.0, 0.22))  # where the four of them pa
 GUESTED = replace(SWAP, orders=(Order(0.2, add=GUEST),))
 _ROOM = 0.36  # m from the centre, in which robots are sent about
 _FEWEST, _MOST, _IDS = 3, 12, 20
+_EVERY = 15  # ticks between changes
 
 
-def faulty(seed: int, seconds: float) -> Scenario:
+def faulty(seed: int) -> Scenario:
     """The scenario: everything that can go wrong does, a partition of five seconds in each half minute."""
-    parts = tuple(
-        Partition(at, at + 5.0, (tuple(range(1, _IDS, 2)), tuple(range(2, _IDS, 2))))
-        for at in (30.0 * n + 10.0 for n in range(int(seconds // 30.0)))
-    )
+    sides = tuple(range(1, _IDS, 2)), tuple(range(2, _IDS, 2))
+    parts = tuple(Partition(at, at + 5.0, sides) for at in (10.0, 40.0, 70.0, 100.0))
     return replace(
         SWAP,
         seed=seed,
@@ -71,17 +70,15 @@ class Turnover:
         changes: accepted so far, by kind.
     """
 
-    def __init__(self, seed: int, every: int = 15, seconds: float = 120.0) -> None:
-        """`every`: ticks between changes; `seconds`: for which partitions are planned."""
+    def __init__(self, seed: int) -> None:
         self.draw = random.Random(seed)
-        self.fleet = LocalFleet(faulty(seed, seconds))
+        self.fleet = LocalFleet(faulty(seed))
         self.changes = 0
-        self._every = every
 
     def run(self, ticks: int) -> None:
         for tick in range(ticks):
             assert self.fleet.step()
-            if tick % self._every == 0:
+            if tick % _EVERY == 0:
                 self.changes += self._change()
 
     def settles(self, most: int) -> bool:
