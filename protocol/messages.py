@@ -323,10 +323,11 @@ class Summary(Message, frozen=True, array_like=True, gc=False):
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):
-    """World to all monitors: the true position of disks at the start of `tick`."""
+    """World to all monitors: the true position of every disk at the start of `tick`, but of those that appear
+    then, which the next one has."""
 
     tick: Count  # the tick that begins
-    robots: tuple[Id, ...]  # all with a disk in the workspace, ascending; one that appears now comes with the next
+    robots: tuple[Id, ...]  # their ids, ascending
     positions: tuple[Vector, ...]  # m, in the order of `robots`
     clearance: Real  # m, smallest gap during the tick before, over continuous time; negative is overlap
     phi: Real  # navigation function, 0 at the goal, 1 on the boundary
