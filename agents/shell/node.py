@@ -94,7 +94,7 @@ class RobotNode:
         core = self.core
         begun = self._founded or (core is not None and core.tick >= 0)  # by all that this process knows
         try:
-            health = self._health() if core is not None and self._ended else None
+            health = self._health() if self._ended else None
             reply = self._world.ask(health, begun=begun)
         except BusError:
             if not self._over:

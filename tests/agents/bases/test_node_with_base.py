@@ -14,8 +14,11 @@ from agents.bases import base as choice
 from agents.bases.base import topics_of
 from agents.bases.ros_messages import Flag
 from deploy.library.load import load
-from protocol.bus.bus import Event, RawSample
+from protocol.bus.bus import Event, RawSample, Sample
+from protocol.codec import encode
 from protocol.errors import BusError, JoinError, UsageError
+from protocol.keys import robot_key
+from protocol.messages import Tick
 from tests.agents.bases.test_senses import fleet
 from tests.agents.bases.wheels import STEP, Wheels
 from tests.mortal import MortalFleet
@@ -106,10 +109,14 @@ def test_robots_join_once_they_know_where_they_are_and_drive(caplog):
     for robot, place in reported.items():
         assert math.dist(place, stage.floor.wheels[robot].control) < 0.06
 
-    heard = stage.fleet.network.connect()
-    heard.listen("bot1/cmd_vel")
-    stage.fleet.robots[1].node.handle(RawSample("bot1/disknav/stop", Flag(True).serialize()))
-    assert heard.receive(0.0) is not None, "it brakes at once, not with the next Tick"
+    core = stage.fleet.robots[2].node.core
+    over = Tick(2, core.incarnation, core.tick, (), epoch=core.epoch, over=True)
+    stop = RawSample("bot1/disknav/stop", Flag(True).serialize())
+    for robot, event in (1, stop), (2, Sample(robot_key("local", 2, "tick"), encode(over))):
+        heard = stage.fleet.network.connect()
+        heard.listen(f"bot{robot}/cmd_vel")
+        stage.fleet.robots[robot].node.handle(event)
+        assert heard.receive(0.0) is not None, "it brakes at once, not with the next Tick"
     stage.play(lambda: stage.floor.wheels[1].aims == (0.0, 0.0))
 
 
