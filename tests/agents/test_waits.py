@@ -15,7 +15,7 @@ from protocol.bus.local import LocalBus, LocalNetwork
 from protocol.codec import encode
 from protocol.errors import BusError
 from protocol.keys import robot_key
-from protocol.messages import Tick
+from protocol.messages import State, Tick
 from protocol.scenario.model import ProcessFault
 from protocol.scenario.network import Network
 from tests.mortal import MortalFleet
@@ -101,7 +101,7 @@ def test_a_robot_that_was_cut_off_before_the_run_began_asks_whether_it_still_tak
     assert world.report["verdict"] == "arrived"
 
 
-def test_a_tick_of_an_earlier_life_leaves_the_awaited_peers_as_they_are() -> None:
+def test_what_is_of_another_life_or_tick_leaves_the_present_one_as_it_is() -> None:
     fleet = LocalFleet(load("swap-4"))
     while fleet.world.world.tick < 3:
         fleet.step()
@@ -111,12 +111,18 @@ def test_a_tick_of_an_earlier_life_leaves_the_awaited_peers_as_they_are() -> Non
     fleet.world_bus.node = None
     core.hearing.is_open = True
     core.hearing._awaited = {2, 3, 4}
-    node.handle(Sample("disknav/local/robot/1/tick", encode(Tick(1, 1, core.tick, (1, 2), core.epoch))))
+    node.handle(Sample(robot_key("local", 1, "tick"), encode(Tick(1, 1, core.tick, (1, 2), core.epoch))))
     assert core.hearing.missing == [2, 3, 4]
-    node.handle(Sample("disknav/local/robot/1/tick", encode(Tick(1, 2, core.tick, (1, 2), core.epoch))))
+    node.handle(Sample(robot_key("local", 1, "tick"), encode(Tick(1, 2, core.tick, (1, 2), core.epoch))))
     assert core.hearing.missing == [2]
-    node.handle(Sample("disknav/local/robot/1/tick", encode(Tick(1, 2, 0, (1, 2), core.epoch))))
+    node.handle(Sample(robot_key("local", 1, "tick"), encode(Tick(1, 2, 0, (1, 2), core.epoch))))
     assert core.tick > 0, "an older one of this life begins nothing"
+    bus = fleet.network.connect()
+    bus.subscribe(robot_key("local", 1, "command"))
+    core.hearing.close()
+    early = State(2, 1, core.tick + 1, None, 0.0, 0.0, 0.0, (0.0, 0.0), core.epoch)
+    node.handle(Sample(robot_key("local", 2, "state"), encode(early)))
+    assert (core.hearing.complete, bus.receive(0.0)) == (True, None), "its Command is out"
 
 
 def test_a_robot_that_missed_an_approach_does_not_wait_for_gone_peers() -> None:

@@ -89,7 +89,7 @@ def test_people_see_a_robot_stop_it_and_send_it(dialect, caplog):
 
 
 def test_what_is_no_message_is_ignored_counted_and_said_once(caplog):
-    stage = Stage("base.dialect=rmw_zenoh")
+    stage = Stage("base.dialect=rmw_zenoh", "sensing.delay=0.2")  # at first it does not know its place
     robot, person = stage.fleet.robots[1].node, stage.person
     stage.play(lambda: "tf" in person.heard)
     goal = robot.core.goal
