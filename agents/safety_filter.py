@@ -72,7 +72,7 @@ class SafetyFilter:
 
     @property
     def _boundaries(self) -> list[Boundary]:
-        region = self.lines.bound
+        region = self.lines.region_disk
         if region is None:
             return [self._workspace]
         return [self._workspace, RoundBoundary(region.radius - self.radius, region.x, region.y)]

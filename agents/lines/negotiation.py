@@ -21,7 +21,7 @@ from agents.lines.own_set import Cover
 from agents.peers.state import PeerState
 from protocol.geometry import Shape
 from protocol.kernel.pair import Follower, Owner
-from protocol.kernel.robot import ASKED, LINES, Bound, RobotLife
+from protocol.kernel.robot import ASKED, LINES, OwnEnd, RobotLife
 from protocol.line import ROUNDING, SURE, HalfPlane, Line
 from protocol.messages import Answer, FirstLine, Proposal, Vector
 from protocol.region import Region
@@ -193,7 +193,7 @@ class Bond:
     """One binding: the kernel's own end, and what follows from it.
 
     Args:
-        bound: the kernel's own end.
+        end: the kernel's own end.
         own_radius: of the disk that keeps to it, m.
         state: newest State of the peer.
 
@@ -203,8 +203,8 @@ class Bond:
         answers_left: number of States that still have to carry the answer.
     """
 
-    def __init__(self, bound: Bound[Region, Line], own_radius: float, state: PeerState | None) -> None:
-        self.bound, self.peer = bound, bound.peer
+    def __init__(self, end: OwnEnd[Region, Line], own_radius: float, state: PeerState | None) -> None:
+        self.end, self.peer = end, end.peer
         self.own_radius, self.state = own_radius, state
         self.answers_left = 0
         self.first: FirstLine | None = None
@@ -213,12 +213,12 @@ class Bond:
 
     def renew(self) -> None:
         """Update the half-planes after a change of the obeyed lines."""
-        self.half_planes = [line.side(self.own_radius, self.bound.low) for line in self.bound.obeyed]
+        self.half_planes = [line.side(self.own_radius, self.end.low) for line in self.end.obeyed]
 
     @property
     def is_asked(self) -> bool:
         """Whether this end is asked for the first line."""
-        return self.bound.state == ASKED
+        return self.end.state == ASKED
 
     def resize(self, own_radius: float) -> None:
         """Change the radius of the own disk."""
@@ -251,24 +251,24 @@ class Negotiation:
         proposals: list[Proposal] = []
         answers: list[Answer] = []
         for bond in bonds:
-            lines = bond.bound.lines
+            lines = bond.end.lines
             if isinstance(lines, Owner):
                 self._consider(tick, bond, lines, me, kernel, standing)
                 if lines.open:
                     number, line = lines.open[-1]  # an answer covers all earlier ones
                     proposals.append(
-                        Proposal(bond.peer, bond.bound.number, number, line.nx, line.ny, line.offset)
+                        Proposal(bond.peer, bond.end.number, number, line.nx, line.ny, line.offset)
                     )
             elif bond.answers_left and isinstance(lines, Follower):
                 bond.answers_left -= 1
-                answers.append(Answer(bond.peer, bond.bound.number, lines.held_number, lines.seen))
+                answers.append(Answer(bond.peer, bond.end.number, lines.held_number, lines.seen))
         return tuple(proposals), tuple(answers)
 
     def _consider(
         self, tick: int, bond: Bond, lines: Owner[Line], me: MovingDisk, kernel: Kernel, standing: bool
     ) -> None:
         state = bond.state
-        if state is None or not state.placed or bond.bound.state != LINES or len(lines.open) >= OUTSTANDING:
+        if state is None or not state.placed or bond.end.state != LINES or len(lines.open) >= OUTSTANDING:
             return
         ticks = max(0, tick - state.tick) + 2
         apart = 2.0 * ticks * self._max_step
@@ -278,7 +278,7 @@ class Negotiation:
         if newest.gap(me.x, me.y) > mine and -newest.gap(state.x, state.y) > theirs:
             return
         line = self._fit_line(tick, bond, me, state, standing)
-        if line is None or not kernel.fits(bond.bound, line):
+        if line is None or not kernel.fits(bond.end, line):
             return
         if not is_same(line, newest, UNCHANGED * self._max_step):
             lines.propose(line, True)
@@ -288,7 +288,7 @@ class Negotiation:
         self, tick: int, bond: Bond, me: MovingDisk, state: PeerState, standing: bool
     ) -> Line | None:
         """The line that permits the desired motion of both, by the peer's State."""
-        halted = bond.bound.place is not None
+        halted = bond.end.place is not None
         # While States are lost, a peer is extrapolated by at most its radius.
         age = max(0, min(tick - state.tick, state.transit + math.ceil(state.radius / self._max_step)))
         peer = MovingDisk(state.x, state.y, state.radius + state.bound)

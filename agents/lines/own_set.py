@@ -13,7 +13,7 @@ from typing import Final, final
 from mypy_extensions import mypyc_attr
 
 from protocol.bodies.sweep import Sweep
-from protocol.kernel.robot import Bound
+from protocol.kernel.robot import OwnEnd
 from protocol.line import ROUNDING, SURE, HalfPlane, Line
 from protocol.region import Region, is_beside
 
@@ -182,6 +182,6 @@ class CoverGeometry:
         """Whether a place is on one side of a line."""
         return is_beside(place.shape, line, low)
 
-    def keeps(self, body: Cover, bound: Bound[Region, Line]) -> bool:
+    def keeps(self, body: Cover, end: OwnEnd[Region, Line]) -> bool:
         """Whether a body is on the own side of all obeyed lines of a binding."""
-        return all(self.fits(body, line, bound.low) for line in bound.obeyed)
+        return all(self.fits(body, line, end.low) for line in end.obeyed)

@@ -77,20 +77,20 @@ class SeparatingLines:
         if grants.life != kernel.life or grants.version <= kernel.version:
             return
         kernel.hear(_told(grants))
-        known, self._each = {bond.bound.number: bond for bond in self._each}, []
+        known, self._each = {bond.end.number: bond for bond in self._each}, []
         for listed in grants.bindings:
-            bound = kernel.bound[listed.number]
+            end = kernel.ends[listed.number]
             bond = known.get(listed.number)
             if bond is None:
-                bond = Bond(bound, self._size(bound.peer), neighbours.state(bound.peer))
+                bond = Bond(end, self._size(end.peer), neighbours.state(end.peer))
             else:
                 bond.renew()
             if listed.first is not None:
                 bond.first = None
             self._each.append(bond)
-        self._each.sort(key=lambda bond: (bond.peer, bond.bound.number))
-        self._still = [bond for bond in self._each if bond.bound.place is not None]
-        self._lines = {bond.peer: bond for bond in self._each if not bond.bound.static}
+        self._each.sort(key=lambda bond: (bond.peer, bond.end.number))
+        self._still = [bond for bond in self._each if bond.end.place is not None]
+        self._lines = {bond.peer: bond for bond in self._each if not bond.end.static}
 
     @property
     def version(self) -> int:
@@ -112,7 +112,7 @@ class SeparatingLines:
         return {bond.peer for bond in self._each if bond.peer > 0}
 
     @property
-    def bound(self) -> Circle | None:
+    def region_disk(self) -> Circle | None:
         """The disk that the own disk must not leave; None if there is no limit, or no region yet."""
         kernel = self.kernel
         if kernel is None or kernel.region is None or kernel.region.is_everywhere:
@@ -151,24 +151,24 @@ class SeparatingLines:
 
     def _turn(self, kernel: Kernel, bond: Bond) -> None:
         """Turn the half-plane towards a static disk, or find the first line towards it."""
-        own, bound = self._own, bond.bound
-        if bound.place is None or not (bond.is_asked or bound.static):
+        own, end = self._own, bond.end
+        if end.place is None or not (bond.is_asked or end.static):
             return
-        if bound.state == HALF and bond.half_planes[0].slack(own.x, own.y) > own.bound + _NEAR * self._reach:
+        if end.state == HALF and bond.half_planes[0].slack(own.x, own.y) > own.bound + _NEAR * self._reach:
             return  # far enough away
         near = bond.own_radius + own.bound + _NEAR * self._max_step
-        line = tangent(bound.place.shape, own.x, own.y, bound.low, near)
-        if line is None or not kernel.fits(bound, line):
+        line = tangent(end.place.shape, own.x, own.y, end.low, near)
+        if line is None or not kernel.fits(end, line):
             # A set that an obeyed line has cut satisfies no line there with a margin, and may never leave it.
-            kept = kernel.kept(bound) if bond.is_asked else []
-            line = next((each for each in kept if kernel.behind(bound, each)), None)
+            kept = kernel.kept(end) if bond.is_asked else []
+            line = next((each for each in kept if kernel.behind(end, each)), None)
         if line is None:
             return
         if bond.is_asked:
-            kernel.freeze(bound, line)
-            bond.first = FirstLine(bound.number, line.nx, line.ny, line.offset)
+            kernel.freeze(end, line)
+            bond.first = FirstLine(end.number, line.nx, line.ny, line.offset)
         else:
-            kernel.turn(bound, line)
+            kernel.turn(end, line)
         bond.renew()
 
     def _size(self, peer: int) -> float:
@@ -187,9 +187,7 @@ class SeparatingLines:
         body, own = Cover(self._own, radius), Cover(self._own, small)
         if not (
             geometry.inside(body, kernel.region)
-            and all(
-                geometry.keeps(own if each.peer == part else body, each) for each in kernel.bound.values()
-            )
+            and all(geometry.keeps(own if each.peer == part else body, each) for each in kernel.ends.values())
         ):
             return False
         kernel.command(body, own, part)
@@ -214,10 +212,10 @@ class SeparatingLines:
         bond, kernel = self._lines.get(state.robot), self.kernel
         if bond is None or kernel is None:
             return
-        bond.state, lines = state, bond.bound.lines
+        bond.state, lines = state, bond.end.lines
         if isinstance(lines, Owner):
             for answer in state.answers:
-                if answer.binding == bond.bound.number and lines.seen < answer.seen <= lines.number:
+                if answer.binding == bond.end.number and lines.seen < answer.seen <= lines.number:
                     lines.on_answer(answer.held, answer.seen)
                     bond.renew()
         elif isinstance(lines, Follower):
@@ -225,12 +223,12 @@ class SeparatingLines:
 
     def _on_proposals(self, kernel: Kernel, bond: Bond, lines: Follower[Line], state: PeerState) -> None:
         for offer in state.proposals:
-            if offer.binding != bond.bound.number:
+            if offer.binding != bond.end.number:
                 continue
             bond.answers_left = ANSWER_TICKS
             if offer.number > lines.seen:
                 line = Line(offer.nx, offer.ny, offer.offset)
-                lines.on_proposal(offer.number, line, kernel.fits(bond.bound, line))
+                lines.on_proposal(offer.number, line, kernel.fits(bond.end, line))
                 bond.renew()
 
     def entries(self, desired: Vector) -> tuple[tuple[Proposal, ...], tuple[Answer, ...]]:
@@ -257,7 +255,7 @@ class SeparatingLines:
         """The desired velocity (m/s), directed away from a disk for which there is no first line yet."""
         own, (vx, vy) = self._own, desired
         for bond in self._still:
-            place = bond.bound.place
+            place = bond.end.place
             if place is None or not bond.is_asked:
                 continue
             room = bond.own_radius + own.bound + _ROOM * bond.own_radius

@@ -19,7 +19,7 @@ HALF: Final = 2  # obeys one half-plane in place of them
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
-class Bound(Generic[R, L]):
+class OwnEnd(Generic[R, L]):
     """This robot's end of one binding.
 
     Attributes:
@@ -70,7 +70,7 @@ class RobotGeometry(Protocol[R, L, B_contra]):
     def behind(self, place: R, line: L, low: bool) -> bool:
         """Whether a place is on one side of a line."""
 
-    def keeps(self, body: B_contra, bound: Bound[R, L]) -> bool:
+    def keeps(self, body: B_contra, end: OwnEnd[R, L]) -> bool:
         """Whether a body is on the own side of all obeyed lines of a binding."""
 
 
@@ -92,7 +92,7 @@ class RobotLife(Generic[R, L, B]):
             reaches for.
         own: the same without that part.
         part: the disk of the part that it reaches for or puts down, or NO.
-        bound: its ends of bindings, by number of the binding.
+        ends: its ends of bindings, by number of the binding.
     """
 
     def __init__(self, name: int, life: int, body: B, geometry: RobotGeometry[R, L, B]) -> None:
@@ -101,59 +101,59 @@ class RobotLife(Generic[R, L, B]):
         self.version = self.number = self.offered_number = NO
         self.region: R | None = None
         self.offered: R | None = None
-        self.bound: dict[int, Bound[R, L]] = {}
+        self.ends: dict[int, OwnEnd[R, L]] = {}
         self._geometry = geometry
 
-    def body_towards(self, bound: Bound[R, L]) -> B:
+    def body_towards(self, end: OwnEnd[R, L]) -> B:
         """The body that a binding constrains."""
-        return self.own if bound.peer == self.part else self.body
+        return self.own if end.peer == self.part else self.body
 
-    def fits(self, bound: Bound[R, L], line: L) -> bool:
+    def fits(self, end: OwnEnd[R, L], line: L) -> bool:
         """Whether the body is on the own side of a line, now and until no command has any effect."""
-        return self._geometry.fits(self.body_towards(bound), line, bound.low)
+        return self._geometry.fits(self.body_towards(end), line, end.low)
 
     def hear(self, told: Told[R, L]) -> None:
         """Accept a Tick. Bindings that it does not list are over; it adopts listed ones before its region."""
         require(told.life == self.life, "hear: it is told to this life")
         require(told.version > self.version, "hear: it is newer than any before")
-        known, self.bound = self.bound, {}
+        known, self.ends = self.ends, {}
         for listed in told.bindings:
-            bound = known.get(listed.number)
-            if bound is None:
-                bound = Bound(listed, self.name < listed.peer)
+            end = known.get(listed.number)
+            if end is None:
+                end = OwnEnd(listed, self.name < listed.peer)
             else:
-                bound.place, bound.static = listed.place, listed.static
-            self.bound[listed.number] = bound
+                end.place, end.static = listed.place, listed.static
+            self.ends[listed.number] = end
         self.version = told.version
         self.offered_number, self.offered = told.number, told.region
 
-    def freeze(self, bound: Bound[R, L], line: L) -> None:
+    def freeze(self, end: OwnEnd[R, L], line: L) -> None:
         """Obey this first line, for which the robot was asked, and announce it."""
-        require(bound.state == ASKED, "freeze: there is no first line")
-        require(bound.place is not None, "freeze: the other end stands")
-        require(line in self.kept(bound) or self.fits(bound, line), "freeze: the body fits the line")
-        require(self.behind(bound, line), "freeze: the place is behind the line")
-        bound.begin(line)
+        require(end.state == ASKED, "freeze: there is no first line")
+        require(end.place is not None, "freeze: the other end stands")
+        require(line in self.kept(end) or self.fits(end, line), "freeze: the body fits the line")
+        require(self.behind(end, line), "freeze: the place is behind the line")
+        end.begin(line)
 
-    def turn(self, bound: Bound[R, L], line: L) -> None:
+    def turn(self, end: OwnEnd[R, L], line: L) -> None:
         """Obey one half-plane towards the place of a static disk, in place of all lines obeyed before."""
-        require(bound.state != ASKED, "turn: a first line is obeyed")
-        require(bound.static, "turn: the other end stands for good")
-        require(self.fits(bound, line), "turn: the body fits the line")
-        require(self.behind(bound, line), "turn: the place is behind the line")
-        bound.turn(line)
+        require(end.state != ASKED, "turn: a first line is obeyed")
+        require(end.static, "turn: the other end stands for good")
+        require(self.fits(end, line), "turn: the body fits the line")
+        require(self.behind(end, line), "turn: the place is behind the line")
+        end.turn(line)
 
-    def kept(self, asked: Bound[R, L]) -> list[L]:
+    def kept(self, asked: OwnEnd[R, L]) -> list[L]:
         """Lines that the body keeps to already, towards an earlier life of the same disk."""
         found: list[L] = []
-        for bound in self.bound.values():
-            if bound.static and bound.peer == asked.peer:
-                found.extend(bound.obeyed)
+        for end in self.ends.values():
+            if end.static and end.peer == asked.peer:
+                found.extend(end.obeyed)
         return found
 
-    def behind(self, bound: Bound[R, L], line: L) -> bool:
+    def behind(self, end: OwnEnd[R, L], line: L) -> bool:
         """Whether the place of the other disk, which is static, is on the other side of a line."""
-        return bound.place is not None and self._geometry.behind(bound.place, line, not bound.low)
+        return end.place is not None and self._geometry.behind(end.place, line, not end.low)
 
     def adopt(self) -> None:
         """Obey the newest granted region, once the body is inside."""
@@ -181,7 +181,7 @@ class RobotLife(Generic[R, L, B]):
         region = self.region
         require(region is not None, "command: a region was adopted")
         require(region is not None and self._geometry.inside(body, region), "command: it stays in the region")
-        for bound in self.bound.values():
-            covered = own if bound.peer == part else body
-            require(self._geometry.keeps(covered, bound), "command: it keeps to what is obeyed")
+        for end in self.ends.values():
+            covered = own if end.peer == part else body
+            require(self._geometry.keeps(covered, end), "command: it keeps to what is obeyed")
         self.body, self.own, self.part = body, own, part

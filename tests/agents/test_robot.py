@@ -108,15 +108,15 @@ def test_a_robot_that_knows_nothing_any_more_adopts_nothing() -> None:
     robot.begin(tick)
     robot.command()
     (bond,) = (each for each in robot._filter.lines._each if each.peer == owner)
-    held = bond.bound.obeyed
+    held = bond.end.obeyed
     robot.reset_estimate()
     robot.begin(replace(tick, tick=1, roster=None, grants=None, sense=Sense(None, 1, 0.0, (0.0, 0.0))))
     (line,) = held
-    offer = Proposal(robot.robot, bond.bound.number, 1, line.nx, line.ny, line.offset)
+    offer = Proposal(robot.robot, bond.end.number, 1, line.nx, line.ny, line.offset)
     state = State(owner, 1, 1, SCENARIO.spec(owner).start, 0.0, 1.0, 1.0, (0.0, 0.0), proposals=(offer,))
     robot.hearing.on_state(addressed_to(robot.robot, state, SCENARIO.spec(owner).radius))
     assert robot.command().velocity == (0.0, 0.0)
-    end = bond.bound.lines
+    end = bond.end.lines
     assert (end.seen, end.held_number, end.obeyed()) == (1, 0, held)
 
 

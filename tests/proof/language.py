@@ -24,15 +24,15 @@ KEPT = {"Held": "acknowledged granted regions", "DiskRecord": "name held phase l
 KEPT |= {"End": "disk life dead", "Binding": "number low high asked first told"}
 KEPT |= {"Listed": "number peer first place static", "Told": "life version number region bindings"}
 KEPT |= {"Pair": "living static", "Ledger": "version disks pairs _geometry"}
-KEPT |= {"Bound": "number peer low state lines half place static"}
-KEPT |= {"RobotLife": "name life body own part version number region offered_number offered bound _geometry"}
+KEPT |= {"OwnEnd": "number peer low state lines half place static"}
+KEPT |= {"RobotLife": "name life body own part version number region offered_number offered ends _geometry"}
 KEPT |= {"Owner": "held_number held number seen open", "Follower": "held_number held seen"}
 FIELDS = {name: fields.split() for name, fields in KEPT.items()}  # all that the model has
 STORED = {  # by a class, beside fields of its own objects
     "Ledger": "disk.phase disk.life disk.still pair.living pair.static living.end(disk.name).dead "
     "binding.first binding.told self.disks[name] self.pairs[name] self.pairs[low.name][high.name] "
     "self.pairs[high.name][low.name]",
-    "RobotLife": "bound.place bound.static self.bound[listed.number]",
+    "RobotLife": "end.place end.static self.ends[listed.number]",
 }
 OWN = r"self\.(\w+|begin\(listed\.first\)|_geometry\.note\(disk\))"  # what is done by whatever is made
 OF_PAIR = r"(pair|living|static)\..+"  # what `_end` and `_begin` read, ask and store for a loop
@@ -56,21 +56,21 @@ IMPORTS |= {"typing": {"Final", "Generic", "Protocol", "TypeVar"}, "protocol.err
 IMPORTS |= {f"protocol.kernel.{name}": {*TYPES, *CONSTANTS, "require"} for name in SOURCES}
 
 COMPARED = r".+ is (not )?None|other is not disk|\w+\.name < \w+\.(name|peer)|disk == self\.low\.disk"
-COMPARED += r"|number == held|line in self\.kept\(bound\)"
+COMPARED += r"|number == held|line in self\.kept\(end\)"
 PAIRS = r"self\.pairs\[\w+\.name\]"
 ENTRIES = rf"self\.disks\[(name|peer)\]|self\.disks\.get\(name\)|{PAIRS}(\.get\(\w+\.name\))?"
 ENTRIES += r"|known\.get\(listed\.number\)|(\w+\.)+regions\[(0|-1)\](\[1\])?|each\[0\]"
-MANY = rf"({PAIRS}|self\.(disks|bound)|places)\.(values|items)\(\)|list\({PAIRS}\)"
+MANY = rf"({PAIRS}|self\.(disks|ends)|places)\.(values|items)\(\)|list\({PAIRS}\)"
 LOOPS = {  # and what they require or do of each element; there may be none
     r"name in self\._geometry\.around\(disk, region\)": r"other = self\.disks\[name\]|require\("
     r"self\._geometry\.(clear\(other\.held, region\)|apart\(other\.held, disk\.held\)), .+\)",
     r"other in self\.disks\.values\(\)": r"require\(self\._geometry\.apart\(other\.held, disk\.held\), .+\)",
-    r"bound in self\.bound\.values\(\)": r"require\(self\._geometry\.keeps\(covered, bound\), .+\)",
+    r"end in self\.ends\.values\(\)": r"require\(self\._geometry\.keeps\(covered, end\), .+\)",
     r"disk in self\.disks\.values\(\)": r"self\._geometry\.note\(disk\)",
     rf"pair in {PAIRS}\.values\(\)": r"self\._(end|begin)\(pair, disk\)",
     rf"peer in list\({PAIRS}\)": r"self\._release\(disk, self\.disks\[peer\]\)",
-    r"listed in told\.bindings": r"self\.bound\[listed\.number\] = bound|"
-    r"bound\.place, bound\.static = \(listed\.place, listed\.static\)",
+    r"listed in told\.bindings": r"self\.ends\[listed\.number\] = end|"
+    r"end\.place, end\.static = \(listed\.place, listed\.static\)",
     r"number, line in self\.open": r"self\.held = line",
     rf"peer, pair in {PAIRS}\.items\(\)": r"other = self\.disks\[peer\]",
 }

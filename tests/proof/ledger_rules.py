@@ -120,7 +120,7 @@ def _joined(x: str, outcome: Outcome) -> None:
     numbers = (made.version, made.number, made.offered_number, made.part)
     begun = z3.And(made.body == body, made.own == body, made.life == life, life == NEXT)
     heard = z3.Or(*[number != 0 for number in numbers])
-    empty = made.region is made.offered is None and not made.bound and made.name == CODE[x]
+    empty = made.region is made.offered is None and not made.ends and made.name == CODE[x]
     outcome.claims[f"{x}: has heard nothing"] = z3.And(empty, begun, z3.Not(heard))
 
 

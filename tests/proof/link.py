@@ -17,7 +17,7 @@ import z3
 from protocol.geometry import Disk, Shape
 from protocol.kernel.ledger import Ledger
 from protocol.kernel.records import Held
-from protocol.kernel.robot import Bound, RobotLife
+from protocol.kernel.robot import OwnEnd, RobotLife
 from protocol.line import ROUNDING, Line
 from protocol.region import Region, RegionGeometry, distance
 from tests.proof.model import S, bindings_of, end_fields, general_in, ledger_fields, process_fields
@@ -78,16 +78,16 @@ def record(ledger: Ledger[Any, Any], processes: Processes, low: int, high: int) 
     for b, binding in bindings_of(ledger, low, high).items():
         for x, end in (("A", binding.low), ("B", binding.high)):
             process = processes.get((end.disk, end.life))
-            bound = None if process is None else process.bound.get(binding.number)
+            kept = None if process is None else process.ends.get(binding.number)
             found[f"{b}.{x}.taken"] = 0 if process is None else process.version
-            found |= {} if bound is None else end_fields(b, x, bound)
-            found[f"{b}.{x}.lines"] = _lines(bound)
+            found |= {} if kept is None else end_fields(b, x, kept)
+            found[f"{b}.{x}.lines"] = _lines(kept)
     return found
 
 
-def _lines(bound: Bound[Any, Any] | None) -> dict[int, Any]:
+def _lines(end: OwnEnd[Any, Any] | None) -> dict[int, Any]:
     """The lines that an end keeps, by number."""
-    lines = None if bound is None else bound.lines
+    lines = None if end is None else end.lines
     return {} if lines is None else {lines.held_number: lines.held, **dict(getattr(lines, "open", ()))}
 
 

@@ -140,14 +140,14 @@ def ledger_fields(ledger: Any, low: int = CODE["A"], high: int = CODE["B"]) -> d
     return found
 
 
-def end_fields(b: str, x: str, bound: Any) -> dict[str, Any]:
+def end_fields(b: str, x: str, end: Any) -> dict[str, Any]:
     """What a process says of an end that it has taken."""
-    key, lines = f"{b}.{x}", bound.lines
-    found = {f"{key}.has": True, f"{key}.state": bound.state, f"{key}.static": bound.static}
+    key, lines = f"{b}.{x}", end.lines
+    found = {f"{key}.has": True, f"{key}.state": end.state, f"{key}.static": end.static}
     if lines is not None:
         found |= {f"{key}.seen": lines.seen, f"{key}.held": lines.held_number}
         found |= {f"{key}.number": lines.number} if x == "A" else {}
-    return found if bound.half is None else found | {f"{key}.half": bound.half}
+    return found if end.half is None else found | {f"{key}.half": end.half}
 
 
 def process_fields(x: str, process: Any) -> dict[str, Any]:

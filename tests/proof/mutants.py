@@ -27,7 +27,7 @@ HARMLESS = {
 _LIVING, _STATIC = "if living is not None and living.told", "if static is not None and static.end"
 _ENDED = "            pair.living = None\n\n    def ack"
 _TAKES_OVER = "        elif living and static:\n            living.first = static.first\n"
-_COVERED, _UNLESS = "covered = own if bound.peer == part else body\n", "            if "
+_COVERED, _UNLESS = "covered = own if end.peer == part else body\n", "            if "
 _NEXT = "                continue\n"
 _NOTED = "self._geometry.note(disk)\n"
 _GRANTED = "disk.held.grant(self.version, region)\n"
@@ -48,8 +48,8 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
     ("a part ends bindings of others", "part", "pairs[one.name].pop(other.name, None)",
      "pairs[one.name].clear()"),
     ("the swept body is not recorded", "command", "= body, own, part", "= own, own, part"),
-    ("a half-plane is forgotten", "hear", "bound.static = listed.place, listed.static",
-     "bound.half = listed.place, None"),
+    ("a half-plane is forgotten", "hear", "end.static = listed.place, listed.static",
+     "end.half = listed.place, None"),
     ("a first line is not recorded", "answer", "binding.first, binding.told = line,", "binding.told ="),
     ("tied by a binding that is not told", "grant", f"{_LIVING} != NO:", "if living is not None:"),
     ("tied because they were once", "grant", f"        {_LIVING} != NO:",
@@ -63,7 +63,7 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
      "return"),
     ("a fence keeps an older binding", "fence", "static.told != NO or", "True or"),
     ("a fence drops an older binding", "fence", " or living is None or living.told == NO:", ":"),
-    ("what is listed is not taken", "hear", "self.bound[listed.number] = bound\n", "pass\n"),
+    ("what is listed is not taken", "hear", "self.ends[listed.number] = end\n", "pass\n"),
     ("only the newest region is held", "grant", "held.grant(self.version", "held.stand(self.version"),
     ("a region that is granted is not kept", "grant", "self.regions.append((number, region))", "pass"),
     ("a place that is left is kept", "settle", "self.regions = [(number, place)]", "pass"),
@@ -75,18 +75,18 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
     ("a fence is not noted", "fence", f"place)\n            {_NOTED}", "place)\n"),
     ("a settled place is not noted", "settle", f"place)\n        {_NOTED}", "place)\n"),
     ("an announced disk is not noted", "announce", "self._geometry.note(found)", ""),
-    ("only what has a place is taken", "hear", "            self.bound[listed.number] = bound\n",
-     "            if bound.place is not None:\n                self.bound[listed.number] = bound\n"),
+    ("only what has a place is taken", "hear", "            self.ends[listed.number] = end\n",
+     "            if end.place is not None:\n                self.ends[listed.number] = end\n"),
     ("a first line is a half-plane", "freeze", "Follower(first)", "Follower(first); self.half = first"),
-    ("a first line beside any other", "freeze", "line in self.kept(bound)", "len(self.kept(bound)) > 0"),
-    ("a line kept towards another disk", "freeze", " and bound.peer == asked.peer:", ":"),
-    ("a line kept that may be over", "freeze", "bound.static and bound.peer", "bound.peer"),
-    ("a line kept that has the place in front", "freeze", 'self.behind(bound, line), "freeze',
-     'line in self.kept(bound) or self.behind(bound, line), "freeze'),
+    ("a first line beside any other", "freeze", "line in self.kept(end)", "len(self.kept(end)) > 0"),
+    ("a line kept towards another disk", "freeze", " and end.peer == asked.peer:", ":"),
+    ("a line kept that may be over", "freeze", "end.static and end.peer", "end.peer"),
+    ("a line kept that has the place in front", "freeze", 'self.behind(end, line), "freeze',
+     'line in self.kept(end) or self.behind(end, line), "freeze'),
     ("a half-plane turns its end round", "turn", "self.half = HALF, half",
      "self.half, self.low = HALF, half, True"),
     ("an adoption ends all bindings", "adopt region", "offered_number, offered\n",
-     "offered_number, offered; self.bound = {}\n"),
+     "offered_number, offered; self.ends = {}\n"),
     ("a smaller body takes the next region", "locate", "= body, own\n",
      "= body, own; self.region = self.offered\n"),
     ("a robot begins with a part", "rejoin", "= body, body, NO", "= body, body, life"),
@@ -95,10 +95,10 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
     ("an ask takes over an older line", "grant", _ENDED, _ENDED.replace("\n\n", f"\n{_TAKES_OVER}\n")),
     ("all disks have the same bindings", "restart", "{name: {} for name in places}",
      "dict.fromkeys(places, {})"),
-    ("only what has no lines is kept to", "command", _COVERED, f"{_COVERED}{_UNLESS}bound.lines:\n{_NEXT}"),
+    ("only what has no lines is kept to", "command", _COVERED, f"{_COVERED}{_UNLESS}end.lines:\n{_NEXT}"),
     ("a number that is an id ends all", "command", _COVERED,
-     f"{_COVERED}{_UNLESS}self.name in self.bound:\n{_NEXT}"),
-    ("any part makes a body small", "freeze", "bound.peer == self.part", "self.part != NO"),
+     f"{_COVERED}{_UNLESS}self.name in self.ends:\n{_NEXT}"),
+    ("any part makes a body small", "freeze", "end.peer == self.part", "self.part != NO"),
     ("telling forgets regions", "tell", "        held = disk.held\n",
      "        held = disk.held\n        held.acknowledge(held.granted)\n"),
     ("a life begins that is none", "rejoin", "disk.life = self.version", "disk.life = NO"),
@@ -108,7 +108,7 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
     ("an end is of the disk that was asked", "ask", "End(low.name, low.life", "End(asked, low.life"),
     ("parted disks are present", "part", "_release(one, other)\n", "_release(one, other); other.phase = 2\n"),
     ("a place is absent", "settle", "\n        disk.held.stand", "\n        disk.phase = 1; disk.held.stand"),
-    ("the small body keeps off everything", "command", "own if bound.peer == part else body", "own"),
+    ("the small body keeps off everything", "command", "own if end.peer == part else body", "own"),
 )  # fmt: skip
 
 

@@ -231,17 +231,17 @@ def _goes_along(b: str, binding: Any) -> dict[str, Any]:
 def end_of(b: str, x: str, place: Any = None) -> Any:
     """An end that was taken, with all that it has, a place that it was told or the present one."""
     y, number = OTHER[x], S[f"{b}.number"]
-    bound = SOURCE.robot.Bound(SOURCE.records.Listed(number, CODE[y], None, None, False), x == "A")
+    end = SOURCE.robot.OwnEnd(SOURCE.records.Listed(number, CODE[y], None, None, False), x == "A")
     if S[f"{b}.{x}.state"] != ASKED:
-        bound.begin(LINE_OF(number, S[f"{b}.{x}.held"]))
-        bound.lines.seen = S[f"{b}.{x}.seen"]
-        bound.lines.held_number = S[f"{b}.{x}.held"]
+        end.begin(LINE_OF(number, S[f"{b}.{x}.held"]))
+        end.lines.seen = S[f"{b}.{x}.seen"]
+        end.lines.held_number = S[f"{b}.{x}.held"]
         if x == "A":
-            bound.lines.number, bound.lines.open = S[f"{b}.A.number"], Some(lambda: _open(b))
-    bound.of, bound.state, bound.static = b, S[f"{b}.{x}.state"], S[f"{b}.{x}.static"]
+            end.lines.number, end.lines.open = S[f"{b}.A.number"], Some(lambda: _open(b))
+    end.of, end.state, end.static = b, S[f"{b}.{x}.state"], S[f"{b}.{x}.static"]
     place = S[f"{y}.acked"] if place is None else place
-    half = S[f"{b}.{x}.half"], bound.state == HALF
-    return with_optional(bound, place=(place, z3.Bool(f"{x}.place")), half=half)
+    half = S[f"{b}.{x}.half"], end.state == HALF
+    return with_optional(end, place=(place, z3.Bool(f"{x}.place")), half=half)
 
 
 def _open(b: str) -> list[Any]:
@@ -251,20 +251,20 @@ def _open(b: str) -> list[Any]:
     return [(k, LINE_OF(S[f"{b}.number"], k)) for k in numbers]
 
 
-def end_claims(bound: Any, after: dict[str, Any], b: str, x: str) -> dict[str, Any]:
+def end_claims(end: Any, after: dict[str, Any], b: str, x: str) -> dict[str, Any]:
     """An end obeys the lines that its state numbers, and no others."""
     number, state, half = S[f"{b}.number"], after[f"{b}.{x}.state"], after[f"{b}.{x}.half"]
-    lines, kind = bound.obeyed, SOURCE.pair.Owner if x == "A" else SOURCE.pair.Follower
+    lines, kind = end.obeyed, SOURCE.pair.Owner if x == "A" else SOURCE.pair.Follower
     any_line = LINE_OF(number, OBEYED[b])
     obeyed = z3.Implies(obeys(after, b, x, OBEYED[b]), z3.Or(False, *[line == any_line for line in lines]))
-    known = [(after[f"{b}.{x}.held"], bound.lines.held)] if bound.lines is not None else []
-    known += [(k, line) for k, line in getattr(bound.lines, "open", ())]
+    known = [(after[f"{b}.{x}.held"], end.lines.held)] if end.lines is not None else []
+    known += [(k, line) for k, line in getattr(end.lines, "open", ())]
     numbered = [z3.And(line == LINE_OF(number, k), obeys(after, b, x, k)) for k, line in known]
     is_known = z3.And(len(lines) == len(known), *numbered)
     is_half = z3.And(len(lines) == 1, *[line == half for line in lines])
     return {
         f"{b}.{x}: keeps what its state says": z3.And(
-            (state != ASKED) == isinstance(bound.lines, kind), (state == HALF) == (bound.half is not None)
+            (state != ASKED) == isinstance(end.lines, kind), (state == HALF) == (end.half is not None)
         ),
         f"{b}.{x}: obeys its lines": z3.Implies(state == LINES, z3.And(obeyed, is_known)),
         f"{b}.{x}: obeys one half-plane": z3.Implies(state == HALF, is_half),
@@ -280,10 +280,10 @@ def unknown_of(x: str) -> Any:
     known of it.
     """
     listed = SOURCE.records.Listed(UNKNOWN, _PEER, z3.Const("unknown.line", LINE), None, _STATIC)
-    bound = SOURCE.robot.Bound(listed, x == "A")
-    bound.of, bound.state = "", z3.Int("unknown.state")
+    end = SOURCE.robot.OwnEnd(listed, x == "A")
+    end.of, end.state = "", z3.Int("unknown.state")
     place, half = z3.Int("unknown.place"), z3.Const("unknown.half", LINE)
-    return with_optional(bound, place=(place, bound.state == HALF), half=(half, bound.state == HALF))
+    return with_optional(end, place=(place, end.state == HALF), half=(half, end.state == HALF))
 
 
 def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any]) -> Any:
@@ -294,7 +294,7 @@ def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any]) -> Any:
     made.version, made.number = S[f"{x}.taken"], S[f"{x}.obeyed"]
     made.offered_number = S[f"{x}.offered"]
     unknown = [unknown_of(x)] if z3.Bool("is unknown") else []
-    made.bound = {bound.number: bound for bound in [*bounds, *unknown]}
+    made.ends = {end.number: end for end in [*bounds, *unknown]}
     geometry.x = x
     is_offered = z3.Or(made.number != 0, made.offered_number != 0)
     regions = {"region": (made.number, made.number != 0), "offered": (made.offered_number, is_offered)}

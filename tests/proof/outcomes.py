@@ -147,8 +147,8 @@ class Geometry:
         assert low == (self.x == "B")
         return BESIDE[OTHER[self.x]](place, line)
 
-    def keeps(self, body: Any, bound: Any) -> z3.BoolRef:
-        x, b = self.x, bound.of
+    def keeps(self, body: Any, end: Any) -> z3.BoolRef:
+        x, b = self.x, end.of
         if not b:
             return self._answer()
         state, number = S[f"{b}.{x}.state"], S[f"{b}.number"]

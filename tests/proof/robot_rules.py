@@ -18,7 +18,7 @@ from tests.proof.outcomes import OBEYED, PART, PROPOSED, Case, Geometry, Outcome
 OfEnd = Callable[[Any, Any, Outcome], object]  # of the process, the end, and what else becomes of it
 
 
-def of_bound(rule: str, b: str, x: str, does: OfEnd, *given: Any, alone: bool = False) -> Case:
+def of_end(rule: str, b: str, x: str, does: OfEnd, *given: Any, alone: bool = False) -> Case:
     """A rule of one end that was taken, be its life the present one or over. The process may have no other
     end of a binding in force.
     """
@@ -27,14 +27,14 @@ def of_bound(rule: str, b: str, x: str, does: OfEnd, *given: Any, alone: bool = 
         geometry = Geometry()
         others = [] if alone else [each for each in ends_of(x, S[f"{b}.{x}.life"]) if each != b]
         bounds = [end_of(each, x) for each in (b, *others)]
-        bound, made = bounds[0], robot_of(x, geometry, bounds)
-        frame = Frame(made, rf"bound/{b}\.number/(state|half|lines(/.*)?)")
+        end, made = bounds[0], robot_of(x, geometry, bounds)
+        frame = Frame(made, rf"ends/{b}\.number/(state|half|lines(/.*)?)")
         outcome = Outcome(geometry)
-        does(made, bound, outcome)
-        read = bound.obeyed
-        outcome.after |= end_fields(b, x, bound)
-        outcome.claims |= end_claims(bound, outcome.after, b, x)
-        outcome.claims[f"{x}: nothing else changes"] = frame.holds and read == bound.obeyed
+        does(made, end, outcome)
+        read = end.obeyed
+        outcome.after |= end_fields(b, x, end)
+        outcome.claims |= end_claims(end, outcome.after, b, x)
+        outcome.claims[f"{x}: nothing else changes"] = frame.holds and read == end.obeyed
         return outcome
 
     return Case(f"{rule} {x} {b}", run, [S[f"{b}.on"], S[f"{b}.{x}.has"], *given])
@@ -75,14 +75,14 @@ def _cases() -> Iterator[Case]:
     for b in "LS":
         yield from _line_cases(b)
         for x in "AB":
-            yield of_bound("question:", b, x, _ask, alone=True)
+            yield of_end("question:", b, x, _ask, alone=True)
             yield _freeze("freeze", b, x)
     for x in "AB":
         line, half, held = _line("L", 0), S[f"S.{x}.half"], _line("S", OBEYED["S"])
         kept = z3.If(S[f"S.{x}.state"] == HALF, half, held)
         yield _freeze("freeze kept", "L", x, S["S.on"], S[f"S.{x}.has"], S[f"S.{x}.static"], line == kept)
         # An end of a living binding is never told that the other stands for good.
-        yield of_bound("turn", "S", x, lambda made, bound, _: made.turn(bound, HALF_PLANE))
+        yield of_end("turn", "S", x, lambda made, end, _: made.turn(end, HALF_PLANE))
         yield of_robot("adopt region", x, _adopt, "number|region")
         yield of_robot("command", x, _command, "body|own|part")
         yield of_robot("locate", x, _locate, "body|own")
@@ -102,16 +102,16 @@ def _line_cases(b: str) -> Iterator[Case]:
     has_lines = {x: S[f"{b}.{x}.state"] != ASKED for x in "AB"}
     is_said = [PROPOSED >= 1, ends(S, b)["number"] >= PROPOSED]
 
-    def propose(made: Any, bound: Any, outcome: Outcome) -> None:
-        bound.lines.propose(line, made.fits(bound, line))
-        outcome.claims["a line has its own number"] = bound.lines.number == S[f"{b}.A.number"] + 1
+    def propose(made: Any, end: Any, outcome: Outcome) -> None:
+        end.lines.propose(line, made.fits(end, line))
+        outcome.claims["a line has its own number"] = end.lines.number == S[f"{b}.A.number"] + 1
 
-    def adopt(made: Any, bound: Any, _: Outcome) -> None:
-        bound.lines.on_proposal(PROPOSED, proposed, made.fits(bound, proposed))
+    def adopt(made: Any, end: Any, _: Outcome) -> None:
+        end.lines.on_proposal(PROPOSED, proposed, made.fits(end, proposed))
 
-    yield of_bound("propose", b, "A", propose, has_lines["A"])
-    yield of_bound("adopt", b, "B", adopt, has_lines["B"], *is_said)
-    yield of_bound("read answer", b, "A", lambda _, bound, __: bound.lines.on_answer(*answer), has_lines["A"])
+    yield of_end("propose", b, "A", propose, has_lines["A"])
+    yield of_end("adopt", b, "B", adopt, has_lines["B"], *is_said)
+    yield of_end("read answer", b, "A", lambda _, end, __: end.lines.on_answer(*answer), has_lines["A"])
     yield Case(f"send answer {b}", lambda: _send(b), [S[f"{b}.on"], S[f"{b}.B.has"]])
 
 
@@ -127,18 +127,18 @@ def _send(b: str) -> Outcome:
 HALF_PLANE = z3.Const("half", LINE)
 
 
-def _ask(made: Any, bound: Any, _: Outcome) -> None:
-    made.fits(bound, HALF_PLANE), made.behind(bound, HALF_PLANE), made.kept(bound), bound.obeyed
+def _ask(made: Any, end: Any, _: Outcome) -> None:
+    made.fits(end, HALF_PLANE), made.behind(end, HALF_PLANE), made.kept(end), end.obeyed
 
 
 def _freeze(rule: str, b: str, x: str, *given: Any) -> Case:
     """An end finds its first line. A static binding that was told beside it is in force (`history`)."""
 
-    def freeze(made: Any, bound: Any, outcome: Outcome) -> None:
-        made.freeze(bound, _line(b, 0))
+    def freeze(made: Any, end: Any, outcome: Outcome) -> None:
+        made.freeze(end, _line(b, 0))
         outcome.after[f"{b}.frozen"] = True
 
-    return of_bound(rule, b, x, freeze, z3.Not(EARLIER[x]), *given)
+    return of_end(rule, b, x, freeze, z3.Not(EARLIER[x]), *given)
 
 
 def _adopt(x: str, made: Any, outcome: Outcome) -> None:
@@ -205,13 +205,13 @@ _NUMBERS = z3.Ints("first_listed last_listed")  # of bindings with third disks
 
 def _is_taken(made: Any, listed: Any) -> bool:
     """Whether a binding with a third disk has been taken."""
-    bound = made.bound.get(listed.number)
-    if bound is None:
+    end = made.ends.get(listed.number)
+    if end is None:
         return False
     lines = [] if listed.first is None else [listed.first]
-    kept = zip(bound.obeyed, lines, strict=True)
-    same = all(getattr(bound, each) is getattr(listed, each) for each in ("peer", "place", "static"))
-    return same and bound.low == (made.name < listed.peer) and all(mine is line for mine, line in kept)
+    kept = zip(end.obeyed, lines, strict=True)
+    same = all(getattr(end, each) is getattr(listed, each) for each in ("peer", "place", "static"))
+    return same and end.low == (made.name < listed.peer) and all(mine is line for mine, line in kept)
 
 
 def _hear(x: str, late: str) -> Outcome:
@@ -227,8 +227,8 @@ def _hear(x: str, late: str) -> Outcome:
     others = [SOURCE.records.Listed(*third, *told) for third in each]
     place = S[f"{OTHER[x]}.acked"] if z3.Bool("is unknown") else None  # told in one of two ways
     listed = [others[0], *_listed(x, place), others[1]]
-    frames = [Frame(bound, "place|static") for bound in made.bound.values()]
-    frames.append(Frame(made, "version|offered_number|offered|bound"))
+    frames = [Frame(end, "place|static") for end in made.ends.values()]
+    frames.append(Frame(made, "version|offered_number|offered|ends"))
     made.hear(SOURCE.records.Told(TO, AT, NUMBER, NUMBER, Some(lambda: listed)))
     outcome = Outcome(geometry)
     after, claims = outcome.after, outcome.claims
@@ -241,16 +241,16 @@ def _hear(x: str, late: str) -> Outcome:
     claims[f"{x}: takes others alike"] = all(_is_taken(made, each) for each in others)
     for b in ends_of(x, LIFE, taken=False):
         after[f"{b}.{x}.has"] = False
-        for bound in made.bound.values():
-            if bound.number == S[f"{b}.number"]:
-                if bound in known:
-                    after |= {f"{b}.{x}.has": True, f"{b}.{x}.static": bound.static}
-                    claims[f"{b}.{x}: its lines"] = bound.of == b
+        for end in made.ends.values():
+            if end.number == S[f"{b}.number"]:
+                if end in known:
+                    after |= {f"{b}.{x}.has": True, f"{b}.{x}.static": end.static}
+                    claims[f"{b}.{x}: its lines"] = end.of == b
                 else:
-                    after |= end_fields(b, x, bound)
-                    claims |= end_claims(bound, after, b, x)
-                claims[f"{b}.{x}: its place"] = bound.place is place
-                claims[f"{b}.{x}: its ends"] = bound.peer == CODE[OTHER[x]] and bound.low == (x == "A")
+                    after |= end_fields(b, x, end)
+                    claims |= end_claims(end, after, b, x)
+                claims[f"{b}.{x}: its place"] = end.place is place
+                claims[f"{b}.{x}: its ends"] = end.peer == CODE[OTHER[x]] and end.low == (x == "A")
     return outcome
 
 

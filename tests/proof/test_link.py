@@ -16,7 +16,7 @@ from protocol.kernel import ledger as ledgers
 from protocol.kernel.ledger import Ledger, Pair
 from protocol.kernel.pair import Follower, Owner
 from protocol.kernel.records import GONE, Binding, DiskRecord, End, Held
-from protocol.kernel.robot import Bound, RobotLife
+from protocol.kernel.robot import OwnEnd, RobotLife
 from protocol.line import Line
 from tests.agents.lines.models.skirmishes.skirmish import Skirmish
 from tests.proof.link import Facts
@@ -25,7 +25,7 @@ from world.world import WorldCore
 
 pytestmark = pytest.mark.skipif(ledgers.__file__.endswith(".so"), reason="only sources can be looked at")
 PRODUCT: Any = SimpleNamespace(Robot=Robot, World=WorldCore, Line=Line)
-KEPT = (Ledger, Pair, DiskRecord, Held, Binding, End, RobotLife, Bound, Owner, Follower)
+KEPT = (Ledger, Pair, DiskRecord, Held, Binding, End, RobotLife, OwnEnd, Owner, Follower)
 
 
 class Watch:

@@ -15,10 +15,10 @@ from tests.proof.prove import CASES, RULES, example, is_kept_by_cvc5, not_kept, 
 from tests.proof.walks import SHARES, walk
 
 # Methods that are no rules: what rules do to their own objects, and what is asked and changes nothing.
-PARTS = "Held.grant Held.acknowledge Held.stand Bound.begin Bound.turn"
+PARTS = "Held.grant Held.acknowledge Held.stand OwnEnd.begin OwnEnd.turn"
 QUESTIONS = (
     "Ledger.tied Ledger.told RobotLife.fits RobotLife.behind RobotLife.kept RobotLife.body_towards"
-    " Bound.obeyed Owner.obeyed Follower.obeyed Binding.end Binding.other"
+    " OwnEnd.obeyed Owner.obeyed Follower.obeyed Binding.end Binding.other"
 )
 
 pytestmark = pytest.mark.timeout(300)

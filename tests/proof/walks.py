@@ -17,7 +17,7 @@ from protocol.geometry import Disk
 from protocol.kernel.ledger import Ledger
 from protocol.kernel.pair import Follower, Owner
 from protocol.kernel.records import NO, PRESENT, RefusedError, require
-from protocol.kernel.robot import Bound, RobotLife
+from protocol.kernel.robot import OwnEnd, RobotLife
 from protocol.line import Line
 from protocol.region import EVERYWHERE, Region, RegionGeometry, distance
 from tests.proof.link import Facts
@@ -103,10 +103,10 @@ class Walk:
     def is_current(self, robot: Robot) -> bool:
         return self.ledger.disks[robot.name].life == robot.life
 
-    def bound(self, kind: type = object) -> tuple[Robot, Any]:
+    def end(self, kind: type = object) -> tuple[Robot, Any]:
         """An end of a binding, with lines of this kind."""
         robot = self.robot()
-        ends = [each for each in robot.bound.values() if isinstance(each.lines, kind)]
+        ends = [each for each in robot.ends.values() if isinstance(each.lines, kind)]
         require(bool(ends), "no disk is bound")
         return robot, self.random.choice(ends)
 
@@ -116,12 +116,12 @@ class Walk:
         require(bool(said), "nothing was said")
         return said[-1] if self.random.random() < 0.7 else self.random.choice(said)
 
-    def line(self, robot: Robot, bound: Bound[Region, Line]) -> Line:
+    def line(self, robot: Robot, end: OwnEnd[Region, Line]) -> Line:
         sign = self.random.choice((-1, 1))
         offset = float(self.random.randint(-2, LENGTH + 2))
         if self.random.random() < 0.7:  # one close to the body
-            side = 1 if bound.low else -1
-            offset = side * (covered(robot.body_towards(bound)).support(side * sign, 0.0) + ROOM)
+            side = 1 if end.low else -1
+            offset = side * (covered(robot.body_towards(end)).support(side * sign, 0.0) + ROOM)
         return Line(sign, 0.0, offset)
 
     # -- the coordinator
@@ -231,14 +231,14 @@ class Walk:
         robot.hear(*self.hears("Tick", robot.name))
 
     def do_freeze(self) -> None:
-        robot, bound = self.bound()
-        line = self.random.choice([*robot.kept(bound), self.line(robot, bound)])
-        robot.freeze(bound, line)
-        self.said["first line"].append((bound.number, line))
+        robot, end = self.end()
+        line = self.random.choice([*robot.kept(end), self.line(robot, end)])
+        robot.freeze(end, line)
+        self.said["first line"].append((end.number, line))
 
     def do_turn(self) -> None:
-        robot, bound = self.bound()
-        robot.turn(bound, self.line(robot, bound))
+        robot, end = self.end()
+        robot.turn(end, self.line(robot, end))
 
     def do_adopt_region(self) -> None:
         robot = self.robot()
@@ -264,20 +264,20 @@ class Walk:
         robot.command(cover(hull(body, part)), cover(body), PART)
 
     def do_propose(self) -> None:
-        robot, bound = self.bound(Owner)
-        line = self.line(robot, bound)
-        bound.lines.propose(line, robot.fits(bound, line))
-        self.said["proposal"].append((bound.number, bound.lines.number, line))
+        robot, end = self.end(Owner)
+        line = self.line(robot, end)
+        end.lines.propose(line, robot.fits(end, line))
+        self.said["proposal"].append((end.number, end.lines.number, line))
 
     def do_adopt(self) -> None:
-        robot, bound = self.bound(Follower)
-        number, line = self.hears("proposal", bound.number)
-        bound.lines.on_proposal(number, line, robot.fits(bound, line))
-        self.said["answer"].append((bound.number, bound.lines.held_number, bound.lines.seen))
+        robot, end = self.end(Follower)
+        number, line = self.hears("proposal", end.number)
+        end.lines.on_proposal(number, line, robot.fits(end, line))
+        self.said["answer"].append((end.number, end.lines.held_number, end.lines.seen))
 
     def do_read_answer(self) -> None:
-        _, bound = self.bound(Owner)
-        bound.lines.on_answer(*self.hears("answer", bound.number))
+        _, end = self.end(Owner)
+        end.lines.on_answer(*self.hears("answer", end.number))
 
     # -- the walk
 

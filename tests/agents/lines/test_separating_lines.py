@@ -44,7 +44,7 @@ def test_a_robot_stands_until_it_obeys_a_region_that_it_is_in() -> None:
     assert not lines.ready
     lines.locate(3, (0.4, 0.0), 0.15)
     assert (lines.ready, lines.region) == (True, 8)
-    assert lines.bound is not None
+    assert lines.region_disk is not None
 
 
 def test_an_older_tick_or_one_to_another_life_is_not_taken_in() -> None:
