@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from deploy.theory.bounds import (
-    Family,
+    Stretch,
     _bounds,
     _every,
     best_bounds,
@@ -22,7 +22,6 @@ from deploy.theory.bounds import (
     largest_gamma,
     margins,
     second_status,
-    smallest_contact,
     stretch,
 )
 from deploy.theory.exact_flow import equilibria, swapped_pairs
@@ -122,12 +121,11 @@ def test_a_lone_robot_is_polar_for_every_k_above_one_and_a_half() -> None:
     assert best.k2 == best.k3 == 0.0
 
 
-def everyone(clusters: Family) -> int:
-    return int(np.argmax(clusters.sizes))
-
-
-def problem_of(radii: Reals, workspace: float = 200.0) -> FleetProblem:
-    return FleetProblem(np.zeros((len(radii), 2)), radii, workspace, 60.0)
+def stretched(radii: Reals, eps: float, workspace: float = 200.0) -> tuple[Stretch, int]:
+    """The lengths of all clusters of such disks, and the row of the cluster of all."""
+    problem = FleetProblem(np.zeros((len(radii), 2)), radii, workspace, 60.0)
+    clusters = family(problem)
+    return stretch(problem, clusters, eps), int(np.argmax(clusters.sizes))
 
 
 def random_cluster(draw: np.random.Generator, radii: Reals, eps: float) -> Reals | None:
@@ -148,10 +146,9 @@ def random_cluster(draw: np.random.Generator, radii: Reals, eps: float) -> Reals
 @pytest.mark.parametrize("unequal", [False, True])
 def test_no_random_cluster_exceeds_the_bounds(n: int, unequal: bool) -> None:
     radii = np.linspace(2.0, 6.0, n) if unequal else np.full(n, 4.0)
-    problem, eps = problem_of(radii), 5.0
-    clusters = family(problem)
-    lengths, row = stretch(problem, clusters, eps), everyone(clusters)
-    spacing, draw, seen = smallest_contact(problem), generator(n, Purpose.STUDY), 0
+    eps, spacing = 5.0, float(np.sort(radii)[:2].sum())
+    lengths, row = stretched(radii, eps)
+    draw, seen = generator(n, Purpose.STUDY), 0
     best = np.zeros(2)
     for _ in range(3000):
         b = random_cluster(draw, radii, eps)
@@ -169,9 +166,7 @@ def test_no_random_cluster_exceeds_the_bounds(n: int, unequal: bool) -> None:
 @pytest.mark.parametrize("n", [2, 3, 6, 12])
 def test_straight_chains_of_equal_disks_attain_both(n: int) -> None:
     radii, eps = np.full(n, 4.0), 3.0
-    problem = problem_of(radii)
-    clusters = family(problem)
-    lengths, row = stretch(problem, clusters, eps), everyone(clusters)
+    lengths, row = stretched(radii, eps)
     line, d = chain(radii, eps), np.sqrt(64.0 + eps)
     assert lengths.exact[row]
     assert lengths.first[row] == pytest.approx(first_objective(line, 8.0), rel=1e-12)
@@ -184,10 +179,8 @@ def test_straight_chains_of_equal_disks_attain_both(n: int) -> None:
 
 def test_unequal_chains_stay_below_the_bound_and_the_heavy_middle_comes_near() -> None:
     radii, eps = np.array([2.0, 3.0, 4.0, 5.0, 6.0]), 1.0
-    problem = problem_of(radii)
-    clusters = family(problem)
-    lengths, row = stretch(problem, clusters, eps), everyone(clusters)
-    spacing = smallest_contact(problem)
+    lengths, row = stretched(radii, eps)
+    spacing = 2.0 + 3.0  # of the two smallest
     values = [first_objective(chain(np.array(order), eps), spacing) for order in permutations(radii)]
     assert not lengths.exact[row]
     assert max(values) <= lengths.first[row]
@@ -196,9 +189,7 @@ def test_unequal_chains_stay_below_the_bound_and_the_heavy_middle_comes_near() -
 
 def test_a_chain_that_does_not_fit_is_clipped_and_not_called_exact() -> None:
     radii = np.full(6, 4.0)
-    problem = problem_of(radii, workspace=20.0)
-    clusters = family(problem)
-    lengths, row = stretch(problem, clusters, 0.0), everyone(clusters)
+    lengths, row = stretched(radii, 0.0, workspace=20.0)
     assert not lengths.exact[row]
     assert lengths.longest[row] == 2 * 16.0
-    assert lengths.first[row] < stretch(problem_of(radii), clusters, 0.0).first[row]
+    assert lengths.first[row] < stretched(radii, 0.0)[0].first[row]

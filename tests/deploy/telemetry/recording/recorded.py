@@ -1,7 +1,11 @@
 """Small runs, recorded for tests of recordings and pictures; and a world that says whatever a test wants."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+from mcap.reader import make_reader
+from mcap.writer import Writer
 
 from deploy.run.local import LocalFleet
 from deploy.telemetry.recording.reader import Recording
@@ -33,18 +37,41 @@ def said_by(recording: Recording, kind: type[Any], robot: int) -> list[Any]:
     return [message for message in recording.messages(kind) if message.robot == robot]
 
 
+def rewritten(
+    path: Path,
+    target: Path,
+    change: Callable[[bytes], bytes] = lambda data: data,
+    *,
+    chunks: bool = True,
+    **metadata: dict[str, str],
+) -> Path:
+    """A copy of a recording whose messages were changed, and whose metadata are others; none where empty."""
+    with path.open("rb") as source, target.open("wb") as copy:
+        reader, writer, numbers = make_reader(source), Writer(copy, use_chunking=chunks), {}
+        writer.start()
+        kept = {each.name: each.metadata for each in reader.iter_metadata()} | metadata
+        for name, about in kept.items():
+            if about:
+                writer.add_metadata(name, about)
+        for _, channel, message in reader.iter_messages(log_time_order=False):
+            if channel.topic not in numbers:
+                numbers[channel.topic] = writer.register_channel(channel.topic, "json", 0)
+            number, time = numbers[channel.topic], message.log_time
+            writer.add_message(number, time, change(message.data), message.publish_time)
+        writer.finish()
+    return target
+
+
 class FakeWorld:
     """Answers requests for the scenario, and publishes the messages of a test."""
 
     finished, deadline = False, float("inf")
 
     def __init__(self, bus, run: str) -> None:
-        self.tick = 0
         self.replies: list[bytes] = []  # to the first request
         self._bus, self._run = bus, run
         self._publish = {}
-        if hasattr(bus, "node"):
-            bus.node = self
+        bus.node = self
         bus.serve(world_key(run, "scenario"))
         bus.announce(world_token(run, "1"))
 

@@ -6,7 +6,6 @@ import struct
 from contextlib import suppress
 from io import BytesIO
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -24,7 +23,7 @@ from deploy.telemetry.scene import TOPICS
 from protocol.errors import RecordingError, UsageError
 from protocol.keys import parse
 from protocol.messages import Clock, Command, Health, State, Tick
-from tests.deploy.telemetry.recording.recorded import ROBOTS, said_by, scenario
+from tests.deploy.telemetry.recording.recorded import ROBOTS, rewritten, said_by, scenario
 
 
 def edges(data: bytes) -> list[tuple[int, bool]]:
@@ -113,23 +112,6 @@ def test_a_whole_file_of_others_says_so(tmp_path):
         read(path)
 
 
-def rewritten(path: Path, chunks: bool = True, **metadata: dict[str, str]) -> bytes:
-    """A recording whose metadata are others; none where they are empty."""
-    buffer, reader = BytesIO(), make_reader(BytesIO(path.read_bytes()))
-    writer, numbers = Writer(buffer, use_chunking=chunks), {}
-    writer.start()
-    kept = {each.name: each.metadata for each in reader.iter_metadata()} | metadata
-    for name, about in kept.items():
-        if about:
-            writer.add_metadata(name, about)
-    for _, channel, message in reader.iter_messages(log_time_order=False):
-        if channel.topic not in numbers:
-            numbers[channel.topic] = writer.register_channel(channel.topic, "json", 0)
-        writer.add_message(numbers[channel.topic], message.log_time, message.data, message.publish_time)
-    writer.finish()
-    return buffer.getvalue()
-
-
 @pytest.mark.parametrize(
     "report",
     [
@@ -140,35 +122,28 @@ def rewritten(path: Path, chunks: bool = True, **metadata: dict[str, str]) -> by
     ids=range(8),
 )
 def test_a_result_of_another_form_is_refused(recorded, tmp_path, report):
-    path = tmp_path / "other.mcap"
-    path.write_bytes(rewritten(recorded[0], result={"json": report}))
     with pytest.raises(RecordingError, match=r"other\.mcap was written by another version"):
-        read(path)
+        read(rewritten(recorded[0], tmp_path / "other.mcap", result={"json": report}))
 
 
 def test_a_result_of_a_far_later_tick_is_not_compared(recorded, tmp_path):
-    path, result = tmp_path / "far.mcap", recorded[1] | {"ticks": 10**15}
-    path.write_bytes(rewritten(recorded[0], result={"json": json.dumps(result)}))
+    result = {"json": json.dumps(recorded[1] | {"ticks": 10**15})}
     with pytest.raises(RecordingError, match="most of its ticks were not"):
-        recomputed(read(path))
+        recomputed(read(rewritten(recorded[0], tmp_path / "far.mcap", result=result)))
 
 
-def test_a_recording_without_its_run_loses_nothing(recorded, tmp_path):
-    path = tmp_path / "nameless.mcap"
-    path.write_bytes(rewritten(recorded[0], run={}))
-    found, whole = read(path), read(recorded[0])
-    assert not found.cut
+@pytest.mark.parametrize(
+    ("metadata", "cut"),
+    [({"run": {}}, False)]
+    + [({"recorder": {"following": name}}, True) for name in ("/", "..", "a\0b", "x" * 5000, "other.mcap")],
+)
+def test_without_its_run_or_with_a_following_file_that_is_missing_nothing_is_lost(
+    recorded, tmp_path, metadata, cut
+):
+    found, whole = read(rewritten(recorded[0], tmp_path / "first.mcap", **metadata)), read(recorded[0])
+    assert found.cut is cut
     assert found.counts == whole.counts
     assert found.trajectory.ticks.tolist() == whole.trajectory.ticks.tolist()
-
-
-@pytest.mark.parametrize("name", ["/", "..", "a\0b", "x" * 5000, "nothing.mcap"])
-def test_a_name_that_no_file_has_is_a_file_that_is_missing(recorded, tmp_path, name):
-    path = tmp_path / "first.mcap"
-    path.write_bytes(rewritten(recorded[0], recorder={"following": name}))
-    found = read(path)
-    assert found.cut
-    assert found.counts == read(recorded[0]).counts
 
 
 def test_what_is_not_read_is_told(recorded, tmp_path):
@@ -177,9 +152,8 @@ def test_what_is_not_read_is_told(recorded, tmp_path):
     path.write_bytes(whole + whole)
     assert read(path).cut
     assert recomputed(read(path)) == recomputed(read(recorded[0]))
-    path.write_bytes(rewritten(recorded[0], chunks=False))
     with pytest.raises(RecordingError, match="outside of chunks"):
-        read(path)
+        read(rewritten(recorded[0], path, chunks=False))
 
 
 def test_messages_come_in_the_order_of_time_however_late_they_were_written(tmp_path):
@@ -199,10 +173,6 @@ def test_messages_come_in_the_order_of_time_however_late_they_were_written(tmp_p
         zip(times, range(1000), strict=True)
     )
     assert not found.cut
-
-
-def own(summary):
-    return [channel for channel in summary.channels.values() if channel.topic not in TOPICS]
 
 
 def test_a_recording_holds_a_scene_that_follows_the_truth(recorded):
@@ -237,12 +207,16 @@ def test_ros_tools_open_what_is_exported(recorded, tmp_path):
     assert [final.x, final.y] == read(path).trajectory.positions[-1][1].tolist()
 
 
+def own(summary):
+    return [channel for channel in summary.channels.values() if channel.topic not in TOPICS]
+
+
 def test_any_mcap_reader_reads_it(recorded):
     path, report = recorded
     with path.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
         summary = reader.get_summary()
-        topics = [channel.topic for channel in summary.channels.values() if channel.topic not in TOPICS]
+        topics = [channel.topic for channel in own(summary)]
         assert len(topics) == len(set(topics)) == 2 + 4 * len(ROBOTS)
         assert {summary.schemas[each.schema_id].encoding for each in own(summary)} == {"jsonschema"}
         assert {channel.message_encoding for channel in own(summary)} == {"json"}

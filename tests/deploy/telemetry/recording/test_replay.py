@@ -5,13 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mcap.writer import Writer
 
 from deploy.cli.recording import _check, info, replay
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
 from deploy.telemetry.plot import draw
-from deploy.telemetry.recording.reader import Contents, Recording, read
+from deploy.telemetry.recording.reader import Recording, read
 from deploy.telemetry.recording.replay import participants, publish, published, verify
 from protocol.bus.bus import Sample
 from protocol.bus.local import LocalNetwork
@@ -20,7 +19,7 @@ from protocol.errors import RecordingError
 from protocol.keys import everything
 from protocol.messages import Message, Result, State, Tick
 from protocol.scenario.model import Order, RobotSpec, Scenario
-from tests.deploy.telemetry.recording.recorded import said_by
+from tests.deploy.telemetry.recording.recorded import rewritten, said_by
 from tests.listening import overhear
 
 
@@ -32,23 +31,6 @@ def path(recorded) -> Path:
 @pytest.fixture(scope="module")
 def recording(path) -> Recording:
     return read(path)
-
-
-def _altered(path: Path, target: Path, old: bytes, new: bytes) -> Path:
-    found = Contents(path)
-    with target.open("wb") as file:
-        writer = Writer(file)
-        writer.start()
-        for name, data in found.metadata.items():
-            writer.add_metadata(name, data)
-        numbers: dict[str, int] = {}
-        for key, when, data in found.messages():
-            if key not in numbers:
-                numbers[key] = writer.register_channel(key, "json", 0)
-            changed = data.replace(old, new) if b'"clearance"' in data else data
-            writer.add_message(numbers[key], when, changed, when)
-        writer.finish()
-    return target
 
 
 def _without_truths(recording: Recording, lost: set[int]) -> Recording:
@@ -118,7 +100,7 @@ def test_commands_say_what_they_found(path, recording, tmp_path, capsys):
 def test_exit_status_of_the_command(path, recording, disknav, tmp_path):
     x = repr(recording.trajectory.positions[20, 0, 0].item()).encode()
     other = x[:-1] + (b"1" if x[-1:] != b"1" else b"2")
-    altered = _altered(path, tmp_path / "altered.mcap", x, other)
+    altered = rewritten(path, tmp_path / "altered.mcap", lambda data: data.replace(x, other))
     said = "altered.mcap: the recorded trajectory has hash"
     for file, status, text in (
         (path, 0, ""),
