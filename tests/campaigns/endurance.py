@@ -22,7 +22,8 @@ from deploy.library.encounters import swap
 from deploy.library.load import resolved
 from deploy.run.fleet import ENOUGH, Fleet
 from deploy.run.options import RunOptions
-from protocol.scenario.model import Journey, Order, Scenario
+from protocol.scenario.model import Scenario
+from tests.benchmarks.crowds import patrols
 from tests.campaigns.campaign import Campaign, Dice, Outcome
 
 ROBOTS, SECONDS, KILL_EVERY = 16, 600.0, 30.0
@@ -42,12 +43,11 @@ class Sample(NamedTuple):
 def patrol(robots: int) -> Scenario:
     """A swap on a circle, and back, without end."""
     base = resolved(swap(robots))
-    there_and_back = (Journey(each.id, (each.goal, each.start), patrol=True) for each in base.robots)
     return replace(
         base,
         control=replace(base.control, speed=0.05),
         time=replace(base.time, limit=86_400.0, deadlock=3600.0),
-        orders=tuple(Order(0.0, goal=journey) for journey in there_and_back),
+        orders=patrols({each.id: (each.goal, each.start) for each in base.robots}),
     )
 
 

@@ -64,11 +64,6 @@ def heard(faults: LinkFaults, states: list[PeerState], until: int = 200) -> list
     return [[(s.robot, s.tick) for s in link.take(tick)] for tick in range(until)]
 
 
-def test_an_ideal_link_delivers_each_state_once_at_its_tick() -> None:
-    ticks = heard(LinkFaults(), [state(2, 3), state(3, 3), state(2, 4)])
-    assert {tick: entry for tick, entry in enumerate(ticks) if entry} == {3: [(2, 3), (3, 3)], 4: [(2, 4)]}
-
-
 def test_only_a_state_of_the_tick_or_a_later_one_is_ahead() -> None:
     link = StateLink(SCENARIO, 1)
     for each in (state(2, 3), state(3, 4), state(4, 5)):

@@ -58,17 +58,6 @@ def test_check_says_which_theorem_does_not_apply_and_why() -> None:
     assert plain(found)["obstacles"] == 40
 
 
-def test_check_names_a_goal_that_cannot_be_reached() -> None:
-    base = load("beads-2", seed=1)
-    wall = replace(
-        load("forest-10").obstacles[0], points=((-0.001, -1.0), (0.001, -1.0), (0.001, 1.0), (-0.001, 1.0))
-    )
-    robot = RobotSpec(1, 0.02, (-0.1, 0.0), (0.1, 0.0))
-    found = surrounded(validated(replace(base, robots=(robot,), obstacles=(wall,))))
-    assert [each.robot for each in found.unreachable] == [1]
-    assert (found.no_way, found.doors) == ((), ())
-
-
 SCENARIO = load("in-turn-3")
 TICKS = SCENARIO.ticks(1.0)
 

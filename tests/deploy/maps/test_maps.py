@@ -271,7 +271,9 @@ def test_bad_settings_of_a_map_are_refused(tmp_path: Path, setting: str) -> None
 
 def test_check_says_whose_goal_is_barred_and_where(tmp_path: Path) -> None:
     path = written(tmp_path, "[0.7, 0.25]")
-    (found,) = surrounded(load(path)).unreachable
+    report = surrounded(load(path))
+    assert (report.no_way, report.doors) == ((), ())
+    (found,) = report.unreachable
     assert (found.robot, found.x, found.y) == (1, pytest.approx(0.45, abs=0.06), pytest.approx(0.35))
     assert found.width == pytest.approx(0.1)
     assert not surrounded(load(path, ["robots[0].radius=0.04"])).unreachable

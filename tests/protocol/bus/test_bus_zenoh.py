@@ -15,7 +15,7 @@ from deploy.processes.supervisor import Supervisor
 from protocol.bus.bus import Event, Presence, Query, Sample
 from protocol.bus.connection import Connection, configuration
 from protocol.bus.zenoh import ZenohBus
-from protocol.errors import BusError, EndpointTakenError
+from protocol.errors import BusError
 from protocol.keys import STREAMS
 from tests.deploy.processes import children
 from tests.until import until
@@ -218,8 +218,3 @@ def test_an_unreachable_router_is_named() -> None:
         ZenohBus(Connection(connect=(nowhere,), timeout=0.3))
     assert ".rs" not in str(raised.value)
     assert time.monotonic() - begin < PATIENCE
-
-
-def test_a_taken_endpoint_is_told_from_other_failures(endpoint: str) -> None:
-    with pytest.raises(EndpointTakenError, match=endpoint):
-        ZenohBus(Connection("router", listen=(endpoint,)))

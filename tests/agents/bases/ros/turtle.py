@@ -20,7 +20,7 @@ from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import Odometry
 from rclpy.node import Node
 
-RADIUS, TRACK, FASTEST, GAIN = 0.033, 0.160, 0.66, 3.0
+RADIUS, TRACK, FASTEST = 0.033, 0.160, 0.66
 TIMEOUT, SPEED = 0.25, 0.12  # s, m/s that it wishes
 BURGER = f"""
 <mujoco>
