@@ -323,8 +323,8 @@ class Summary(Message, frozen=True, array_like=True, gc=False):
 
 
 class Truth(Message, frozen=True, array_like=True, gc=False):
-    """World to all monitors: the true position of every disk at the start of `tick`, but of those that appear
-    then, which the next one has."""
+    """World to all monitors: the true position of every disk at the start of `tick`. A disk that appears then
+    is in the next Truth, not in this one."""
 
     tick: Count  # the tick that begins
     robots: tuple[Id, ...]  # their ids, ascending

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
+from functools import cached_property
 from math import inf
 from pathlib import Path
 from typing import cast
@@ -66,7 +67,7 @@ class Operator:
         except BusError as error:
             sent = operation is not None and not isinstance(error, UnservedError)
             late = f" (It may still take effect: see `disknav monitor {self._run}`.)" if sent else ""
-            raise BusError(f"no world of run {self._run!r} answers{self._others()}: {error}{late}") from error
+            raise BusError(f"no world of run {self._run!r} answers{self._others}: {error}{late}") from error
         self._heard = time.monotonic()
         if len(answers) > 1 and not self._warned:
             self._warned = True
@@ -80,8 +81,10 @@ class Operator:
             moving=tuple(sorted({robot for reply in replies for robot in reply.moving})),
         )
 
+    @cached_property
     def _others(self) -> str:
-        """The runs that have a world on this network, if this one has none."""
+        """The runs that have a world on this network, if this one has none; looked up once, as it delays the
+        next request."""
         runs = {token.split("/")[1] for token in self._bus.tokens(world_tokens("*"))}
         return f" (there is one of {', '.join(sorted(runs))})" if runs and self._run not in runs else ""
 
