@@ -1,7 +1,7 @@
 """Prove the safety kernel: `python -m tests.proof`.
 
-Every rule, read from its source, keeps every conjunct of the invariant, and is possible: a state is found in
-which it is executed.
+Every rule, executed symbolically from its source, keeps every conjunct of the invariant, and a state is found
+in which it is possible.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from tests.proof.prove import CASES
 
 
 def main() -> int:
-    """Test what is asked for; 0 if all of it is so."""
+    """Run the tests that are asked for; 0 if all pass."""
     parser = argparse.ArgumentParser(prog="python -m tests.proof", description=__doc__)
     parser.add_argument("rules", nargs="*", help="only rules with these words in their names")
     parser.add_argument("--cvc5", action="store_true", help="ask cvc5, too")
-    parser.add_argument("--mutants", action="store_true", help="only refute the kernel without each rule")
+    parser.add_argument("--mutants", action="store_true", help="refute each mutant of the kernel, only")
     options = parser.parse_args()
     asked: dict[str, Iterable[str]] = {"keeps_the_invariant": CASES, "is_possible": CASES}
     if options.cvc5:

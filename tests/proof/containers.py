@@ -1,4 +1,4 @@
-"""What the kernel keeps, of which the solver knows a part: lists, fields that may be None."""
+"""Containers of the kernel with symbolic content: lists of any length, fields that may be None."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from tests.proof.symbolic import expression
 
 
 class Frame:
-    """What a ledger or robot was, and all that the kernel keeps within it, by its place. What is within
-    another thing at the same place is not looked at: the state has numbers for it, or claims.
+    """Frame condition of a rule: a ledger or robot and all objects in it, by their paths. The content of a
+    replaced object is not compared: the state, or a claim, covers it.
 
     Args:
-        thing: it.
-        may_change: a pattern of places.
+        thing: the ledger or robot, before the rule.
+        may_change: a pattern of paths.
     """
 
     def __init__(self, thing: Any, may_change: str) -> None:
@@ -25,7 +25,7 @@ class Frame:
 
     @property
     def changed(self) -> dict[tuple[str, ...], tuple[Any, Any]]:
-        """Places that have something else, with what they had and what they have."""
+        """Paths of replaced objects, with the objects before and after."""
         before, now = self._before, dict(_places(self._thing))
         found = {place: (before.get(place, self), now.get(place, self)) for place in before | now}
         found = {place: both for place, both in found.items() if both[0] is not both[1]}
@@ -34,10 +34,10 @@ class Frame:
 
     @property
     def holds(self) -> bool:
-        """Whether nothing else has changed; a field that may be None has been looked at."""
+        """Whether nothing else has changed; a `LazyOptional` may have been read."""
         return all(
             re.fullmatch(self._may_change, "/".join(place))
-            or (isinstance(before, Optional) and now is before.found())
+            or (isinstance(before, LazyOptional) and now is before.found())
             for place, (before, now) in self.changed.items()
         )
 
@@ -45,7 +45,7 @@ class Frame:
 def _places(thing: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
     yield place, thing
     inner = thing if isinstance(thing, dict) else {}
-    if isinstance(thing, Some):
+    if isinstance(thing, SymbolicList):
         inner = {"appended": thing.appended}
     elif type(thing).__module__.startswith("protocol.kernel"):
         inner = vars(type(thing)).get("optional", {}) | vars(thing)
@@ -53,8 +53,8 @@ def _places(thing: Any, place: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str
         yield from _places(each, (*place, name if isinstance(name, str) else expression(name).sexpr()))
 
 
-class Optional(cached_property[Any]):
-    """A field that is None unless a condition holds, which is asked when a rule first looks at the field."""
+class LazyOptional(cached_property[Any]):
+    """A field that is None unless a condition holds, which is evaluated when a rule first reads the field."""
 
     def __init__(self, value: Any, condition: Any) -> None:
         self.found = cache(lambda: value if condition else None)
@@ -62,8 +62,8 @@ class Optional(cached_property[Any]):
 
 
 def with_optional(made: Any, **fields: tuple[Any, Any]) -> Any:
-    """An object with fields that have a value under a condition each."""
-    kind, optional = type(made), {name: Optional(*field) for name, field in fields.items()}
+    """An object with some fields that are None unless a condition holds."""
+    kind, optional = type(made), {name: LazyOptional(*field) for name, field in fields.items()}
     also = {"optional": optional, "__module__": kind.__module__}
     made.__class__ = type(kind.__name__, (kind,), optional | also)
     for name in fields:
@@ -71,10 +71,9 @@ def with_optional(made: Any, **fields: tuple[Any, Any]) -> Any:
     return made
 
 
-class Some:
-    """A list of any length: the elements that the solver can tell from others, which are all treated alike
-    (`language.py`), and what is appended.
-    """
+class SymbolicList:
+    """A list of any length, of which loops treat all elements alike (`language.py`): those that the solver
+    distinguishes, and those appended."""
 
     def __init__(self, elements: Callable[[], Iterable[Any]]) -> None:
         self._elements = elements

@@ -1,4 +1,4 @@
-"""Every rule of the ledger as it runs."""
+"""Proof cases of the ledger's rules."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from tests.proof.model import ANY_LINE, APART, BESIDE, CODE, INSIDE, LINE_OF, OT
 from tests.proof.objects import SOURCE, holds_its_regions, ledger_of, ledger_state, outcome_of, own_claims
 from tests.proof.outcomes import EPOCH, NAMES, NEXT, SAID, Case, Geometry, Outcome, S, any_body
 
-Rule = Callable[[Any, Any, Any], object]  # of the ledger, the disk and the other one
-Besides = Callable[[str, Outcome], None]  # what else happens to the disk
+Rule = Callable[[Any, Any, Any], object]  # executed on ledger, disk and other disk
+Besides = Callable[[str, Outcome], None]  # adds what the rule means for the disk itself
 
 _PLACES = {name: z3.Int(f"{x}.first place") for name, x in NAMES.items()}
-_BECOMES = {"announce": ANNOUNCED, "appear": PRESENT, "remove": GONE}  # a disk's phase, once a rule says so
+_BECOMES = {"announce": ANNOUNCED, "appear": PRESENT, "remove": GONE}  # phase of the disk after a rule
 _REGIONS = "/held/(acknowledged|granted|regions(/appended)?)"
-_CHANGES = {  # of its disk, and of no other: fields, or the disk itself; and its bindings with third ones
+_CHANGES = {  # frame condition: fields of its disk, or the disk itself, which a rule may change
     "rejoin": "/life", "settle": _REGIONS, "acknowledge": _REGIONS, "grant": f"/still|{_REGIONS}",
     "fence": f"/life|/still|{_REGIONS}", "announce": "", "appear": "/phase", "remove": "/phase",
 }  # fmt: skip
@@ -46,8 +46,8 @@ def of_ledger(rule: str, does: Rule, x: str, besides: Besides | None = None, *gi
 
 
 def history(after: dict[str, Any]) -> dict[str, Any]:
-    """What makes a Tick of an earlier version tell each binding in force as it was then: a binding changes
-    once at most in each of its fields, at a version that the field keeps."""
+    """Why a Tick of an earlier version lists each binding as of that version: each field of a binding changes
+    once at most, at a version that it records."""
     v, version = S["v"], after["v"]
     changed = [f"{x}.{f}" for x in "AB" for f in ("phase", "life", "still", "granted")]
     changed += [f"{b}.{f}" for b in "LS" for f in ("on", "number", "told", "A.dead", "B.dead")]
@@ -63,7 +63,7 @@ def history(after: dict[str, Any]) -> dict[str, Any]:
         )
         same = z3.Or(*[z3.And(S[f"{old}.on"], *_goes_on(after, b, old)) for old in "LS"])
         found[f"{b}: is new or goes on"] = z3.Implies(after[f"{b}.on"], z3.Or(new, same))
-        # While one life is asked, what it obeys towards an earlier life of the other disk is in force.
+        # While one life is asked, its binding with an earlier life of the other disk stays in force.
         asks = z3.And(same, after[f"{b}.on"], after[f"{b}.told"] == 0, after[f"{b}.number"] != S["S.number"])
         stays = z3.And(after["S.on"], after["S.number"] == S["S.number"])
         for x in "AB":
@@ -73,7 +73,7 @@ def history(after: dict[str, Any]) -> dict[str, Any]:
 
 
 def noted(geometry: Geometry, after: dict[str, Any]) -> dict[str, Any]:
-    """What geometry was told last covers all that each disk holds."""
+    """The newest notes of the geometry cover all that each disk holds."""
     found = {}
     for x, told in geometry.noted.items():
         acked, granted = after[f"{x}.acked"], after[f"{x}.granted"]
@@ -92,27 +92,27 @@ def _goes_on(after: dict[str, Any], b: str, old: str) -> Iterator[Any]:
         yield z3.Or(now == before, z3.And(before == 0, now == after["v"]))
     for x, y in (("A", "B"), ("B", "A")):
         told = z3.Or(z3.And(after[f"{b}.told"] == 0, S[f"{old}.asked"] == CODE[x]), S[f"{old}.{y}.dead"] != 0)
-        # What is behind the place that was told is behind the one that is in force.
+        # A half-plane behind the place in an earlier Tick is behind the present place.
         yield z3.Implies(told, z3.Implies(*[BESIDE[y](each[f"{y}.acked"], ANY_LINE) for each in (S, after)]))
 
 
 def _settled(x: str, outcome: Outcome) -> None:
-    outcome.given(INSIDE[x](S[f"{x}.body"], NEXT))
+    outcome.assume(INSIDE[x](S[f"{x}.body"], NEXT))
 
 
 def _fenced(x: str, outcome: Outcome) -> None:
-    body = any_body(f"{x}.stands")  # with a part that it carries, or without one that it may carry
+    body = any_body(f"{x}.stands")  # with or without the part that it may carry
     there = S[f"{OTHER[x]}.phase"] == PRESENT
     outcome.stands(x, body)
-    outcome.given(
+    outcome.assume(
         z3.Or(body == S[f"{x}.body"], body == S[f"{x}.own"]),
         z3.Implies(z3.And(S[f"{x}.reach"], there), body == S[f"{x}.own"]),
-        z3.Implies(z3.Not(S[f"{x}.still"]), INSIDE[x](body, NEXT)),  # the place that is told
+        z3.Implies(z3.Not(S[f"{x}.still"]), INSIDE[x](body, NEXT)),  # the place passed to `fence`
     )
 
 
 def _joined(x: str, outcome: Outcome) -> None:
-    """The process of the new life begins as the robot's part of the kernel makes it."""
+    """The new life has a process as `RobotLife` initialises it."""
     outcome.begins(x)
     body = outcome.after[f"{x}.own"] = outcome.after[f"{x}.body"]
     life = outcome.after[f"{x}.life"]
@@ -128,19 +128,19 @@ def _announced(x: str, outcome: Outcome) -> None:
     body = any_body(f"{x}.announced")
     outcome.stands(x, body)
     outcome.begins(x)
-    outcome.given(INSIDE[x](body, NEXT))
+    outcome.assume(INSIDE[x](body, NEXT))
 
 
 def _granted(x: str, outcome: Outcome) -> None:
-    """Numbers between the newest region and this one name no region of X, and are taken for empty ones."""
+    """Numbers between the newest region and this one are of no region of X; they stand for empty ones."""
     region = REGION[x]
     is_empty = z3.And(S[f"{x}.granted"] < region, region < NEXT)
     for so in (APART(*REGION.values()), BESIDE[x](region, ANY_LINE)):
-        outcome.given(z3.Implies(is_empty, so))
+        outcome.assume(z3.Implies(is_empty, so))
 
 
 def _announce(made: Any, disk: Any) -> None:
-    """A disk that was there before, or a new one."""
+    """Announce a disk that is in the ledger, or a new one."""
     if not made.pairs[disk.name] and z3.And(z3.Bool("is new"), disk.phase == GONE):
         del made.disks[disk.name], made.pairs[disk.name]
     found = made.announce(disk.name, NEXT)
@@ -148,13 +148,13 @@ def _announce(made: Any, disk: Any) -> None:
 
 
 def _acknowledge(x: str) -> Case:
-    """Any acknowledgement arrives, of all that are under way."""
+    """Any acknowledgement in transit arrives."""
     said = invariant({**S, f"{x}.said": SAID[x]})[f"{x}: acknowledgement"]
     return of_ledger("acknowledge", lambda m, d, _: m.acknowledge(d, SAID[x]), x, None, said)
 
 
 def ledger_cases() -> Iterator[Case]:
-    """Every rule of the ledger, of either disk; and one of others."""
+    """Every rule of the ledger, for either disk, and one for third disks."""
     for x in "AB":
         yield of_ledger("rejoin", lambda m, d, _: m.rejoin(d), x, _joined)
         yield of_ledger("fence", lambda m, d, _: m.fence(d, NEXT), x, _fenced)
@@ -166,8 +166,8 @@ def ledger_cases() -> Iterator[Case]:
         yield of_ledger("announce", lambda m, d, _: _announce(m, d), x, _announced)
         yield of_ledger("appear", lambda m, d, _: m.appear(d), x)
         yield of_ledger("part", lambda m, d, o: m.part(d, o), x)
-        yield of_ledger("question: tied", lambda m, d, o: m.tied(d, o), x)
-        yield of_ledger("question: told", lambda m, d, _: m.told(d), x)
+        yield of_ledger("query: tied", lambda m, d, o: m.tied(d, o), x)
+        yield of_ledger("query: told", lambda m, d, _: m.told(d), x)
     yield of_ledger("introduce", lambda m, d, o: m.introduce(d, o, LINE_OF(NEXT, 0)), "A")
     yield of_ledger("elsewhere", lambda m, *_: vars(m).update(version=m.version + 1), "A")
     for b, slot in (("L", "living"), ("S", "static")):
@@ -187,23 +187,23 @@ def _answer(b: str, slot: str) -> Case:
 
 
 def _begin() -> Outcome:
-    """The first ledger, of disks that are disjoint; nothing was held before."""
+    """The first ledger, of disjoint disks."""
     outcome = _restart()
-    outcome.facts = []
-    outcome.given(EPOCH > 0, *[INSIDE[x](outcome.after[f"{x}.body"], EPOCH) for x in "AB"])
-    outcome.given(invariant(outcome.after)["safe"], *[S[f"{x}.granted"] < EPOCH for x in "AB"])
+    outcome.assumptions = []
+    outcome.assume(EPOCH > 0, *[INSIDE[x](outcome.after[f"{x}.body"], EPOCH) for x in "AB"])
+    outcome.assume(invariant(outcome.after)["safe"], *[S[f"{x}.granted"] < EPOCH for x in "AB"])
     outcome.after |= {f"{x}.said": 0 for x in "AB"}
     return outcome
 
 
 def _restart() -> Outcome:
-    """Another coordinator begins: a new ledger of a new epoch, with disks where they stand."""
+    """A new coordinator: a ledger of a new epoch, with the disks at their present places."""
     geometry = Geometry()
     made = SOURCE.ledger.Ledger(EPOCH, _PLACES, geometry)
     outcome = Outcome()
     has = [made.disks[name].held.regions[0][1] is place for name, place in _PLACES.items()]
     after = outcome.after = ledger_state(made)
-    outcome.given(S["v"] < EPOCH)
+    outcome.assume(S["v"] < EPOCH)
     outcome.claims = noted(geometry, after) | own_claims(made)
     outcome.claims["a version of its epoch"] = after["v"] == EPOCH
     outcome.claims["each disk has its place"] = all(has)
@@ -214,5 +214,5 @@ def _restart() -> Outcome:
         after[f"{x}.phase"] = z3.If(S[f"{x}.phase"] == PRESENT, PRESENT, GONE)
         outcome.begins(x)
         outcome.stands(x, body)
-        outcome.given(INSIDE[x](body, EPOCH), body == real(S, x))
+        outcome.assume(INSIDE[x](body, EPOCH), body == real(S, x))
     return outcome

@@ -1,7 +1,7 @@
-"""The kernel's objects as they run, checked by the very conjuncts that were proved.
+"""Runtime verification of the kernel's objects by the proved invariant.
 
-Of two disks, a ledger and the processes of its lives give the record that the solver reasons of. After every
-rule the invariant has to hold of it.
+A ledger and the processes of its lives give the state of two disks in the model. After every rule it has to
+satisfy the invariant.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from protocol.kernel.records import Held
 from protocol.kernel.robot import OwnEnd, RobotLife
 from protocol.line import ROUNDING, Line
 from protocol.region import Region, RegionGeometry, distance
-from tests.proof.model import S, bindings_of, end_fields, general_in, ledger_fields, process_fields
-from tests.proof.prove import TEMPLATE
+from tests.proof.model import S, bindings_of, end_fields, ledger_fields, process_fields, variables_in
+from tests.proof.prove import INVARIANT
 
 Processes = Mapping[tuple[int, int], RobotLife[Any, Any, Any]]  # by disk and life
 
-# -- what the solver was asked, as Python
+# -- the solver's terms, as Python
 
 _INFIX = {"=": "==", "distinct": "!="} | {name: name for name in ["and", "or", "<=", "<", ">=", ">", "+"]}
 _SPECIAL = {
@@ -35,7 +35,7 @@ _SPECIAL = {
 
 
 def python_of(term: z3.ExprRef) -> str:
-    """A term of the solver as an expression of facts `g`, their record `s`, and general terms."""
+    """A term of the solver as an expression of facts `g`, their record `s`, and variables."""
     args, name = [python_of(each) for each in term.children()], term.decl().name()
     if name in _INFIX:
         return f"({f' {_INFIX[name]} '.join(args)})"
@@ -52,10 +52,10 @@ def python_of(term: z3.ExprRef) -> str:
 
 @cache
 def conjuncts() -> dict[str, Callable[[Facts, Record], bool]]:
-    """Whether each conjunct holds, of all that its general terms may mean."""
+    """Each conjunct as a function, for all values of its variables."""
     found = {}
-    for name, claim in TEMPLATE.items():
-        each = [f" for {term} in g.any[{str(term)!r}]" for term in general_in(claim)] or [" for _ in [0]"]
+    for name, claim in INVARIANT.items():
+        each = [f" for {term} in g.any[{str(term)!r}]" for term in variables_in(claim)] or [" for _ in [0]"]
         found[name] = eval(f"lambda g, s: all({python_of(claim)}{''.join(each)})")  # the solver's own terms
     return found
 
@@ -69,7 +69,7 @@ _NOTHING: Record = {
 
 
 def record(ledger: Ledger[Any, Any], processes: Processes, low: int, high: int) -> Record:
-    """What the kernel keeps of two disks, but for messages: what every record of the model has."""
+    """The state of two disks in the kernel, without messages."""
     found = _NOTHING | {"id.A": low, "id.B": high} | ledger_fields(ledger, low, high)
     for x, name, other in (("A", low, high), ("B", high, low)):
         process = processes.get((name, ledger.disks[name].life))
@@ -86,13 +86,13 @@ def record(ledger: Ledger[Any, Any], processes: Processes, low: int, high: int) 
 
 
 def _lines(end: OwnEnd[Any, Any] | None) -> dict[int, Any]:
-    """The lines that an end keeps, by number."""
+    """The lines of an end, by number."""
     lines = None if end is None else end.lines
     return {} if lines is None else {lines.held_number: lines.held, **dict(getattr(lines, "open", ()))}
 
 
 class Facts:
-    """Two disks, and what the plane says of them: a region is named by its number, a line by two.
+    """Two disks, and the functions of the model for them: a region is its number, a line a pair of numbers.
 
     Args:
         ledger: their ledger.
@@ -101,8 +101,8 @@ class Facts:
         high: disk, B.
 
     Attributes:
-        s: their record, which does not have messages yet; a body is a disk, or an obstacle's shape.
-        any: what a general term may mean, by its name: regions held, by number, and numbers of lines.
+        s: their record, without messages; a body is a disk, or an obstacle's shape.
+        any: values of each variable, by its name: regions held, by number, and numbers of lines.
     """
 
     def __init__(self, ledger: Ledger[Region, Line], processes: Processes, low: int, high: int) -> None:
@@ -114,7 +114,7 @@ class Facts:
         self.any: dict[str, Any] = held | {"any_K": {0}.union(*chain(*self._kept.values()))}
 
     def broken(self) -> list[str]:
-        """What does not hold: conjuncts, and that ends keep lines as their numbers say."""
+        """Conjuncts that do not hold, and bindings whose ends differ in a line of one number."""
         found = [name for name, holds in conjuncts().items() if not holds(self, self.s)]
         return found + [f"{b}: lines" for b in "LS" if self.s[f"{b}.on"] and not self._numbered_alike(b)]
 
@@ -150,7 +150,7 @@ class Facts:
         return known is None or self.fits(x, known.shape, line)
 
     def line(self, binding: int, number: int) -> Line:
-        """As one of the ends keeps it, or the ledger; each line that is obeyed is kept by its end."""
+        """The line at one of the ends, or the first line in the ledger."""
         known = [lines[number] for lines in self._kept[binding] if number in lines]
         assert known or number == 0
         return known[0] if known else self._firsts[binding]

@@ -1,19 +1,18 @@
-"""Two disks, all that the kernel keeps of them, and the invariant that their rules preserve.
+"""The model: the state of two disks in the kernel, and the invariant that its rules preserve.
 
-The disks are A, the lower id, and B. Their pair has two bindings, `L` (living) and `S` (static); one that is
-over binds nothing. A state is a flat record of numbers and truths that the solver chooses:
+The disks are A, the lower id, and B. Their pair has two bindings, `L` (living) and `S` (static). A state is a
+flat record of symbolic numbers and truth values:
 
 - `v`, version of the ledger;
-- of a disk X its phase, life, still, acked and granted, and any acknowledgement under way (`said`);
-- of the process of its present life the version taken in, the newest region offered, the region obeyed,
+- of a disk X its phase, life, still, acked and granted, and any acknowledgement in transit (`said`);
+- of the process of its present life the version received, the newest region offered, the region obeyed,
   its body, the own one without a part, and whether the other disk is that part (`reach`);
 - of a binding whether it is in force (`on`), its number, told, asked (0, or one of the two disks), whether a
-  first line is under way (`frozen`), and two answers;
-- of each of its ends the life, dead, the version taken in if that life is over, and what its process keeps:
+  first line is in transit (`frozen`), and two answers;
+- of each of its ends the life, dead, the version received if that life is over, and the end in its process:
   has, state, half, static, and of the protocol number, seen, held (A, the owner), seen and held (B).
 
-A region is known by its number, the line of a binding by its own; what has no number yet is the object that
-will have it.
+A region stands for its number, and the line of a binding for its own.
 """
 
 from __future__ import annotations
@@ -41,10 +40,10 @@ LINE_OF = z3.Function("line", INT, INT, LINE)  # of a binding's number and its o
 
 OTHER = {"A": "B", "B": "A"}
 
-# What is said of these is said of all: regions and bodies of A and of B, a line, and the number of one.
+# Universally quantified: regions and bodies of A and of B, a line, and the number of one.
 REGION, ANY_BODY = {x: z3.Int(f"any_{x}") for x in "AB"}, {x: z3.Const(f"any body {x}", BODY) for x in "AB"}
 ANY_LINE, K = z3.Const("any line", LINE), z3.Int("any_K")
-GENERAL = (*REGION.values(), *ANY_BODY.values(), ANY_LINE, K)
+VARIABLES = (*REGION.values(), *ANY_BODY.values(), ANY_LINE, K)
 
 
 def _of_ids(compares: str) -> Any:
@@ -55,7 +54,7 @@ def _of_ids(compares: str) -> Any:
 
 
 class Code(z3.ArithRef):
-    """A disk's id: any number but 0, in the order of its place among all ids."""
+    """A disk's id: any number but 0, with a known place in the order of all ids."""
 
     def __init__(self, name: str, place: int) -> None:
         super().__init__(z3.Int(name).as_ast())
@@ -97,9 +96,9 @@ S: dict[str, z3.ExprRef] = {name: z3.Const(name, sort) for name, sort in _NAMES.
 
 
 @cache
-def general_in(claim: z3.BoolRef) -> list[z3.ExprRef]:
-    """The general terms that a claim mentions."""
-    return [term for term in GENERAL if mentions(claim, term)] if mentions(claim, *GENERAL) else []
+def variables_in(claim: z3.BoolRef) -> list[z3.ExprRef]:
+    """The variables of a claim."""
+    return [term for term in VARIABLES if mentions(claim, term)] if mentions(claim, *VARIABLES) else []
 
 
 def mentions(claim: z3.BoolRef, *terms: z3.ExprRef) -> bool:
@@ -108,13 +107,13 @@ def mentions(claim: z3.BoolRef, *terms: z3.ExprRef) -> bool:
 
 
 @cache
-def of_all(claim: z3.BoolRef) -> z3.BoolRef:
-    """What a claim says of all that it mentions."""
-    terms = general_in(claim)
+def quantified(claim: z3.BoolRef) -> z3.BoolRef:
+    """A claim for all values of its variables."""
+    terms = variables_in(claim)
     return z3.ForAll(terms, claim) if terms else claim
 
 
-# -- what the kernel's objects say: those of the solver as those that run
+# -- the state of the kernel's objects, symbolic or concrete
 
 
 def bindings_of(ledger: Any, low: int = CODE["A"], high: int = CODE["B"]) -> dict[str, Any]:
@@ -125,7 +124,7 @@ def bindings_of(ledger: Any, low: int = CODE["A"], high: int = CODE["B"]) -> dic
 
 
 def ledger_fields(ledger: Any, low: int = CODE["A"], high: int = CODE["B"]) -> dict[str, Any]:
-    """What a ledger says of two disks."""
+    """The state of two disks in a ledger."""
     found = {"v": ledger.version}
     for x, name in (("A", low), ("B", high)):
         disk = ledger.disks[name]
@@ -141,7 +140,7 @@ def ledger_fields(ledger: Any, low: int = CODE["A"], high: int = CODE["B"]) -> d
 
 
 def end_fields(b: str, x: str, end: Any) -> dict[str, Any]:
-    """What a process says of an end that it has taken."""
+    """The state of an end in its process."""
     key, lines = f"{b}.{x}", end.lines
     found = {f"{key}.has": True, f"{key}.state": end.state, f"{key}.static": end.static}
     if lines is not None:
@@ -151,27 +150,27 @@ def end_fields(b: str, x: str, end: Any) -> dict[str, Any]:
 
 
 def process_fields(x: str, process: Any) -> dict[str, Any]:
-    """What a process says of the region that it obeys, and of its body."""
+    """The state of the region that a process obeys, and of its body."""
     kept = {"taken": "version", "offered": "offered_number", "obeyed": "number", "body": "body", "own": "own"}
     return {f"{x}.{name}": getattr(process, field) for name, field in kept.items()}
 
 
-# -- what follows from them
+# -- derived terms
 
 
 def towards(s: State, x: str) -> z3.ExprRef:
-    """What X covers towards the other disk by its rules."""
+    """The body of X that its lines towards the other disk constrain."""
     return z3.If(s[f"{x}.reach"], s[f"{x}.own"], s[f"{x}.body"])
 
 
 def real(s: State, x: str) -> z3.ExprRef:
-    """What X covers: a part that is there is not carried yet."""
+    """The body that X really covers: a present part is not carried yet."""
     other_is_there = s[f"{OTHER[x]}.phase"] == PRESENT
     return z3.If(z3.And(s[f"{x}.reach"], other_is_there), s[f"{x}.own"], s[f"{x}.body"])
 
 
 def ends(s: State, b: str) -> dict[str, z3.ExprRef]:
-    """The protocol's numbers, of an end that has not been taken as if it had been."""
+    """The protocol's numbers at both ends; initial ones for an end that its process lacks."""
     numbers = {"number": "A.number", "seen": "A.seen", "held": "A.held"}
     numbers |= {"answered": "B.seen", "adopted": "B.held"}
     has = {x: z3.And(s[f"{b}.{x}.has"], s[f"{b}.{x}.state"] != ASKED) for x in "AB"}
@@ -185,7 +184,7 @@ def owner_obeys(s: State, b: str, k: z3.ArithRef) -> z3.BoolRef:
 
 
 def obeys(s: State, b: str, x: str, k: z3.ArithRef) -> z3.BoolRef:
-    """The same of either end."""
+    """Whether end X obeys the line of number k, if it obeys lines at all."""
     return owner_obeys(s, b, k) if x == "A" else k == ends(s, b)["adopted"]
 
 
@@ -198,7 +197,7 @@ def holds(s: State, x: str, r: z3.ArithRef) -> z3.BoolRef:
 
 
 def invariant(s: State) -> dict[str, z3.BoolRef]:
-    """Every conjunct, of two regions and one number of a line."""
+    """Every conjunct, by name."""
     found = _of_pair(s) | _of_disk(s, "A") | _of_disk(s, "B")
     for b in "LS":
         of_binding = _of_end(s, b, "A") | _of_end(s, b, "B") | _of_binding(s, b)
@@ -207,7 +206,7 @@ def invariant(s: State) -> dict[str, z3.BoolRef]:
 
 
 def _fields(s: State, of: str) -> SimpleNamespace:
-    """Of a disk, a binding or one of its ends."""
+    """The state of a disk, a binding or one of its ends."""
     mine = [name for name in s if name.startswith(f"{of}.")]
     return SimpleNamespace(**{name.removeprefix(f"{of}."): s[name] for name in mine})
 
@@ -271,13 +270,13 @@ def _of_disk(s: State, x: str) -> dict[str, z3.BoolRef]:
 
 
 def _of_end(s: State, b: str, x: str) -> dict[str, z3.BoolRef]:
-    """Of one end of a binding in force."""
+    """For one end of a binding in force."""
     y = OTHER[x]
     disk, other, binding = _fields(s, x), _fields(s, y), _fields(s, b)
     end, far = _fields(s, f"{b}.{x}"), _fields(s, f"{b}.{y}")
     told, first, is_asked = binding.told, LINE_OF(binding.number, 0), binding.asked == CODE[x]
     begun = z3.And(end.has, end.state != ASKED)
-    newest = z3.If(end.dead == 0, disk.taken, end.taken)  # version that this life has taken in
+    newest = z3.If(end.dead == 0, disk.taken, end.taken)  # version that this life has received
     lives = z3.And(end.life == disk.life, disk.life != 0)
     if b == "L":
         lives = z3.And(lives, end.dead == 0)
@@ -329,7 +328,7 @@ def _of_end(s: State, b: str, x: str) -> dict[str, z3.BoolRef]:
 
 
 def _of_binding(s: State, b: str) -> dict[str, z3.BoolRef]:
-    """Of a binding in force, and the numbers of its lines."""
+    """For a binding in force, and the numbers of its lines."""
     binding, e = _fields(s, b), ends(s, b)
     number, told, asked = binding.number, binding.told, binding.asked
     answers = [(binding.h, binding.s), (binding.h2, binding.s2)]
@@ -365,7 +364,7 @@ def _of_binding(s: State, b: str) -> dict[str, z3.BoolRef]:
 
 
 def axioms() -> list[z3.BoolRef]:
-    """What is so of ids, and of all bodies, regions and lines."""
+    """Axioms of ids, and of all bodies, regions and lines."""
     inside = {x: INSIDE[x](ANY_BODY[x], REGION[x]) for x in "AB"}
     fits = {x: FITS[x](ANY_BODY[x], ANY_LINE) for x in "AB"}
     disjoint = DISJOINT(*ANY_BODY.values())
@@ -378,7 +377,7 @@ def axioms() -> list[z3.BoolRef]:
 
 
 def smaller(x: str, small: Any, large: Any) -> list[z3.BoolRef]:
-    """One body of X covers no more than another: wherever that is, it is."""
+    """One body of X is a subset of another: it keeps to everything that the larger one keeps to."""
     one, other = ([{**ANY_BODY, x: body}[y] for y in "AB"] for body in (small, large))
     return [
         z3.Implies(INSIDE[x](large, REGION[x]), INSIDE[x](small, REGION[x])),

@@ -1,5 +1,5 @@
-"""Every precondition of the kernel left out, and every other rule changed: the solver has to object, with a
-state of small numbers in which the rule breaks a conjunct.
+"""Mutants of the kernel: each precondition omitted, and other rules changed. The solver has to find a
+counterexample of small numbers to each.
 """
 
 from __future__ import annotations
@@ -9,15 +9,15 @@ import re
 from tests.interpreted import Edit
 from tests.proof.language import SOURCES
 from tests.proof.objects import SOURCE
-from tests.proof.prove import CASES, Example, counterexample
+from tests.proof.prove import CASES, Witness, counterexample
 
 _RULES = {"bind": ("introduce", "ask")}
 
-# Preconditions that are not needed for the invariant.
-HARMLESS = {
+# Preconditions that the invariant does not need, and their reasons.
+REDUNDANT = {
     "introduce: the low end comes first": "for the caller",
-    "acknowledge: it was granted": "a Command says only what was adopted",
-    "read answer: it has seen what was proposed": "an answer says only what was proposed",
+    "acknowledge: it was granted": "a Command has only adopted regions",
+    "read answer: it has seen what was proposed": "an answer has only proposed lines",
     "remove: the disk is there": "for the caller",
     "freeze: the other end stands": "else no place is behind the line",
     "command: a region was adopted": "else nothing is inside",
@@ -31,7 +31,7 @@ _COVERED, _UNLESS = "covered = own if end.peer == part else body\n", "          
 _NEXT = "                continue\n"
 _NOTED = "self._geometry.note(disk)\n"
 _GRANTED = "disk.held.grant(self.version, region)\n"
-_CHANGED = (  # name, rule, words of its source, and what is said in their place
+_CHANGED = (  # name, rule, source text, and its replacement
     ("a follower adopts what its body does not fit", "adopt", "        if fits:", "        if True:"),
     ("an owner obeys only what it holds", "propose", "self.number += 1", "self.number += 1; self.seen += 1"),
     ("an owner holds the last number answered", "read answer", "= held, seen", "= seen, seen"),
@@ -112,24 +112,24 @@ _CHANGED = (  # name, rule, words of its source, and what is said in their place
 )  # fmt: skip
 
 
-CHANGES = {  # rules that read otherwise
+CHANGES = {  # changed rules: cases that execute them, and edits
     name: (rule, [Edit(f"protocol.kernel.{of}", old, new) for of, text in SOURCES.items() if old in text])
     for name, rule, old, new in _CHANGED
 }
 
 
 def preconditions() -> list[str]:
-    """Every precondition by name, as the source has it."""
+    """Names of all preconditions, as in the source."""
     return list(dict.fromkeys(re.findall(r'"((?:[a-z]+ ?)+: [^"]+)"', "".join(SOURCES.values()))))
 
 
 def names() -> list[str]:
-    """Every mutant by name."""
+    """Names of all mutants."""
     return [*preconditions(), *CHANGES]
 
 
-def refuted(name: str) -> Example | None:
-    """What breaks if a precondition is left out, or a rule is changed; None if everything is kept."""
+def refuted(name: str) -> Witness | None:
+    """A counterexample to a mutant; None if all claims are proved."""
     rule, edits = CHANGES.get(name, (name.split(":", maxsplit=1)[0], ()))
     SOURCE.read(edits)
     try:

@@ -1,4 +1,4 @@
-"""The kernel's source itself, not a copy, and its objects made of the state that the solver chooses."""
+"""The kernel's own source, and its objects built from a symbolic state."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from protocol.kernel.records import ANNOUNCED, GONE, PRESENT
 from protocol.kernel.robot import ASKED, HALF, LINES
 from tests.interpreted import Edit, interpreted
 from tests.proof import symbolic
-from tests.proof.containers import Frame, Some, with_optional
+from tests.proof.containers import Frame, SymbolicList, with_optional
 from tests.proof.model import CODE, LINE, LINE_OF, OTHER, THIRDS, Code, bindings_of, ledger_fields, obeys
 from tests.proof.outcomes import HELD, NAMES, OBEYED, SAID, Geometry, Outcome, S
 
 
 class Source:
-    """The modules of the kernel, as read last."""
+    """The modules of the kernel, as loaded last."""
 
     records: Any
     pair: Any
@@ -26,7 +26,7 @@ class Source:
     robot: Any
 
     def read(self, edits: Sequence[Edit] = ()) -> None:
-        """Read the kernel's source, or what it would be with a few words changed."""
+        """Load the kernel's source, or an edited copy."""
         names = [f"protocol.kernel.{name}" for name in ("records", "pair", "ledger", "robot")]
         self.records, self.pair, self.ledger, self.robot = interpreted(*names, edits=edits)
         for module in (self.pair, self.ledger, self.robot):
@@ -39,7 +39,7 @@ SOURCE.read()
 
 
 def held_of(x: str) -> Any:
-    """What a disk holds: the first region, the newest, and any one in between."""
+    """The regions that a disk holds: the first, the newest, and any in between."""
     acked, granted, held = S[f"{x}.acked"], S[f"{x}.granted"], SOURCE.records.Held(0, None)
 
     def regions() -> list[Any]:
@@ -47,13 +47,13 @@ def held_of(x: str) -> Any:
         numbers = [acked, *between, *([granted] if acked < granted else [])]
         return [(r, r) for r in numbers]
 
-    held.acknowledged, held.granted, held.regions = acked, granted, Some(regions)
+    held.acknowledged, held.granted, held.regions = acked, granted, SymbolicList(regions)
     held.disk = x
     return held
 
 
 def holds_its_regions(held: Any, x: str) -> Any:
-    """Whether a disk holds the regions that are numbered, each of its number, and drops only older ones."""
+    """Whether a disk holds exactly the regions of its state, each with its number."""
     acked, granted = held.acknowledged, held.granted
     regions = list(held.regions)
     kept = z3.And(S[f"{x}.acked"] <= HELD[x], HELD[x] <= S[f"{x}.granted"], acked <= HELD[x])
@@ -82,8 +82,8 @@ def binding_of(b: str) -> Any:
 
 
 def ledger_of(geometry: Geometry, changing: str = "") -> Any:
-    """The ledger of the state, of which these places may change besides bindings; a way through it for each
-    of the bindings that may be in force. Two disks that have none may have none with third ones, either.
+    """The ledger of the state, in which these paths may change besides bindings; one execution path for each
+    set of bindings in force. Two disks without bindings may have none with third ones, either.
     """
     made = SOURCE.ledger.Ledger(0, {}, geometry)
     made.version = S["v"]
@@ -102,7 +102,7 @@ def ledger_of(geometry: Geometry, changing: str = "") -> Any:
 
 
 def pair_of() -> Any:
-    """Bindings of A and B; a pair that was bound, of disks that are still there, may have none."""
+    """The pair of A and B; two disks that were bound and are still there have one without bindings."""
     living, static = (bool(S[f"{b}.on"]) for b in "LS")
     if not (living or static or z3.And(z3.Bool("was bound"), *[S[f"{x}.phase"] != GONE for x in "AB"])):
         return None
@@ -113,7 +113,7 @@ def pair_of() -> Any:
 
 
 def third_of(name: Code) -> Any:
-    """A disk that is neither A nor B, of which nothing is asked."""
+    """A disk besides A and B; no claim concerns it."""
     held = SOURCE.records.Held(2, z3.Int("third.region"))
     held.disk, held.regions = "", (*held.regions,)
     disk = SOURCE.records.DiskRecord(name, held, {4: ANNOUNCED, 6: GONE}.get(name.place, PRESENT))
@@ -122,8 +122,8 @@ def third_of(name: Code) -> Any:
 
 
 def pair_with_third(name: Code, third: Code) -> Any:
-    """Its bindings with A or B: one that it is asked about, and an older one towards a place of its own; one
-    that both obey; or one that only it obeys, towards an earlier place.
+    """The pair of a third disk with A or B: one that the third is asked for, and an older one towards its
+    place; one that both obey; or one that only the third obeys, towards an earlier place.
     """
     both, life = SOURCE.ledger.Pair(), S[f"{NAMES[name]}.life"]
     line = z3.Const(f"{name}-{third}.line", LINE)
@@ -143,7 +143,7 @@ def pair_with_third(name: Code, third: Code) -> Any:
 
 
 def treated(made: Any, name: int, third: int) -> list[Any]:
-    """What has become of a disk's bindings with a third one, in words that do not say which."""
+    """Effects of a rule on a disk's bindings with a third one, comparable between third ones."""
     pair = made.pairs[name].get(third)
     found: list[Any] = [pair is made.pairs[third].get(name), pair is None]
     for b, binding in bindings_of(made, name, third).items():
@@ -153,14 +153,14 @@ def treated(made: Any, name: int, third: int) -> list[Any]:
 
 
 def outcome_of(made: Any, geometry: Geometry) -> Outcome:
-    """What has become of the ledger."""
+    """The outcome of a rule of the ledger."""
     outcome = Outcome(geometry)
     outcome.after, outcome.claims = ledger_state(made), ledger_claims(made)
     return outcome
 
 
 def ledger_state(made: Any) -> dict[str, Any]:
-    """The state that the ledger has become."""
+    """The state of the ledger after a rule."""
     after = dict(S)
     for b, binding in bindings_of(made).items():
         after |= _goes_along(b, binding)
@@ -168,7 +168,7 @@ def ledger_state(made: Any) -> dict[str, Any]:
 
 
 def ledger_claims(made: Any) -> dict[str, Any]:
-    """The ledger's objects are what its state says, and nothing else changes."""
+    """The ledger's objects agree with its state, and nothing else changes."""
     both = made.pairs[CODE["A"]].get(CODE["B"])
     found = {
         "both disks know the pair": both is made.pairs[CODE["B"]].get(CODE["A"]),
@@ -202,7 +202,7 @@ def _has_its_first_line(binding: Any) -> Any:
 
 
 def own_claims(made: Any) -> dict[str, Any]:
-    """Each disk has its name, and what it holds, its bindings and their ends for itself."""
+    """Each disk has its name, and shares no regions, bindings or ends with others."""
     ends = [end for each in bindings_of(made).values() for end in (each.low, each.high)]
     own = [*[made.disks[name].held for name in NAMES], *ends, *made.pairs.values()]
     named = [made.disks[name].name == name for name in NAMES]
@@ -212,7 +212,7 @@ def own_claims(made: Any) -> dict[str, Any]:
 
 
 def _goes_along(b: str, binding: Any) -> dict[str, Any]:
-    """What there is of a binding besides the ledger's: messages, and what processes keep of its ends."""
+    """Messages of a binding and its ends in processes, after a rule of the ledger."""
     before, state = getattr(binding, "of", None), {}
     if before is None:
         state = {f"{b}.{x}.has": False for x in "AB"} | {f"{b}.frozen": False}
@@ -229,7 +229,7 @@ def _goes_along(b: str, binding: Any) -> dict[str, Any]:
 
 
 def end_of(b: str, x: str, place: Any = None) -> Any:
-    """An end that was taken, with all that it has, a place that it was told or the present one."""
+    """An end in its process, towards the given place or the present one."""
     y, number = OTHER[x], S[f"{b}.number"]
     end = SOURCE.robot.OwnEnd(SOURCE.records.Listed(number, CODE[y], None, None, False), x == "A")
     if S[f"{b}.{x}.state"] != ASKED:
@@ -237,7 +237,7 @@ def end_of(b: str, x: str, place: Any = None) -> Any:
         end.lines.seen = S[f"{b}.{x}.seen"]
         end.lines.held_number = S[f"{b}.{x}.held"]
         if x == "A":
-            end.lines.number, end.lines.open = S[f"{b}.A.number"], Some(lambda: _open(b))
+            end.lines.number, end.lines.open = S[f"{b}.A.number"], SymbolicList(lambda: _open(b))
     end.of, end.state, end.static = b, S[f"{b}.{x}.state"], S[f"{b}.{x}.static"]
     place = S[f"{y}.acked"] if place is None else place
     half = S[f"{b}.{x}.half"], end.state == HALF
@@ -252,7 +252,7 @@ def _open(b: str) -> list[Any]:
 
 
 def end_claims(end: Any, after: dict[str, Any], b: str, x: str) -> dict[str, Any]:
-    """An end obeys the lines that its state numbers, and no others."""
+    """An end obeys exactly the lines of its state."""
     number, state, half = S[f"{b}.number"], after[f"{b}.{x}.state"], after[f"{b}.{x}.half"]
     lines, kind = end.obeyed, SOURCE.pair.Owner if x == "A" else SOURCE.pair.Follower
     any_line = LINE_OF(number, OBEYED[b])
@@ -276,9 +276,7 @@ EARLIER = {x: z3.And(_STATIC, CODE[OTHER[x]] == _PEER) for x in "AB"}  # it is t
 
 
 def unknown_of(x: str) -> Any:
-    """An end of a binding that is over, or towards a third disk: the process may have it, and nothing is
-    known of it.
-    """
+    """An end of a binding that is over, or towards a third disk; it may be anything."""
     listed = SOURCE.records.Listed(UNKNOWN, _PEER, z3.Const("unknown.line", LINE), None, _STATIC)
     end = SOURCE.robot.OwnEnd(listed, x == "A")
     end.of, end.state = "", z3.Int("unknown.state")
@@ -287,7 +285,7 @@ def unknown_of(x: str) -> Any:
 
 
 def robot_of(x: str, geometry: Geometry, bounds: Sequence[Any]) -> Any:
-    """The process of the present life of X, with these ends of bindings in force, and an unknown one."""
+    """The process of the present life of X, with these ends of bindings in force, and any other."""
     made = SOURCE.robot.RobotLife(CODE[x], S[f"{x}.life"], S[f"{x}.body"], geometry)
     made.own = S[f"{x}.own"]
     made.part = z3.If(S[f"{x}.reach"], CODE[OTHER[x]], z3.If(CODE[OTHER[x]] == _PEER, 0, _PEER))

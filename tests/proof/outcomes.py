@@ -1,4 +1,4 @@
-"""One way through a rule of the kernel: the state after it, and what geometry answered."""
+"""The outcome of one path through a rule: the state after it, and the answers of the geometry."""
 
 from __future__ import annotations
 
@@ -17,40 +17,40 @@ NEXT = S["v"] + 1
 PART, EPOCH = z3.Int("part"), z3.Int("epoch")
 PROPOSED = z3.Int("proposed")
 OBEYED = {b: z3.Int(f"{b}.any line") for b in "LS"}  # number of any line of a binding
-SAID = {x: z3.Int(f"{x}.also said") for x in "AB"}  # the region of any acknowledgement under way
+SAID = {x: z3.Int(f"{x}.also said") for x in "AB"}  # region of any acknowledgement in transit
 HELD = {x: z3.Int(f"{x}.any held") for x in "AB"}  # number of any region
 
 
 def any_body(name: str) -> Any:
-    """One that a rule takes or leaves."""
+    """A body that a rule introduces."""
     return z3.Const(name, S["A.body"].sort())
 
 
 class Outcome:
-    """One way through one rule.
+    """The outcome of one path through one rule.
 
     Attributes:
         after: the state.
-        facts: that are known besides.
-        claims: to be proved besides, by name.
+        assumptions: besides the invariant and the path condition.
+        claims: besides the invariant, by name.
     """
 
     def __init__(self, geometry: Geometry | None = None) -> None:
         self.after: dict[str, Any] = dict(S)
-        self.facts: list[Any] = [] if geometry is None else geometry.facts
+        self.assumptions: list[Any] = [] if geometry is None else geometry.assumptions
         self.claims: dict[str, Any] = {}
 
-    def given(self, *facts: Any) -> None:
-        """What is known besides."""
-        self.facts += facts
+    def assume(self, *assumptions: Any) -> None:
+        """Add assumptions."""
+        self.assumptions += assumptions
 
     def stands(self, x: str, body: Any) -> None:
-        """The body of X is this one, and no part is reached for."""
+        """X covers this body, and reaches for no part."""
         self.after[f"{x}.body"] = self.after[f"{x}.own"] = body
         self.after[f"{x}.reach"] = False
 
     def begins(self, x: str) -> None:
-        """A process that has heard nothing."""
+        """The process of X is new, without any Tick."""
         for kept in ("taken", "offered", "obeyed"):
             self.after[f"{x}.{kept}"] = 0
 
@@ -61,8 +61,8 @@ class Case:
 
     Attributes:
         rule: its name.
-        run: it.
-        given: what the caller sees to.
+        run: executes it.
+        given: what its caller ensures.
         starts: whether there is no state before it.
     """
 
@@ -72,44 +72,41 @@ class Case:
     starts: bool = False
 
 
-def _noted(phase: Any, acknowledged: Any, granted: Any, regions: list[Any] | None = None) -> SimpleNamespace:
-    """What geometry was told of a disk; its regions, unless that was before the rule."""
-    return SimpleNamespace(phase=phase, acknowledged=acknowledged, granted=granted, regions=regions)
-
-
 class Geometry:
-    """Answers that the solver chooses; a yes says something of every region held. It is said of general terms
-    alone: solvers find those in what is to be shown.
+    """Geometry with answers of the solver's choice. A positive answer implies a fact about every region held,
+    stated of variables alone, as solvers find those in the claims.
     """
 
     def __init__(self) -> None:
-        self.facts: list[Any] = []
+        self.assumptions: list[Any] = []
         self._count = 0
-        self.noted = {x: _noted(*[S[f"{x}.{f}"] for f in ("phase", "acked", "granted")]) for x in "AB"}
+        fields = {"phase": "phase", "acknowledged": "acked", "granted": "granted"}
+        before = {x: {name: S[f"{x}.{f}"] for name, f in fields.items()} for x in "AB"}
+        self.noted = {x: SimpleNamespace(**before[x], regions=None) for x in "AB"}
         self.disks: dict[Any, Any] = {}
         self.x = ""  # disk of the robot that asks
 
     def _answer(self, *says: Any) -> z3.BoolRef:
         self._count += 1
         answer = z3.Bool(f"answer{self._count}")
-        self.facts += [z3.Implies(answer, each) for each in says]
+        self.assumptions += [z3.Implies(answer, each) for each in says]
         return answer
 
     def _answer_of(self, says: Any, *helds: Any) -> z3.BoolRef:
-        """A yes says this of every region that disks hold; of a third disk nothing is asked."""
+        """A positive answer implies this of every region that disks hold, except third ones."""
         if not all(held.disk for held in helds):
             return self._answer()
         assert len({held.disk for held in helds}) == len(helds), "a disk is compared with itself"
         return self._answer(z3.Implies(z3.And(*map(_is_held, helds)), says))
 
-    # of the ledger
+    # for the ledger
 
     def note(self, disk: Any) -> None:
-        held = disk.held
-        self.noted[NAMES[disk.name]] = _noted(disk.phase, held.acknowledged, held.granted, [*held.regions])
+        noted = vars(disk.held) | {"phase": disk.phase, "regions": [*disk.held.regions]}
+        self.noted[NAMES[disk.name]] = SimpleNamespace(**noted)
 
     def around(self, disk: Any, region: Any) -> list[int]:
-        """A disk that is not named holds nothing that meets the region, or what the disk holds."""
+        """A disk that is not listed holds nothing that meets the region, or a region of `disk`."""
         other = self.disks[CODE[OTHER[NAMES[disk.name]]]]
         far = z3.And(self.clear(other.held, region), self.apart(other.held, disk.held))
         return [name for name in self.disks if name != other.name or not far]
@@ -134,7 +131,7 @@ class Geometry:
             z3.Implies(z3.And(it_is, apart(x, around, REGION[y])), APART(*REGION.values())),
         )
 
-    # of a robot
+    # for a robot
 
     def inside(self, body: Any, region: Any) -> z3.BoolRef:
         return INSIDE[self.x](body, region)
@@ -159,7 +156,7 @@ class Geometry:
 
 
 def _is_held(held: Any) -> z3.BoolRef:
-    """Whether a disk holds a region now."""
+    """Whether a disk holds its region variable now."""
     region = REGION[held.disk]
     return z3.And(held.acknowledged <= region, region <= held.granted)
 

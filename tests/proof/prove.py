@@ -1,4 +1,4 @@
-"""Whether every rule keeps every conjunct of the invariant, and is possible."""
+"""The proof obligations of every rule: it is possible, and keeps every conjunct of the invariant."""
 
 from __future__ import annotations
 
@@ -9,18 +9,21 @@ from typing import Any
 import z3
 
 from tests.proof.ledger_rules import ledger_cases
-from tests.proof.model import IDS, INT, axioms, general_in, invariant, of_all, smaller
+from tests.proof.model import IDS, INT, axioms, invariant, quantified, smaller, variables_in
 from tests.proof.outcomes import PROPOSED, Case, Outcome, S
 from tests.proof.robot_rules import robot_cases, tells
-from tests.proof.symbolic import Execution, expression, judged, ways
+from tests.proof.symbolic import ConcreteRun, evaluated, expression, paths
 
-TIMEOUT = 20_000  # ms, for one question
-LARGEST = 9  # no version or number of an example is larger
-TEMPLATE = invariant(S)
-GEOMETRY = [*axioms(), *[fact for x in "AB" for fact in smaller(x, S[f"{x}.own"], S[f"{x}.body"])]]
+TIMEOUT = 20_000  # ms, of one query
+LARGEST = 9  # version or number in a witness
+INVARIANT = invariant(S)
+GEOMETRY = [
+    *axioms(),
+    *[each for x in "AB" for each in smaller(x, S[f"{x}.own"], S[f"{x}.body"])],
+]
 
-CASES = {case.rule: case for case in (*ledger_cases(), *robot_cases(), *tells())}  # every rule
-RULES = {  # the kernel's methods that these execute
+CASES = {case.rule: case for case in (*ledger_cases(), *robot_cases(), *tells())}  # by rule
+RULES = {  # methods of the kernel that the cases execute
     "Ledger": "rejoin fence settle grant acknowledge introduce ask answer part announce appear remove",
     "RobotLife": "hear freeze turn adopt command locate",
     "Owner": "propose on_answer",
@@ -28,45 +31,45 @@ RULES = {  # the kernel's methods that these execute
 }
 
 
-class Step:
-    """One way through a rule, with all that is known before it."""
+class Obligation:
+    """What is to be proved of one path through a rule."""
 
     def __init__(self, case: Case, outcome: Outcome, conditions: Sequence[z3.BoolRef]) -> None:
         self.case, self.outcome = case, outcome
-        self.facts = [*case.given, *conditions, *map(expression, outcome.facts)]
+        self._assumptions = [*case.given, *conditions, *map(expression, outcome.assumptions)]
 
-    def known(self) -> list[z3.BoolRef]:
-        """All that is known."""
-        return [*GEOMETRY, *([] if self.case.starts else TEMPLATE.values()), *self.facts]
+    def hypotheses(self) -> list[z3.BoolRef]:
+        """The axioms, the invariant before the rule, the path condition, and what the rule assumes."""
+        return [*GEOMETRY, *([] if self.case.starts else INVARIANT.values()), *self._assumptions]
 
     def solver(self) -> z3.Solver:
-        """One that knows all this."""
+        """A solver with all hypotheses."""
         made = z3.Solver()
         made.set("timeout", TIMEOUT)
-        made.add(*map(of_all, self.known()))
+        made.add(*map(quantified, self.hypotheses()))
         return made
 
     def claims(self) -> dict[str, z3.BoolRef]:
-        """Every conjunct after it, and what is claimed besides."""
+        """Every conjunct of the invariant after the rule, and the other claims of its outcome."""
         after = {field: expression(value) for field, value in self.outcome.after.items()}
         changed = [(S[field], value) for field, value in after.items() if not value.eq(S[field])]
-        conjuncts = z3.substitute(z3.And(*TEMPLATE.values()), *changed).children()
-        besides = {name: expression(claim) for name, claim in self.outcome.claims.items()}
-        return dict(zip(TEMPLATE, conjuncts, strict=True)) | besides
+        conjuncts = z3.substitute(z3.And(*INVARIANT.values()), *changed).children()
+        others = {name: expression(claim) for name, claim in self.outcome.claims.items()}
+        return dict(zip(INVARIANT, conjuncts, strict=True)) | others
 
 
-def steps_of(case: Case, without: str = "") -> Iterator[Step]:
-    """Every way through a rule, with a precondition left out or none."""
-    for way in ways(case.run, [*case.given, IDS, *([] if case.starts else TEMPLATE.values())], without):
-        yield Step(case, way.result, way.conditions)
+def obligations_of(case: Case, without: str = "") -> Iterator[Obligation]:
+    """One for every path through a rule, with all preconditions but one, or all."""
+    for path in paths(case.run, [*case.given, IDS, *([] if case.starts else INVARIANT.values())], without):
+        yield Obligation(case, path.result, path.conditions)
 
 
-def not_kept(case: Case, without: str = "") -> Iterator[tuple[str, Step]]:
-    """What a rule is not proved to keep, by conjunct, and in which way through it."""
-    for step in steps_of(case, without):
-        solver, claims = step.solver(), step.claims()
+def unproved(case: Case, without: str = "") -> Iterator[tuple[str, Obligation]]:
+    """Claims that the solver does not prove, by name."""
+    for obligation in obligations_of(case, without):
+        solver, claims = obligation.solver(), obligation.claims()
         if not _follows(solver, z3.And(*claims.values())):
-            yield from ((name, step) for name, each in claims.items() if not _follows(solver, each))
+            yield from ((name, obligation) for name, each in claims.items() if not _follows(solver, each))
 
 
 def _follows(solver: z3.Solver, claim: z3.BoolRef) -> bool:
@@ -77,75 +80,75 @@ def _follows(solver: z3.Solver, claim: z3.BoolRef) -> bool:
     return bool(result == z3.unsat)
 
 
-def is_kept_by_cvc5(step: Step) -> bool:
-    """Whether all is kept in one way through a rule by cvc5, which knows nothing of z3 but the text."""
+def is_proved_by_cvc5(obligation: Obligation) -> bool:
+    """Whether cvc5 proves all claims, from the text that z3 writes."""
     import cvc5
 
-    writer = step.solver()
-    writer.add(z3.Not(z3.And(*step.claims().values())))
+    writer = obligation.solver()
+    writer.add(z3.Not(z3.And(*obligation.claims().values())))
     solver = cvc5.Solver()
     for option in (("tlimit-per", str(TIMEOUT)), ("var-elim-quant", "false"), ("enum-inst", "true")):
         solver.setOption(*option)
     parser = cvc5.InputParser(solver)
     text = "(set-logic ALL)\n" + writer.to_smt2()
     parser.setStringInput(cvc5.InputLanguage.SMT_LIB_2_6, text, "obligation")
-    said = ""
+    output = ""
     while not (command := parser.nextCommand()).isNull():
-        said += command.invoke(solver, parser.getSymbolManager())
-    return bool(said.strip() == "unsat")
+        output += command.invoke(solver, parser.getSymbolManager())
+    return bool(output.strip() == "unsat")
 
 
-class Example:
-    """A rule executed in a state of small numbers, in which the whole invariant holds.
+class Witness:
+    """A rule executed in a state of small numbers that satisfies the invariant.
 
     Attributes:
         rule: its name.
-        conjunct: that it was to break, if any.
+        conjunct: the claim to refute; "" for none.
         refused: preconditions that do not hold.
-        invalid: whatever was taken for granted and does not hold.
-        broken: conjuncts that do not hold afterwards.
+        invalid: hypotheses that do not hold.
+        broken: claims that do not hold afterwards.
     """
 
-    def __init__(self, step: Step, model: z3.ModelRef, conjunct: str) -> None:
-        self.rule, self.conjunct = step.case.rule, conjunct
-        self._model, self._execution = model, Execution(model)
-        outcome = judged(self._execution, step.case.run)
-        self.refused = self._execution.refused
-        self.invalid = [each for each in step.known() if not self._holds(each)]
-        claims = Step(step.case, outcome, ()).claims()
+    def __init__(self, obligation: Obligation, model: z3.ModelRef, conjunct: str) -> None:
+        case = obligation.case
+        self.rule, self.conjunct = case.rule, conjunct
+        self._model, self._run = model, ConcreteRun(model)
+        outcome = evaluated(self._run, case.run)
+        self.refused = self._run.refused
+        self.invalid = [each for each in obligation.hypotheses() if not self._holds(each)]
+        claims = Obligation(case, outcome, ()).claims()
         self.broken = [name for name, claim in claims.items() if not self._holds(claim)]
 
     def _holds(self, claim: z3.BoolRef) -> bool:
-        """Whether a claim holds of all that it mentions."""
-        terms = general_in(claim)
-        all_of_them = (
+        """Whether a claim holds for all values of its variables."""
+        terms = variables_in(claim)
+        instances = (
             z3.substitute(claim, *zip(terms, values, strict=True))
-            for values in product(*map(self._every, terms))
+            for values in product(*map(self._values, terms))
         )
-        return all(map(self._execution.answer, all_of_them))
+        return all(map(self._run.answer, instances))
 
-    def _every(self, term: z3.ExprRef) -> list[Any]:
-        """What a general term may mean."""
+    def _values(self, term: z3.ExprRef) -> list[Any]:
         if term.sort() == INT:
             return [term, *map(z3.IntVal, range(LARGEST + 1))]
         return [term, *(self._model.get_universe(term.sort()) or ())]
 
 
-def example(case: Case) -> Example | None:
+def witness(case: Case) -> Witness | None:
     """A state in which a rule is possible."""
-    return next(filter(None, map(example_of, steps_of(case))), None)
+    return next(filter(None, map(witness_of, obligations_of(case))), None)
 
 
-def counterexample(case: Case, without: str = "") -> Example | None:
-    """What a rule breaks, with a precondition left out or none."""
-    return next(filter(None, (example_of(step, name) for name, step in not_kept(case, without))), None)
+def counterexample(case: Case, without: str = "") -> Witness | None:
+    """A state in which a rule breaks a claim, with all preconditions but one, or all."""
+    return next(filter(None, (witness_of(each, name) for name, each in unproved(case, without))), None)
 
 
-def example_of(step: Step, conjunct: str = "") -> Example | None:
-    """A state in which one way through a rule is possible, or breaks a conjunct."""
-    solver = step.solver()
-    solver.add(step.outcome.after["v"] <= LARGEST, PROPOSED <= LARGEST)
+def witness_of(obligation: Obligation, conjunct: str = "") -> Witness | None:
+    """A state in which a path is possible, and breaks a claim if one is given."""
+    solver = obligation.solver()
+    solver.add(obligation.outcome.after["v"] <= LARGEST, PROPOSED <= LARGEST)
     solver.add(*[S[f"{b}.A.number"] < LARGEST for b in "LS"])
     if conjunct:
-        solver.add(z3.Not(step.claims()[conjunct]))
-    return Example(step, solver.model(), conjunct) if solver.check() == z3.sat else None
+        solver.add(z3.Not(obligation.claims()[conjunct]))
+    return Witness(obligation, solver.model(), conjunct) if solver.check() == z3.sat else None

@@ -1,4 +1,4 @@
-"""Every rule of a robot as it runs, and what a Tick tells it."""
+"""Proof cases of a robot's rules, and of the content of Ticks."""
 
 from __future__ import annotations
 
@@ -10,18 +10,17 @@ import z3
 
 from protocol.kernel.records import PRESENT
 from protocol.kernel.robot import ASKED, HALF
-from tests.proof.containers import Frame, Some, with_optional
+from tests.proof.containers import Frame, SymbolicList, with_optional
 from tests.proof.model import CODE, LINE, LINE_OF, OTHER, THIRDS, end_fields, ends, process_fields, smaller
 from tests.proof.objects import EARLIER, SOURCE, UNKNOWN, end_claims, end_of, ledger_of, outcome_of, robot_of
 from tests.proof.outcomes import OBEYED, PART, PROPOSED, Case, Geometry, Outcome, S, any_body
 
-OfEnd = Callable[[Any, Any, Outcome], object]  # of the process, the end, and what else becomes of it
+OfEnd = Callable[[Any, Any, Outcome], object]  # executed on process, end and outcome
 
 
 def of_end(rule: str, b: str, x: str, does: OfEnd, *given: Any, alone: bool = False) -> Case:
-    """A rule of one end that was taken, be its life the present one or over. The process may have no other
-    end of a binding in force.
-    """
+    """A rule of one end in a process of the present or an earlier life; `alone`: the process has no other end
+    of a binding in force."""
 
     def run() -> Outcome:
         geometry = Geometry()
@@ -41,7 +40,7 @@ def of_end(rule: str, b: str, x: str, does: OfEnd, *given: Any, alone: bool = Fa
 
 
 def of_robot(rule: str, x: str, does: Callable[[str, Any, Outcome], None], changing: str) -> Case:
-    """A rule that changes these fields of the present life of X, the only one that its base obeys."""
+    """A rule of the present life of X, the only one that its base obeys, which changes these fields."""
 
     def run() -> Outcome:
         geometry = Geometry()
@@ -56,7 +55,7 @@ def of_robot(rule: str, x: str, does: Callable[[str, Any, Outcome], None], chang
 
 
 def ends_of(x: str, life: Any, *, taken: bool = True) -> list[str]:
-    """Bindings in force with an end of this life of X, and only those that its process has taken."""
+    """Bindings in force with an end of this life of X; with `taken`, those in its process."""
     return [
         b
         for b in "LS"
@@ -65,7 +64,7 @@ def ends_of(x: str, life: Any, *, taken: bool = True) -> list[str]:
 
 
 def robot_cases() -> Iterator[Case]:
-    """Every rule of a robot, which knows each binding by its number."""
+    """Every rule of a robot; numbers of bindings are distinct."""
     distinct = z3.Distinct(S["L.number"], S["S.number"], UNKNOWN, *_NUMBERS)
     for case in _cases():
         yield Case(case.rule, case.run, [*case.given, distinct])
@@ -75,13 +74,13 @@ def _cases() -> Iterator[Case]:
     for b in "LS":
         yield from _line_cases(b)
         for x in "AB":
-            yield of_end("question:", b, x, _ask, alone=True)
+            yield of_end("query:", b, x, _ask, alone=True)
             yield _freeze("freeze", b, x)
     for x in "AB":
         line, half, held = _line("L", 0), S[f"S.{x}.half"], _line("S", OBEYED["S"])
         kept = z3.If(S[f"S.{x}.state"] == HALF, half, held)
         yield _freeze("freeze kept", "L", x, S["S.on"], S[f"S.{x}.has"], S[f"S.{x}.static"], line == kept)
-        # An end of a living binding is never told that the other stands for good.
+        # No Tick lists a living binding as static.
         yield of_end("turn", "S", x, lambda made, end, _: made.turn(end, HALF_PLANE))
         yield of_robot("adopt region", x, _adopt, "number|region")
         yield of_robot("command", x, _command, "body|own|part")
@@ -96,7 +95,7 @@ def _line(b: str, number: Any) -> z3.ExprRef:
 
 
 def _line_cases(b: str) -> Iterator[Case]:
-    """Rules of the line of a binding; answers arrive late, repeated or never."""
+    """Rules of the line of a binding; answers are late, repeated or lost."""
     line, proposed = _line(b, S[f"{b}.A.number"] + 1), _line(b, PROPOSED)
     answer = S[f"{b}.h2"], S[f"{b}.s2"]
     has_lines = {x: S[f"{b}.{x}.state"] != ASKED for x in "AB"}
@@ -132,7 +131,7 @@ def _ask(made: Any, end: Any, _: Outcome) -> None:
 
 
 def _freeze(rule: str, b: str, x: str, *given: Any) -> Case:
-    """An end finds its first line. A static binding that was told beside it is in force (`history`)."""
+    """An end finds its first line. A static binding in the same Tick is in force (`history`)."""
 
     def freeze(made: Any, end: Any, outcome: Outcome) -> None:
         made.freeze(end, _line(b, 0))
@@ -150,22 +149,22 @@ def _command(x: str, made: Any, outcome: Outcome) -> None:
     body, own = any_body("next body"), any_body("next own")
     made.command(body, own, PART)
     outcome.after[f"{x}.reach"] = made.part == CODE[OTHER[x]]
-    outcome.given(*smaller(x, own, body))
+    outcome.assume(*smaller(x, own, body))
     kept = z3.And(made.body == body, made.own == own, made.part == PART)
     outcome.claims[f"{x}: what is covered from now on"] = kept
 
 
 def _locate(x: str, made: Any, outcome: Outcome) -> None:
-    """The body covers less than before: a command has no more effect, or the estimate is better."""
+    """The body shrinks: a command has expired, or the estimate is better."""
     body, own = any_body(f"{x}.less body"), any_body(f"{x}.less own")
     made.locate(body, own)
     for less, more in ((body, S[f"{x}.body"]), (own, S[f"{x}.own"]), (own, body)):
-        outcome.given(*smaller(x, less, more))
+        outcome.assume(*smaller(x, less, more))
     outcome.claims[f"{x}: what is covered"] = z3.And(made.body == body, made.own == own)
 
 
 def _say(x: str) -> Outcome:
-    """The present life says which region it obeys."""
+    """The present life acknowledges the region that it obeys."""
     outcome = Outcome()
     outcome.after[f"{x}.said"] = z3.If(S[f"{x}.obeyed"] != 0, S[f"{x}.obeyed"], S[f"{x}.said"])
     return outcome
@@ -176,20 +175,20 @@ LIFE, TO = z3.Int("hearing life"), z3.Int("life told")
 
 
 def _heard(x: str) -> list[Any]:
-    """A Tick of any version arrives at the present life."""
+    """The present life receives a Tick of any version."""
     present = [S[f"{x}.life"] == LIFE, LIFE != 0, S[f"{x}.phase"] == PRESENT]
     told = [S["v"] >= AT, AT >= TO, NUMBER <= AT]
     return [*present, *told, z3.Implies(LIFE == TO, S[f"{x}.granted"] >= NUMBER)]
 
 
 def _heard_late(x: str) -> list[Any]:
-    """One arrives at a life that is over; what is told to that life was told before."""
+    """An earlier life receives a Tick, sent before it ended."""
     over = [S["S.on"], S[f"S.{x}.life"] == LIFE, LIFE != 0, S[f"S.{x}.dead"] != 0]
     return [*over, z3.Implies(LIFE == TO, S[f"S.{x}.dead"] > AT)]
 
 
 def _listed(x: str, place: Any) -> list[Any]:
-    """The bindings in force with the life of X that is told, as a Tick lists them at this version."""
+    """The bindings in force of the life of X to which a Tick of this version is sent, as it lists them."""
     y, listed = OTHER[x], []
     for b in ends_of(x, TO, taken=False):
         told = z3.And(S[f"{b}.told"] != 0, S[f"{b}.told"] <= AT)
@@ -204,7 +203,7 @@ _NUMBERS = z3.Ints("first_listed last_listed")  # of bindings with third disks
 
 
 def _is_taken(made: Any, listed: Any) -> bool:
-    """Whether a binding with a third disk has been taken."""
+    """Whether the process has adopted a binding with a third disk as listed."""
     end = made.ends.get(listed.number)
     if end is None:
         return False
@@ -215,7 +214,7 @@ def _is_taken(made: Any, listed: Any) -> bool:
 
 
 def _hear(x: str, late: str) -> Outcome:
-    """A Tick is heard, of which every binding in force is told as it was at its version (`history`)."""
+    """A life receives a Tick, which lists every binding in force as of its version (`history`)."""
     geometry = Geometry()
     known = [end_of(b, x, z3.Int(f"{b}.place before")) for b in ends_of(x, LIFE)]
     made = robot_of(x, geometry, known)
@@ -225,11 +224,11 @@ def _hear(x: str, late: str) -> Outcome:
     each = zip(_NUMBERS, [*THIRDS][::2], (z3.Const("listed line", LINE), None), strict=False)
     told = z3.Int("listed place"), z3.Bool("listed static")
     others = [SOURCE.records.Listed(*third, *told) for third in each]
-    place = S[f"{OTHER[x]}.acked"] if z3.Bool("is unknown") else None  # told in one of two ways
+    place = S[f"{OTHER[x]}.acked"] if z3.Bool("is unknown") else None  # both are possible
     listed = [others[0], *_listed(x, place), others[1]]
     frames = [Frame(end, "place|static") for end in made.ends.values()]
     frames.append(Frame(made, "version|offered_number|offered|ends"))
-    made.hear(SOURCE.records.Told(TO, AT, NUMBER, NUMBER, Some(lambda: listed)))
+    made.hear(SOURCE.records.Told(TO, AT, NUMBER, NUMBER, SymbolicList(lambda: listed)))
     outcome = Outcome(geometry)
     after, claims = outcome.after, outcome.claims
     if late:
@@ -255,7 +254,7 @@ def _hear(x: str, late: str) -> Outcome:
 
 
 def tells() -> Iterator[Case]:
-    """What the ledger tells a life now is what the rule of hearing takes it for, at this version."""
+    """The ledger's present Tick is as the rule `hear` assumes, at this version."""
     for x in "AB":
         now = [S["v"] == AT, S[f"{x}.life"] == LIFE, LIFE == TO, TO != 0]
         yield Case(f"tell {x}", partial(_told_now, x), now)
@@ -281,5 +280,5 @@ def _told_now(x: str) -> Outcome:
 
 
 def _same(one: Any, other: Any) -> Any:
-    """Whether two records say the same."""
+    """Whether two records have equal fields."""
     return z3.And(*[value == getattr(other, name) for name, value in vars(one).items()])

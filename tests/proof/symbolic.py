@@ -1,4 +1,4 @@
-"""Every way through a function that compares terms of the solver."""
+"""Symbolic execution: every feasible path through a function whose conditions are terms of the solver."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from unittest.mock import patch
 import z3
 
 
-class Impossible(Exception):  # noqa: N818  # no error
-    """No state leads this way."""
+class InfeasibleError(Exception):
+    """No state takes this path."""
 
 
-_judges: list[Way | Execution] = []
+_evaluators: list[Path | ConcreteRun] = []
 
 
 def expression(value: object) -> Any:
-    """The solver's term for what the product says."""
+    """The solver's term for a value of the product."""
     if isinstance(value, z3.ExprRef):
         return value
     assert isinstance(value, int), value
@@ -25,86 +25,87 @@ def expression(value: object) -> Any:
 
 
 def require(holds: object, name: str) -> None:
-    """In place of the kernel's: a precondition is assumed."""
-    _judges[-1].require(expression(holds), name)
+    """Replaces the kernel's `require`: a precondition is assumed."""
+    _evaluators[-1].require(expression(holds), name)
 
 
-class Way:
-    """One way through a function.
+class Path:
+    """One path through a function.
 
     Args:
-        solver: which knows what is given.
-        begins: answers to the first questions, where there is a choice.
-        without: the precondition that is left out.
+        solver: has the assumptions.
+        prefix: the first decisions.
+        without: the precondition to omit.
 
     Attributes:
-        answers: to all questions where there was a choice.
-        conditions: under which the function goes this way.
+        decisions: at all branches that are possible both ways.
+        conditions: the path condition.
+        alternatives: prefixes of paths that leave this one.
         result: of the function.
     """
 
-    def __init__(self, solver: z3.Solver, begins: Sequence[bool], without: str) -> None:
-        self._solver, self._begins, self._without = solver, begins, without
+    def __init__(self, solver: z3.Solver, prefix: Sequence[bool], without: str) -> None:
+        self._solver, self._prefix, self._without = solver, prefix, without
         self._known: dict[int, tuple[z3.BoolRef, bool]] = {}
-        self.answers: list[bool] = []
+        self.decisions: list[bool] = []
         self.conditions: list[z3.BoolRef] = []
-        self.others: list[list[bool]] = []
+        self.alternatives: list[list[bool]] = []
         self.result: Any = None
 
     def answer(self, of: z3.BoolRef) -> bool:
-        """Whether a condition holds, that is branched on."""
+        """The value of a branch condition on this path."""
         of = z3.simplify(of)
         if z3.is_true(of) or z3.is_false(of):
             return bool(z3.is_true(of))
         if of.get_id() not in self._known:
-            self._known[of.get_id()] = (of, self._choose(of))
+            self._known[of.get_id()] = (of, self._decide(of))
         return self._known[of.get_id()][1]
 
-    def _choose(self, of: z3.BoolRef) -> bool:
-        if len(self.answers) < len(self._begins):
-            chosen = self._begins[len(self.answers)]
+    def _decide(self, of: z3.BoolRef) -> bool:
+        if len(self.decisions) < len(self._prefix):
+            decision = self._prefix[len(self.decisions)]
         else:
-            chosen = self._may_be(of)
-            if not self._may_be(z3.Not(of)):
-                if not chosen:
-                    raise Impossible
-            elif chosen:
-                self.others.append([*self.answers, False])
-        self.answers.append(chosen)
-        self.conditions.append(of if chosen else z3.Not(of))
-        return chosen
+            decision = self._is_feasible(of)
+            if not self._is_feasible(z3.Not(of)):
+                if not decision:
+                    raise InfeasibleError
+            elif decision:
+                self.alternatives.append([*self.decisions, False])
+        self.decisions.append(decision)
+        self.conditions.append(of if decision else z3.Not(of))
+        return decision
 
-    def _may_be(self, condition: z3.BoolRef) -> bool:
+    def _is_feasible(self, condition: z3.BoolRef) -> bool:
         return bool(self._solver.check(*self.conditions, condition) != z3.unsat)
 
     def require(self, of: z3.BoolRef, name: str) -> None:
-        """A precondition."""
+        """Assume a precondition."""
         if name != self._without:
             of = z3.simplify(of)
             if z3.is_false(of):
-                raise Impossible
+                raise InfeasibleError
             self.conditions.append(of)
 
 
-def ways(run: Callable[[], object], given: Sequence[z3.BoolRef], without: str = "") -> Iterator[Way]:
-    """Every way through `run` that the assumptions allow, with a precondition left out or none."""
+def paths(run: Callable[[], object], given: Sequence[z3.BoolRef], without: str = "") -> Iterator[Path]:
+    """Every feasible path through `run` under assumptions, with all preconditions but one, or all."""
     solver = z3.Solver()
     solver.add(*given)
     waiting: list[list[bool]] = [[]]
     while waiting:
-        way = Way(solver, waiting.pop(), without)
+        path = Path(solver, waiting.pop(), without)
         try:
-            way.result = judged(way, run)
-        except Impossible:
+            path.result = evaluated(path, run)
+        except InfeasibleError:
             pass
         else:
-            if solver.check(*way.conditions) != z3.unsat:
-                yield way
-        waiting += way.others
+            if solver.check(*path.conditions) != z3.unsat:
+                yield path
+        waiting += path.alternatives
 
 
-class Execution:
-    """A function run on the numbers of a model: each comparison has the one answer that it has there.
+class ConcreteRun:
+    """A run of a function on the numbers of a model, which gives each condition its value.
 
     Attributes:
         refused: preconditions that do not hold.
@@ -122,17 +123,16 @@ class Execution:
             self.refused.append(name)
 
 
-def judged(judge: Way | Execution, run: Callable[[], Any]) -> Any:
-    """What a function returns if one judge says of each condition whether it holds; a dictionary of terms
-    asks which of them are equal.
-    """
+def evaluated(evaluator: Path | ConcreteRun, run: Callable[[], Any]) -> Any:
+    """The result of a function whose conditions `evaluator` answers; a dictionary with terms as keys asks
+    which of them are equal."""
 
     def ask(condition: z3.BoolRef) -> bool:
-        return judge.answer(condition)
+        return evaluator.answer(condition)
 
-    _judges.append(judge)
+    _evaluators.append(evaluator)
     try:
         with patch.object(z3.BoolRef, "__bool__", ask), patch.object(z3.ExprRef, "__hash__", lambda _: 0):
             return run()
     finally:
-        _judges.pop()
+        _evaluators.pop()

@@ -1,4 +1,4 @@
-"""The kernel is of its language (`tests/proof/language.py`), and what is not is refused."""
+"""The kernel is in its subset of Python (`tests/proof/language.py`); changes that leave it are refused."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from tests.interpreted import interpreted
 from tests.proof.language import SOURCES, Kernel
 
 
-def strange(old: str = "", new: str = "") -> list[str]:
-    """What is strange in the kernel, or as it would read with a few words changed."""
+def violations(old: str = "", new: str = "") -> list[str]:
+    """Violations in the kernel, or with a replacement in it."""
     (name, *_) = [name for name, text in SOURCES.items() if old in text]
-    return list(Kernel(SOURCES | {name: SOURCES[name].replace(old, new, 1)}).strange())
+    return list(Kernel(SOURCES | {name: SOURCES[name].replace(old, new, 1)}).violations())
 
 
-def test_the_kernel_is_of_the_language() -> None:
-    assert strange() == []
+def test_the_kernel_is_in_the_subset() -> None:
+    assert violations() == []
     assert not re.search("# *(type|mypy):", "".join(SOURCES.values())), "mypy looks at all of it"
 
 
-REFUSED = {  # words of the kernel, and what may not follow them
+REFUSED = {  # text of the kernel, and continuations that are refused
     "and not self.tied(disk, other)": [
         " and other.name != 7", " and other.name < other.life", " and NO == other.life > other.name",
         " and other.life is not NO", " and other.name.__class__ != other.phase.__class__", " and self.pairs",
@@ -66,12 +66,12 @@ CASES = [(words, more) for words, others in REFUSED.items() for more in others]
 
 
 @pytest.mark.parametrize(("words", "more"), CASES)
-def test_another_form_is_refused(words: str, more: str) -> None:
-    assert strange(words, f"{words}{more}") != []
+def test_a_continuation_outside_the_subset_is_refused(words: str, more: str) -> None:
+    assert violations(words, f"{words}{more}") != []
 
 
 @pytest.mark.parametrize("holds", [True, False])
-def test_a_precondition_that_does_not_hold_is_refused(holds: bool) -> None:
+def test_require_raises_if_a_precondition_does_not_hold(holds: bool) -> None:
     (records,) = interpreted("protocol.kernel.records")
     with nullcontext() if holds else pytest.raises(records.RefusedError, match="rule: what"):
         records.require(holds, "rule: what")

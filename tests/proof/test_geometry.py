@@ -1,4 +1,4 @@
-"""The geometry that the proof takes for granted: exact facts by a solver, and what floats lose of them.
+"""The axioms of the geometry: exact facts proved by a solver, and their rounding errors in floats.
 
 Coordinates go up to 100 km; there a sum of two products is off by less than 0.1 nm, and what predicates may
 give away is a quarter of a nanometre (`SURE`).
@@ -37,7 +37,7 @@ def is_distance(d: Any, dx: Any, dy: Any) -> Any:
 x, y, dx, a, b, u, v, p, q, c, d, e, f, t = z3.Reals("x y dx a b u v p q c d e f t")
 ax, ay, bx, by, r, R, Q, X, Y, D, W = z3.Reals("ax ay bx by r R Q X Y D W")
 _best, _near = -d * u / (u * u + v * v), (d + t * u) * (d + t * u) + t * v * t * v
-FACTS = {  # what is assumed, and what follows
+FACTS = {  # assumptions and claim
     "disks of radii a and b on the two sides of a line, which is turned to x = c, are apart": (
         [a >= 0, b >= 0, ax + a <= c, bx - b >= c, is_distance(d, ax - bx, ay - by)], d >= a + b,
     ),
@@ -70,7 +70,7 @@ FACTS = {  # what is assumed, and what follows
 
 @pytest.mark.parametrize("fact", FACTS)
 def test_a_fact_follows(fact: str) -> None:
-    """Of all numbers, and that there are such ones."""
+    """The assumptions are satisfiable, and imply the claim."""
     (assumed, claim), solver = FACTS[fact], z3.Solver()
     solver.set("timeout", 30_000)
     solver.add(*assumed)
@@ -84,12 +84,12 @@ def test_a_fact_follows(fact: str) -> None:
 coordinates = st.one_of(st.floats(-FAR, FAR), st.floats(-2.0, 2.0))
 radii = st.floats(1e-3, 10.0)
 angles = st.floats(0.0, math.tau)
-slack = st.floats(-4.0 * SURE, 4.0 * SURE)  # where predicates change their minds
+slack = st.floats(-4.0 * SURE, 4.0 * SURE)  # around the threshold of predicates
 
 
 @st.composite
 def polygons(draw: Any) -> ConvexPolygon:
-    """Some corners on a circle."""
+    """A regular polygon."""
     x, y, radius = draw(coordinates), draw(coordinates), draw(radii)
     sides, turn = draw(st.integers(3, 7)), draw(angles)
     corners = [turn + math.tau * each / sides for each in range(sides)]
@@ -105,7 +105,7 @@ def exact(*values: float) -> list[Fraction]:
 
 
 def is_apart(shape: Shape, disk: Disk) -> bool:
-    """Exactly, by the direction from the shape's nearest point to the disk: the disk is beyond all of it."""
+    """Exactly, along the direction from the shape's nearest point to the disk."""
     (points, radius), (x, y) = points_of(shape), exact(disk.x, disk.y)
     px, py = exact(*(shape.nearest(disk.x, disk.y) if len(points) > 1 else points[0]))
     nx, ny = x - px, y - py
@@ -114,7 +114,7 @@ def is_apart(shape: Shape, disk: Disk) -> bool:
 
 
 def excess(shape: Shape, line: Line, low: bool) -> Fraction:
-    """By how much a shape is beyond a line, as its side is written, m."""
+    """Exact distance by which a shape crosses a line, m."""
     (points, radius), (nx, ny, offset) = points_of(shape), exact(line.nx, line.ny, line.offset)
     if not low:
         nx, ny, offset = -nx, -ny, -offset
@@ -126,13 +126,13 @@ def side_of(nx: float, ny: float, edge: float, low: bool) -> Line:
 
 
 def is_within(x: float, y: float, room: Fraction, region: Disk) -> bool:
-    """Whether a point is no farther from the centre of a region, exactly."""
+    """Whether a point is within `room` of the centre of a region, exactly."""
     dx, dy = Fraction(region.x) - Fraction(x), Fraction(region.y) - Fraction(y)
     return room >= 0 and dx * dx + dy * dy <= room * room
 
 
 def beside(shape: Shape, angle: float, more: float) -> Disk:
-    """A disk of the size of a metre about as far from a shape as floats can tell."""
+    """A disk of radius 1 m at `more` from a shape."""
     around = shape.around
     nx, ny = math.cos(angle), math.sin(angle)
     edge = shape.support(nx, ny) - (nx * around.x + ny * around.y)
@@ -142,7 +142,7 @@ def beside(shape: Shape, angle: float, more: float) -> Disk:
 
 @settings(max_examples=100, deadline=None)
 @given(shapes, angles, slack)
-def test_what_is_said_to_be_apart_is(shape: Shape, angle: float, more: float) -> None:
+def test_shapes_reported_apart_are(shape: Shape, angle: float, more: float) -> None:
     disk = beside(shape, angle, more)
     if distance(shape, disk) >= SURE:
         assert is_apart(shape, disk)
@@ -150,7 +150,7 @@ def test_what_is_said_to_be_apart_is(shape: Shape, angle: float, more: float) ->
 
 @settings(max_examples=100, deadline=None)
 @given(shapes, angles, slack, st.booleans())
-def test_what_is_said_to_be_beside_a_line_is(shape: Shape, angle: float, more: float, low: bool) -> None:
+def test_a_shape_reported_beside_a_line_is(shape: Shape, angle: float, more: float, low: bool) -> None:
     nx, ny = math.cos(angle), math.sin(angle)
     line = side_of(nx, ny, shape.support(nx, ny) + more, low)
     if is_beside(shape, line, low):
@@ -160,7 +160,7 @@ def test_what_is_said_to_be_beside_a_line_is(shape: Shape, angle: float, more: f
 @pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(coordinates, coordinates, radii, st.floats(0.0, 1.0), angles, slack, st.booleans())
-def test_a_body_that_is_said_to_fit_a_line_fits(
+def test_a_body_reported_to_fit_a_line_does(
     x: float, y: float, radius: float, bound: float, angle: float, more: float, low: bool
 ) -> None:
     nx, ny = math.cos(angle), math.sin(angle)
@@ -172,7 +172,7 @@ def test_a_body_that_is_said_to_fit_a_line_fits(
 
 @settings(max_examples=100, deadline=None)
 @given(disks, angles, st.floats(0.0, 1.0), st.floats(-4.0 * ROUNDING, 4.0 * ROUNDING), radii)
-def test_a_body_that_is_said_to_be_inside_a_region_is(
+def test_a_body_reported_inside_a_region_is(
     region: Disk, angle: float, bound: float, more: float, radius: float
 ) -> None:
     reach = max(0.0, region.radius - radius - bound - more)
@@ -184,7 +184,7 @@ def test_a_body_that_is_said_to_be_inside_a_region_is(
 @pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(st.lists(disks, min_size=1, max_size=3), st.lists(shapes, min_size=1, max_size=3))
-def test_a_line_parts_all_that_two_hold(low: list[Shape], high: list[Shape]) -> None:
+def test_a_line_separates_all_shapes_of_two_disks(low: list[Shape], high: list[Shape]) -> None:
     line = parting(low, high)
     if line is not None:
         assert line.is_unit
@@ -194,7 +194,7 @@ def test_a_line_parts_all_that_two_hold(low: list[Shape], high: list[Shape]) -> 
 
 @settings(max_examples=100, deadline=None)
 @given(shapes, angles, st.floats(1e-6, 3.0), st.booleans(), st.sampled_from((0.0, 1e9)))
-def test_a_tangent_has_what_stands_behind_it(
+def test_a_tangent_has_the_obstacle_behind_it(
     shape: Shape, angle: float, away: float, low: bool, near: float
 ) -> None:
     around = shape.around
@@ -208,9 +208,7 @@ def test_a_tangent_has_what_stands_behind_it(
 
 @settings(max_examples=100, deadline=None)
 @given(disks, angles, radii, slack)
-def test_a_place_that_is_said_to_be_within_a_region_is(
-    region: Disk, angle: float, radius: float, more: float
-) -> None:
+def test_a_place_reported_within_a_region_is(region: Disk, angle: float, radius: float, more: float) -> None:
     reach = max(0.0, region.radius - radius - more)
     place = Disk(region.x + reach * math.cos(angle), region.y + reach * math.sin(angle), radius)
     if RegionGeometry().within(Region(place), Held(1, Region(region))):

@@ -1,4 +1,4 @@
-"""Robots, world and coordinator take only the kernel's rules, and keep the invariant that was proved."""
+"""Robots and world change the kernel's objects only by its rules, and keep the proved invariant."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ from tests.proof.link import Facts
 from tests.proof.prove import RULES
 from world.world import WorldCore
 
-pytestmark = pytest.mark.skipif(ledgers.__file__.endswith(".so"), reason="only sources can be looked at")
+pytestmark = pytest.mark.skipif(ledgers.__file__.endswith(".so"), reason="only sources can be observed")
 PRODUCT: Any = SimpleNamespace(Robot=Robot, World=WorldCore, Line=Line)
 KEPT = (Ledger, Pair, DiskRecord, Held, Binding, End, RobotLife, OwnEnd, Owner, Follower)
 
 
 class Watch:
-    """Looks at every rule that a skirmish takes, and then at a robot and another disk.
+    """Observes a skirmish: after every rule it checks the invariant for a robot and another disk.
 
     Attributes:
         run: the skirmish, once it has begun.
-        taken: how many rules were.
-        wrong: what was, in words: nothing may change but by a rule, which keeps the invariant.
+        executed: number of rules.
+        wrong: violations of the invariant, and assignments outside of rules.
     """
 
     def __init__(self, seed: int, patch: pytest.MonkeyPatch) -> None:
         self.run: Skirmish | None = None
-        self.taken = 0
+        self.executed = 0
         self.wrong: list[str] = []
         self._random, self._depth = Random(seed), 0
         self._ledger: Ledger[Any, Any] | None = None  # the newest
@@ -47,7 +47,7 @@ class Watch:
 
         def write(made: Any, field: str, value: Any) -> None:
             if not self._depth:
-                self.wrong.append(f"{type(made).__name__}.{field} is written by no rule")
+                self.wrong.append(f"{type(made).__name__}.{field} is assigned outside of rules")
             object.__setattr__(made, field, value)
 
         for kind in KEPT:
@@ -56,7 +56,7 @@ class Watch:
             patch.setattr(kind, "__setattr__", write)
 
     def _watched(self, kind: type, name: str) -> Callable[..., Any]:
-        """A rule that is looked at, or the beginning of a ledger, a robot or what they keep."""
+        """A rule or an `__init__` under observation."""
         does = getattr(kind, name)
 
         @wraps(does)
@@ -71,7 +71,7 @@ class Watch:
             elif isinstance(made, RobotLife):
                 self._processes[made.name, made.life] = made
             if name != "__init__" and not self._depth:
-                self.taken += 1
+                self.executed += 1
                 self.wrong += [f"{kind.__name__}.{name}: {each}" for each in self._broken()]
             return result
 
@@ -96,7 +96,7 @@ class Watch:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
-def test_a_skirmish_takes_only_rules_and_keeps_the_invariant(
+def test_a_skirmish_executes_only_rules_and_keeps_the_invariant(
     seed: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     watch = Watch(seed, monkeypatch)
@@ -105,4 +105,4 @@ def test_a_skirmish_takes_only_rules_and_keeps_the_invariant(
         run.tick()
         assert run.violation() == ""
     assert watch.wrong == []
-    assert watch.taken > 100
+    assert watch.executed > 100

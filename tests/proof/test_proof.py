@@ -1,6 +1,6 @@
-"""The safety kernel is proved: every rule keeps the whole invariant and is possible, and none is left out.
+"""The proof of the safety kernel: every rule keeps the invariant and is possible, every method is covered.
 
-`python -m tests.proof` runs these tests of all rules, or of some.
+`python -m tests.proof` runs these tests for all rules, or for some.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ import pytest
 
 from tests.proof import mutants
 from tests.proof.language import SOURCES, Kernel
-from tests.proof.prove import CASES, RULES, example, is_kept_by_cvc5, not_kept, steps_of
-from tests.proof.walks import SHARES, walk
+from tests.proof.prove import CASES, RULES, is_proved_by_cvc5, obligations_of, unproved, witness
+from tests.proof.walks import WEIGHTS, walk
 
-# Methods that are no rules: what rules do to their own objects, and what is asked and changes nothing.
+# Methods that are no rules: steps within rules, and queries, which have no effect.
 PARTS = "Held.grant Held.acknowledge Held.stand OwnEnd.begin OwnEnd.turn"
-QUESTIONS = (
+QUERIES = (
     "Ledger.tied Ledger.told RobotLife.fits RobotLife.behind RobotLife.kept RobotLife.body_towards"
     " OwnEnd.obeyed Owner.obeyed Follower.obeyed Binding.end Binding.other"
 )
@@ -27,20 +27,20 @@ pytestmark = pytest.mark.timeout(300)
 @pytest.mark.slow
 @pytest.mark.parametrize("rule", CASES)
 def test_a_rule_keeps_the_invariant(rule: str) -> None:
-    assert [conjunct for conjunct, _ in not_kept(CASES[rule])] == []
+    assert [conjunct for conjunct, _ in unproved(CASES[rule])] == []
 
 
 @pytest.mark.campaign
 @pytest.mark.parametrize("rule", CASES)
 def test_a_rule_keeps_the_invariant_by_cvc5(rule: str) -> None:
-    assert all(is_kept_by_cvc5(step) for step in steps_of(CASES[rule]))
+    assert all(is_proved_by_cvc5(step) for step in obligations_of(CASES[rule]))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("rule", CASES)
 def test_a_rule_is_possible(rule: str) -> None:
-    """A state with the whole invariant is found, in which the rule is executed and keeps it."""
-    found = example(CASES[rule])
+    """The solver finds a state with the invariant in which the rule executes and keeps it."""
+    found = witness(CASES[rule])
     assert found is not None
     assert found.invalid == found.refused == found.broken == []
 
@@ -53,10 +53,10 @@ def test_a_rule_is_possible(rule: str) -> None:
     ],
 )
 def test_a_rule_is_needed(name: str) -> None:
-    """A state is found in which the invariant breaks without this precondition or rule."""
+    """The solver finds a state in which the mutant breaks the invariant."""
     found = mutants.refuted(name)
-    print(f"{found.rule} breaks {found.conjunct!r}" if found else "nothing breaks")
-    assert (found is None) == (name in mutants.HARMLESS)
+    print(f"{found.rule} breaks {found.conjunct!r}" if found else "all claims are proved")
+    assert (found is None) == (name in mutants.REDUNDANT)
     if found is not None:
         assert found.invalid == []
         assert found.conjunct in found.broken
@@ -67,14 +67,14 @@ def test_every_precondition_belongs_to_a_rule() -> None:
     assert {head for head in heads if not any(rule.startswith(head) for rule in CASES)} == set()
 
 
-def test_every_method_is_a_rule_or_a_question() -> None:
+def test_every_method_is_a_rule_or_a_query() -> None:
     methods = {
         f"{kind}.{name}"
         for kind, name in Kernel(SOURCES).methods
         if not kind.endswith("Geometry") and not name.startswith("_")
     }
     rules = {f"{kind}.{name}" for kind, names in RULES.items() for name in names.split()}
-    assert methods == rules | set(f"{PARTS} {QUESTIONS}".split())
+    assert methods == rules | set(f"{PARTS} {QUERIES}".split())
 
 
 MANY = pytest.param(500, 2000, marks=pytest.mark.campaign)
@@ -82,9 +82,9 @@ MANY = pytest.param(500, 2000, marks=pytest.mark.campaign)
 
 @pytest.mark.parametrize(("seeds", "steps"), [pytest.param(200, 1500, marks=pytest.mark.slow), MANY])
 def test_no_walk_makes_two_disks_overlap(seeds: int, steps: int) -> None:
-    taken: Counter[str] = Counter()
+    executed: Counter[str] = Counter()
     for seed in range(seeds):
         broken, counts = walk(seed, steps)
         assert broken == ""
-        taken += counts
-    assert taken.keys() == SHARES.keys()
+        executed += counts
+    assert executed.keys() == WEIGHTS.keys()

@@ -1,7 +1,7 @@
-"""Random walks of the kernel as it runs, with the product's geometry: nothing overlaps, whatever comes when.
+"""Random walks of the kernel with the product's geometry: in any order of messages no disks overlap.
 
 Robots 1 to 3 and a part 4 are disks on a track, the x-axis. Every Tick, proposal, answer and acknowledgement
-ever said may arrive at any time, again or never; processes whose lives are over talk on.
+may arrive at any time, again or never; processes of earlier lives go on sending.
 """
 
 from __future__ import annotations
@@ -27,28 +27,28 @@ Robot = RobotLife[Region, Line, Cover]
 
 
 def span(left: float, right: float) -> Disk:
-    """The disk between two places of the track."""
+    """The disk with these ends on the track."""
     return Disk(0.5 * (left + right), 0.0, 0.5 * (right - left))
 
 
 def widened(disk: Disk, left: float, right: float) -> Disk:
-    """The disk of the track that reaches so much farther."""
+    """A disk extended to the left and right."""
     return span(disk.x - disk.radius - left, disk.x + disk.radius + right)
 
 
 def hull(one: Disk, other: Disk) -> Disk:
-    """The disk of the track around two of them."""
+    """The smallest disk around two."""
     ends = [edge for each in (one, other) for edge in (each.x - each.radius, each.x + each.radius)]
     return span(min(ends), max(ends))
 
 
 def region(disk: Disk, left: float = 0.0, right: float = 0.0) -> Region:
-    """One that reaches so much farther than a disk, and a little more."""
+    """A region around a disk extended to the left and right, with a margin."""
     return Region(widened(disk, left + ROOM, right + ROOM))
 
 
 def cover(disk: Disk) -> Cover:
-    """What a robot knows that it covers."""
+    """A disk as a robot's body."""
     return Cover(OwnSet(disk.x, disk.y, 0.0), disk.radius)
 
 
@@ -59,33 +59,33 @@ def covered(body: Cover) -> Disk:
 LENGTH, PART = 24, 4
 NOWHERE = Disk(0.0, 0.0, 0.0)
 ROOM = 2.0**-6  # m, between a body and its region, and a region and a line; sums with integers are exact
-SHARES = {
+WEIGHTS = {
     "fence": 0.1, "settle": 1.0, "part": 0.1, "remove": 0.1, "restart": 0.3, "rejoin": 1.0, "grant": 2.0,
     "introduce": 2.0, "ask": 3.0, "announce": 0.5, "appear": 1.0, "tell": 4.0, "hear": 6.0, "command": 12.0,
     "reach": 6.0, "take_up": 4.0, "adopt_region": 6.0, "acknowledge": 3.0, "freeze": 8.0, "answer": 6.0,
     "turn": 3.0, "propose": 4.0, "adopt": 6.0, "read_answer": 4.0,
 }  # fmt: skip
-_SWARM = (0.2, 0.5, 1.0, 1.0, 2.0, 4.0)  # factors of these: no two walks have the same character
+_FACTORS = (0.2, 0.5, 1.0, 1.0, 2.0, 4.0)  # factors of these: no two walks have the same character
 
 
 @dataclass
 class Walk:
-    """One walk; every rule is a method that raises if it is refused."""
+    """One walk. Each rule is a method `do_RULE`, which raises RefusedError if it is not possible."""
 
     random: Random
-    taken: Counter[str] = field(default_factory=Counter)
+    executed: Counter[str] = field(default_factory=Counter)
 
     def __post_init__(self) -> None:
         starts = zip((1, 2, 3, PART), self.random.sample(range(0, LENGTH, 4), 4), strict=True)
         self.truth = {name: Disk(at, 0.0, 1.0 - 2.0 * ROOM) for name, at in starts}
         self.ledger = self.begun(1)
         self.robots: dict[tuple[int, int], Robot] = {}  # by disk and life
-        self.said: dict[str, list[Any]] = defaultdict(list)  # of each kind, with whom or what it concerns
+        self.sent: dict[str, list[Any]] = defaultdict(list)  # by kind; each begins with its disk or binding
         self.carrier = NO
-        self.shares = [share * self.random.choice(_SWARM) for share in SHARES.values()]
+        self.weights = [weight * self.random.choice(_FACTORS) for weight in WEIGHTS.values()]
 
     def begun(self, version: int) -> Ledger[Region, Line]:
-        """A new ledger of the disks that are there."""
+        """A new ledger of the present disks."""
         places = {name: region(disk) for name, disk in self.truth.items()}
         return Ledger(version, places, RegionGeometry())
 
@@ -110,11 +110,11 @@ class Walk:
         require(bool(ends), "no disk is bound")
         return robot, self.random.choice(ends)
 
-    def hears(self, kind: str, of: int) -> Any:
-        """What was ever said of one disk or binding, often the newest."""
-        said = [each for concerns, *each in self.said[kind] if concerns == of]
-        require(bool(said), "nothing was said")
-        return said[-1] if self.random.random() < 0.7 else self.random.choice(said)
+    def received(self, kind: str, of: int) -> Any:
+        """Any message of this kind for one disk or binding, often the newest."""
+        sent = [each for concerns, *each in self.sent[kind] if concerns == of]
+        require(bool(sent), "no message was sent")
+        return sent[-1] if self.random.random() < 0.7 else self.random.choice(sent)
 
     def line(self, robot: Robot, end: OwnEnd[Region, Line]) -> Line:
         sign = self.random.choice((-1, 1))
@@ -135,7 +135,7 @@ class Walk:
 
     def do_fence(self) -> None:
         disk = self.disk()
-        known = self.random.choices((0, 0, 1, 3), k=2)  # where it stands need not be known exactly
+        known = self.random.choices((0, 0, 1, 3), k=2)  # its place need not be known exactly
         self.ledger.fence(disk, region(self.truth.get(disk.name, NOWHERE), *known))
         if self.carrier == disk.name and self.ledger.disks[PART].phase == PRESENT:
             self.carrier = NO
@@ -152,7 +152,7 @@ class Walk:
 
     def do_acknowledge(self) -> None:
         disk = self.disk()
-        self.ledger.acknowledge(disk, *self.hears("region", disk.name))
+        self.ledger.acknowledge(disk, *self.received("region", disk.name))
 
     def do_introduce(self) -> None:
         one, other = sorted((self.disk(), self.disk()), key=lambda disk: disk.name)
@@ -170,7 +170,7 @@ class Walk:
         bindings = [each for pair in pairs for each in (pair.living, pair.static) if each is not None]
         require(bool(bindings), "no disk is bound")
         binding = self.random.choice(bindings)
-        self.ledger.answer(binding, *self.hears("first line", binding.number))
+        self.ledger.answer(binding, *self.received("first line", binding.number))
 
     def do_part(self) -> None:
         one, other = self.disk(), self.disk()
@@ -224,17 +224,17 @@ class Walk:
     def do_tell(self) -> None:
         disk = self.disk()
         require(disk.life != NO, "no life is listening")
-        self.said["Tick"].append((disk.name, self.ledger.told(disk)))
+        self.sent["Tick"].append((disk.name, self.ledger.told(disk)))
 
     def do_hear(self) -> None:
         robot = self.robot()
-        robot.hear(*self.hears("Tick", robot.name))
+        robot.hear(*self.received("Tick", robot.name))
 
     def do_freeze(self) -> None:
         robot, end = self.end()
         line = self.random.choice([*robot.kept(end), self.line(robot, end)])
         robot.freeze(end, line)
-        self.said["first line"].append((end.number, line))
+        self.sent["first line"].append((end.number, line))
 
     def do_turn(self) -> None:
         robot, end = self.end()
@@ -243,7 +243,7 @@ class Walk:
     def do_adopt_region(self) -> None:
         robot = self.robot()
         robot.adopt()
-        self.said["region"].append((robot.name, robot.number))
+        self.sent["region"].append((robot.name, robot.number))
 
     def do_command(self) -> None:
         robot = self.robot()
@@ -267,32 +267,32 @@ class Walk:
         robot, end = self.end(Owner)
         line = self.line(robot, end)
         end.lines.propose(line, robot.fits(end, line))
-        self.said["proposal"].append((end.number, end.lines.number, line))
+        self.sent["proposal"].append((end.number, end.lines.number, line))
 
     def do_adopt(self) -> None:
         robot, end = self.end(Follower)
-        number, line = self.hears("proposal", end.number)
+        number, line = self.received("proposal", end.number)
         end.lines.on_proposal(number, line, robot.fits(end, line))
-        self.said["answer"].append((end.number, end.lines.held_number, end.lines.seen))
+        self.sent["answer"].append((end.number, end.lines.held_number, end.lines.seen))
 
     def do_read_answer(self) -> None:
         _, end = self.end(Owner)
-        end.lines.on_answer(*self.hears("answer", end.number))
+        end.lines.on_answer(*self.received("answer", end.number))
 
     # -- the walk
 
     def step(self) -> str:
-        """One event; what it broke, or ""."""
-        (rule,) = self.random.choices(list(SHARES), self.shares)
+        """Execute one rule; returns the violation, or ""."""
+        (rule,) = self.random.choices(list(WEIGHTS), self.weights)
         try:
             getattr(self, f"do_{rule}")()
         except RefusedError:
             return ""
-        self.taken[rule] += 1
+        self.executed[rule] += 1
         return self.violation()
 
     def violation(self) -> str:
-        """What is not as the kernel promises."""
+        """An overlap, or violated conjuncts; "" if there are none."""
         for one, other in combinations(sorted(self.truth), 2):
             if distance(self.truth[one], self.truth[other]) < 0.0:
                 return f"{one} and {other} overlap at {self.truth[one]} and {self.truth[other]}"
@@ -300,27 +300,27 @@ class Walk:
         return ", ".join(self.broken(one, other))
 
     def broken(self, low: int, high: int) -> list[str]:
-        """Conjuncts of the invariant that do not hold of two disks."""
+        """Conjuncts of the invariant that two disks violate."""
         facts = Facts(self.ledger, self.robots, low, high)
         s = facts.s
         for x, name in (("A", low), ("B", high)):
             place = self.truth.get(name, self.ledger.disks[name].held.regions[0][1].shape)
             for body in (f"{x}.body", f"{x}.own"):
                 s[body] = place if s[body] is None else covered(s[body])
-            said = [number for one, number in self.said["region"] if one == name]
-            s[f"{x}.said"] = self.random.choice(said or [0])
+            sent = [number for one, number in self.sent["region"] if one == name]
+            s[f"{x}.said"] = self.random.choice(sent or [0])
         for b, binding in bindings_of(self.ledger, low, high).items():
-            s[f"{b}.frozen"] = any(number == binding.number for number, _ in self.said["first line"])
-            answers = [each for number, *each in self.said["answer"] if number == binding.number]
+            s[f"{b}.frozen"] = any(number == binding.number for number, _ in self.sent["first line"])
+            answers = [each for number, *each in self.sent["answer"] if number == binding.number]
             for h, seen in (("h", "s"), ("h2", "s2")):
                 s[f"{b}.{h}"], s[f"{b}.{seen}"] = self.random.choice(answers or [(0, 0)])
         return facts.broken()
 
 
 def walk(seed: int, steps: int) -> tuple[str, Counter[str]]:
-    """What a walk breaks, "" if nothing; and how often each rule was taken."""
+    """The violation of a walk, or ""; and how often each rule was executed."""
     made = Walk(Random(seed))
     for number in range(steps):
         if broken := made.step():
-            return f"seed {seed}, step {number}: {broken}", made.taken
-    return "", made.taken
+            return f"seed {seed}, step {number}: {broken}", made.executed
+    return "", made.executed
