@@ -116,7 +116,7 @@ class RobotNode:
             self._world.back = False
 
     def _begin(self, admission: joining.Admission) -> None:
-        if self._base is not None and self.core is not None and not self._ended:
+        if self._base is not None and self.core is not None:
             self._base.stand(self.core, founded=self._founded)  # under another epoch
         is_first = self.core is None
         self.core = Robot(

@@ -12,12 +12,12 @@ import pytest
 
 from agents.bases import base as choice
 from agents.bases.base import topics_of
-from agents.bases.ros_messages import Flag
+from agents.bases.ros_messages import Flag, Velocity
 from deploy.library.load import load
-from protocol.bus.bus import Event, RawSample, Sample
+from protocol.bus.bus import Event, Presence, RawSample, Sample
 from protocol.codec import encode
 from protocol.errors import BusError, JoinError, UsageError
-from protocol.keys import robot_key
+from protocol.keys import driver_token, robot_key
 from protocol.messages import Tick
 from tests.agents.bases.test_senses import fleet
 from tests.agents.bases.wheels import STEP, Wheels
@@ -72,8 +72,8 @@ class Floor:
 class Stage:
     """A world, two robots and their floor."""
 
-    def __init__(self, caplog, checkpoint: Path | None = None) -> None:
-        self.scenario = fleet(2, "time.endless=true", "base.tools=true")
+    def __init__(self, caplog, checkpoint: Path | None = None, *settings: str) -> None:
+        self.scenario = fleet(2, "time.endless=true", "base.tools=true", *settings)
         self.fleet, self._log = MortalFleet(self.scenario, checkpoint), caplog
         bus = self.fleet.network.connect()
         self.floor = bus.node = Floor(bus, self.scenario)
@@ -118,6 +118,19 @@ def test_robots_join_once_they_know_where_they_are_and_drive(caplog):
         stage.fleet.robots[robot].node.handle(event)
         assert heard.receive(0.0) is not None, "it brakes at once, not with the next Tick"
     stage.play(lambda: stage.floor.wheels[1].aims == (0.0, 0.0))
+    stage.fleet.robots[1].node.handle(Presence(driver_token("0/bot1/cmd_vel", "another"), True))
+    stage.play(lambda: stage.said(1)[-1].startswith("another process drives bot1/cmd_vel"))
+
+
+@pytest.mark.slow
+def test_a_robot_drives_as_a_planner_wishes_while_it_does(caplog):
+    stage = Stage(caplog, None, "control.law=external")
+    node, wheels = stage.fleet.robots[1].node, stage.floor.wheels[1]
+    stage.play(lambda: len(stage.said(1)) == 2 and stage.world.tick > 2)
+    assert wheels.aims == (0.0, 0.0)
+    node.handle(RawSample("bot1/cmd_vel_desired", Velocity([0.1, 0.0, 0.0], [0.0] * 3).serialize()))
+    stage.play(lambda: stage.away(1) > 0.01)
+    stage.play(lambda: wheels.aims == (0.0, 0.0))
 
 
 @pytest.mark.slow
@@ -128,10 +141,15 @@ def test_another_world_takes_over_bases_that_drive(seconds: float, tmp_path: Pat
     stage.play(lambda: min(map(stage.away, (1, 2))) > 0.1)
     stage.fleet.kill_world()
     tick, end = stage.world.tick, time.monotonic() + seconds
+    epoch = stage.fleet.robots[1].node.core.epoch
     stage.play(lambda: time.monotonic() >= end)
     stage.fleet.start_world()
-    begun = stage.world
+    begun, node, heard = stage.world, stage.fleet.robots[1].node, stage.fleet.network.connect()
+    heard.listen("bot1/cmd_vel")
     assert (begun.tick, begun.lives.up) == (tick, ())
+    node._join()
+    assert node.core.epoch != epoch
+    assert heard.receive(0.0) is not None, "it brakes as it is admitted, not with its first Tick"
     stage.play(lambda: len(begun.lives.up) == 2)
     before = [wheels.control for wheels in stage.floor.wheels.values()]
     stage.play(
