@@ -140,3 +140,17 @@ def test_a_robot_that_missed_an_approach_does_not_wait_for_gone_peers() -> None:
     )
     with skipped_waits(), LocalFleet(scenario) as fleet:
         assert fleet.execute()["faults"]["given_up"] == []
+
+
+@skipped_waits()
+def test_every_life_says_once_what_troubles_it(caplog: pytest.LogCaptureFixture) -> None:
+    faults = ProcessFault(1, 0.5, "pause"), ProcessFault(1, 5.0, "resume")
+    fleet = LocalFleet(replace(SCENARIO, process=faults))
+    node = fleet.robots[1].node
+    for life in (1, 2):
+        fleet.network.run(lambda life=life: node.core is not None and node.core.incarnation == life)
+        node.core._estimate.contradiction = "two measurements exclude each other"
+        fleet.network.run(lambda: node.core.tick >= 0 and node.core.hearing.is_open)
+        begun = node.core.tick
+        fleet.network.run(lambda begun=begun: node.core.tick > begun + 2)
+    assert caplog.messages == ["robot-1: two measurements exclude each other; stands still"] * 2
