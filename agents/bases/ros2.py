@@ -48,7 +48,7 @@ class Ros2Base:
         self._duration = scenario.world.lease
         self._lease, self._life = Lease(self._duration), 0
         self._heading = 0.0  # in the map at the effect of the present tick's command, rad
-        self._blind, self._begun = True, -math.inf
+        self._begun = -math.inf
         self._shared = False
 
     def hear(self, topic: Topic, payload: bytes, now: float) -> Vector | None:
@@ -82,9 +82,7 @@ class Ros2Base:
         self._begun = now
         self._heading = self.senses.heading() + self._drive.turning(self.senses.age(now), now)
         motion = self._drive.motion(self._heading, now)
-        sense = None if motion is None else self.senses.read(tick.tick, motion, now)
-        self._blind = sense is None
-        return sense
+        return None if motion is None else self.senses.read(tick.tick, motion, now)
 
     def obey(self, command: Command, now: float) -> bytes:
         """Execute the Command of the newest tick, before it is sent; returns the payload to publish at
@@ -92,7 +90,7 @@ class Ros2Base:
         if command.may_move:  # otherwise the coordinator may declare its robot static at once
             self._lease.sent(command.tick, now)
         late = self.senses.is_late(now) or now - self._begun > DECISION
-        velocity = command.velocity if self.senses.sound and not (self._blind or late) else STILL
+        velocity = command.velocity if self.senses.sound and not late else STILL
         self._drive.command(velocity, self._heading, now, self._lease.until)
         return self._advance(now)
 

@@ -190,8 +190,19 @@ def test_an_unsound_stream_says_why_and_is_trusted_again_after_a_while(stream, w
     assert [*hear(2.0)][-1] == ""
 
 
-@pytest.mark.parametrize(("fault", "taken"), [(False, 0.0), (True, 0.0), (False, 1.01 * DECISION)])
-def test_what_is_commanded_after_a_fault_in_the_same_tick_or_too_late_is_not_executed(fault, taken):
+OLDEST = PAIR.base_of(1).age + PAIR.base_of(1).latency  # s, of odometry by which to move
+
+
+@pytest.mark.parametrize(
+    ("fault", "aged", "taken", "moves"),
+    [
+        pytest.param(False, 0.9 * OLDEST, 0.0, True, id="in time"),
+        pytest.param(True, 0.0, 0.0, False, id="after a fault in the same tick"),
+        pytest.param(False, 0.0, 1.01 * DECISION, False, id="too late"),
+        pytest.param(False, 0.9 * OLDEST, 0.9 * DECISION, False, id="by odometry that has become too old"),
+    ],
+)
+def test_what_is_commanded_is_executed_unless_senses_are_at_fault_or_too_old(fault, aged, taken, moves):
     base, wheels, now = Ros2Base(PAIR, 1, PAIR.base_of(1)), Wheels(PAIR, 1, Random(1)), 0.0
     odometry, pose = base.hears
     while now < 1.0:
@@ -200,11 +211,11 @@ def test_what_is_commanded_after_a_fault_in_the_same_tick_or_too_late_is_not_exe
         base.hear(pose, wheels.pose(now).serialize(), now)
         base.on_timer(now)
     for tick in (0, 1):  # by the second the coordinator has the Command of the first
-        base.begin(Tick(1, 1, tick, (1, 2), heard=tick - 1 if tick else None), now)
+        base.begin(Tick(1, 1, tick, (1, 2), heard=tick - 1 if tick else None), now + aged)
         for by in (0.5, 0.0) if fault and tick else ():
             base.hear(odometry, shifted(wheels.odometry(now + 0.01), by).serialize(), now)
-        told = decode(Velocity, base.obey(Command(1, 1, tick, (0.1, 0.1)), now + taken))
-    assert (told.linear[0] == told.angular[2] == 0.0) is (fault or taken > 0.0)
+        told = decode(Velocity, base.obey(Command(1, 1, tick, (0.1, 0.1)), now + aged + taken))
+    assert (told.linear[0] != 0.0 or told.angular[2] != 0.0) is moves
 
 
 def test_what_a_fast_base_can_do_is_no_jump():
