@@ -194,15 +194,16 @@ OLDEST = PAIR.base_of(1).age + PAIR.base_of(1).latency  # s, of odometry by whic
 
 
 @pytest.mark.parametrize(
-    ("fault", "aged", "taken", "moves"),
+    ("fault", "life", "aged", "taken", "moves"),
     [
-        pytest.param(False, 0.9 * OLDEST, 0.0, True, id="in time"),
-        pytest.param(True, 0.0, 0.0, False, id="after a fault in the same tick"),
-        pytest.param(False, 0.0, 1.01 * DECISION, False, id="too late"),
-        pytest.param(False, 0.9 * OLDEST, 0.9 * DECISION, False, id="by odometry that has become too old"),
+        pytest.param(False, 1, 0.9 * OLDEST, 0.0, True, id="in time"),
+        pytest.param(True, 1, 0.0, 0.0, False, id="after a fault in the same tick"),
+        pytest.param(False, 2, 0.0, 0.0, False, id="by another life than the coordinator has heard"),
+        pytest.param(False, 1, 0.0, 1.01 * DECISION, False, id="too late"),
+        pytest.param(False, 1, 0.9 * OLDEST, 0.9 * DECISION, False, id="as odometry has become too old"),
     ],
 )
-def test_what_is_commanded_is_executed_unless_senses_are_at_fault_or_too_old(fault, aged, taken, moves):
+def test_what_is_commanded_is_executed_unless(fault, life, aged, taken, moves):
     base, wheels, now = Ros2Base(PAIR, 1, PAIR.base_of(1)), Wheels(PAIR, 1, Random(1)), 0.0
     odometry, pose = base.hears
     while now < 1.0:
@@ -211,10 +212,11 @@ def test_what_is_commanded_is_executed_unless_senses_are_at_fault_or_too_old(fau
         base.hear(pose, wheels.pose(now).serialize(), now)
         base.on_timer(now)
     for tick in (0, 1):  # by the second the coordinator has the Command of the first
-        base.begin(Tick(1, 1, tick, (1, 2), heard=tick - 1 if tick else None), now + aged)
+        lived, heard = (life, 0) if tick else (1, None)
+        base.begin(Tick(1, lived, tick, (1, 2), heard=heard), now + aged)
         for by in (0.5, 0.0) if fault and tick else ():
             base.hear(odometry, shifted(wheels.odometry(now + 0.01), by).serialize(), now)
-        told = decode(Velocity, base.obey(Command(1, 1, tick, (0.1, 0.1)), now + aged + taken))
+        told = decode(Velocity, base.obey(Command(1, lived, tick, (0.1, 0.1)), now + aged + taken))
     assert (told.linear[0] != 0.0 or told.angular[2] != 0.0) is moves
 
 
