@@ -123,6 +123,11 @@ def test_what_is_of_another_life_or_tick_leaves_the_present_one_as_it_is() -> No
     early = State(2, 1, core.tick + 1, None, 0.0, 0.0, 0.0, (0.0, 0.0), core.epoch)
     node.handle(Sample(robot_key("local", 2, "state"), encode(early)))
     assert (core.hearing.complete, bus.receive(0.0)) == (True, None), "its Command is out"
+    now, tick = time.monotonic(), core.tick
+    node._world.heard, node._due = now - PATIENCE, now + PATIENCE
+    node.handle(Sample(robot_key("local", 1, "tick"), encode(Tick(1, 3, tick + 1, (1, 2), core.epoch))))
+    assert core.tick == tick, "it is another process's, which has taken its place"
+    assert now <= node._world.heard <= node.deadline <= time.monotonic(), "it asks at once"
 
 
 def test_a_robot_that_missed_an_approach_does_not_wait_for_gone_peers() -> None:
