@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from errno import ENOSPC
 from io import TextIOWrapper
+from signal import SIGPIPE
+from typing import Final
 
 from protocol.process.signals import STOP, Stopped
+
+_UNREAD: Final = 128 + SIGPIPE  # exit status if nobody reads standard output any more, as of any program
 
 
 def main() -> None:
     """Entry point of the `disknav` command. A signal that asks it to end decides its exit status."""
+    _open_standard_files()
     STOP.listen()  # before the slow imports
     try:
         status = _run()
@@ -18,6 +24,14 @@ def main() -> None:
         STOP.exit()
     STOP.ignore()
     sys.exit(STOP.status or status)
+
+
+def _open_standard_files() -> None:
+    """Open the null device for each standard file that the caller closed, as by `>&-`; otherwise the next
+    socket or file gets its number, and what is meant for the terminal."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):  # each takes the lowest free number
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode))  # noqa: SIM115, PTH123
 
 
 def _run() -> int:
@@ -62,5 +76,6 @@ def _run() -> int:
         LOG.error(f"cannot write to {error.filename or 'standard output'}: {error.strerror}")
         return EXIT_FAULT
     except SystemExit as ending:
-        return ending.code if isinstance(ending.code, int) else EXIT_FAULT
+        unread = isinstance(ending.__context__, BrokenPipeError)  # so typer and rich end
+        return _UNREAD if unread else ending.code if isinstance(ending.code, int) else EXIT_FAULT
     return 0

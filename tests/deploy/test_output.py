@@ -4,6 +4,7 @@ import errno
 import io
 import json
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -98,3 +99,30 @@ def test_a_terminal_that_lacks_a_character_is_shown_another(tmp_path: Path) -> N
     assert parse_toml(shown.stdout.decode()).name == "café"
     checked = subprocess.run([*call, "check", file], env=bare, capture_output=True, check=True)
     assert rb"caf\xe9" in checked.stdout
+
+
+@pytest.mark.parametrize("command", ["scenario list", "scenario schema", "--version"])
+@pytest.mark.slow
+def test_a_reader_that_ends_early_is_told_apart_from_a_verdict(command: str) -> None:
+    reads, writes = os.pipe()
+    os.close(reads)
+    call = [sys.executable, "-m", "disknav", *command.split()]
+    with os.fdopen(writes) as unread:
+        done = subprocess.run(call, stdout=unread, stderr=subprocess.PIPE, text=True, check=False, timeout=60)
+    assert done.returncode == 128 + signal.SIGPIPE
+    assert done.stderr == ""
+
+
+@pytest.mark.parametrize("closed", [">&-", "<&- >&- 2>&-"])
+@pytest.mark.slow
+def test_standard_files_may_be_closed(closed: str, tmp_path: Path) -> None:
+    """Sockets and files of the processes would get their numbers."""
+    file = tmp_path / "result.json"
+    command = f"run head-on --set time.limit=1 --web --json {file}"
+    call = ["sh", "-c", f"exec {sys.executable} -m disknav {command} {closed}"]
+    with (tmp_path / "stderr").open("w+") as said:
+        done = subprocess.run(call, stderr=said, check=False, timeout=60.0)
+        said.seek(0)
+        assert "Traceback" not in said.read()
+    assert json.loads(file.read_text())["verdict"] == "timeout"
+    assert done.returncode == 1
