@@ -60,7 +60,7 @@ class BusError(DisknavError):
 
 
 class UnservedError(BusError):
-    """No process serves the key of a request that is sent once, and was not sent."""
+    """As far as known no process serves the key of a request; it was not sent if it may be sent once only."""
 
 
 class ListenError(BusError):

@@ -83,10 +83,8 @@ class Operator:
 
     @cached_property
     def _others(self) -> str:
-        """The runs that have a world on this network, if this one has none; looked up once, as it delays the
-        next request."""
-        runs = {token.split("/")[1] for token in self._bus.tokens(world_tokens("*"))}
-        return f" (there is one of {', '.join(sorted(runs))})" if runs and self._run not in runs else ""
+        """As `_others`, looked up once, as it delays the next request."""
+        return _others(self._bus, self._run)
 
     def _in_force(self) -> int:
         """Number of stops so far; BusError if the answer is late: later stops may be among them."""
@@ -215,6 +213,12 @@ def operating(
         yield Operator(bus, name)
 
 
+def _others(bus: Bus, run: str) -> str:
+    """The runs that have a world on this network, if `run` has none, for a message; otherwise empty."""
+    runs = {token.split("/")[1] for token in bus.tokens(world_tokens("*"))}
+    return f" (runs with a world: {', '.join(sorted(runs))})" if runs and run not in runs else ""
+
+
 def probed_key(run: str, role: str) -> str:
     """Key of a stream that a live process publishes regularly: a robot's health, the world's clock.
     Raises UsageError for a role without such a stream.
@@ -238,4 +242,4 @@ def probe(connection: Connection, run: str, role: str, within: float) -> None:
             if isinstance(event, Sample):
                 decode(event.key, event.payload)
                 return
-    raise BusError(f"nothing received from {role} under {key} for {within:g} s")
+        raise BusError(f"nothing received from {role} under {key} for {within:g} s{_others(bus, run)}")

@@ -153,16 +153,17 @@ class ZenohBus:
         self._declared.append(self._session.liveliness().declare_token(key))
 
     def ask(self, key: str, payload: bytes, timeout: float, *, once: bool = False) -> list[bytes]:
-        deadline = time.monotonic() + timeout
+        deadline, served = time.monotonic() + timeout, False
         while (remaining := deadline - time.monotonic()) > 0.0:
-            if not self._is_served(key, remaining if once else min(_NEWS, 0.5 * remaining)) and once:
+            served |= self._is_served(key, remaining if once else min(_NEWS, 0.5 * remaining))
+            if once and not served:
                 break
             if replies := self._replies(key, payload, max(0.0, deadline - time.monotonic())):
                 return replies
             if once:
                 raise BusError(f"no answer under {key}: the process that serves it has ended, or is too slow")
             STOP.wait(_ASK_AGAIN)
-        raise (UnservedError if once else BusError)(
+        raise (BusError if served else UnservedError)(
             f"no answer under {key} within {timeout:g} s; is the process that serves it running, "
             f"under the same run name and reachable from the same endpoint?"
         )

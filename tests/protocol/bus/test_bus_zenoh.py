@@ -15,7 +15,7 @@ from deploy.processes.supervisor import Supervisor
 from protocol.bus.bus import Event, Presence, Query, Sample
 from protocol.bus.connection import Connection, configuration
 from protocol.bus.zenoh import ZenohBus
-from protocol.errors import BusError
+from protocol.errors import BusError, UnservedError
 from protocol.keys import STREAMS
 from tests.deploy.processes import children
 from tests.until import until
@@ -162,6 +162,15 @@ def test_only_an_order_relies_on_news_of_who_serves_its_key(connect: Connect) ->
         with pytest.raises(BusError, match=r"within 0\.2 s"):
             asker.ask(SCENARIO, payload, 0.2, once=once)
     answer(server, b"too late")  # to the question: the order was not sent
+
+
+@pytest.mark.parametrize("served", [False, True])
+def test_a_request_that_nobody_served_is_told_apart(connect: Connect, served: bool) -> None:
+    if served:
+        connect().serve(SCENARIO)  # by a process that never receives
+    with pytest.raises(BusError, match=SCENARIO) as raised:
+        connect().ask(SCENARIO, b"may I?", 2.0 if served else 0.2)
+    assert isinstance(raised.value, UnservedError) is not served
 
 
 @pytest.mark.parametrize("mode", ["client", "router", "peer"])

@@ -1,6 +1,7 @@
 """Two worlds of one run: one is refused, or both have all robots stand until one has left."""
 
 import itertools
+from contextlib import closing
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -10,10 +11,12 @@ import pytest
 from agents.shell.node import RobotNode
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from deploy.run.operator import Operator
+from deploy.run.operator import Operator, probe
 from protocol import joining
 from protocol.bus.bus import Query, Sample
+from protocol.bus.connection import Connection, Endpoint
 from protocol.bus.local import LocalNetwork
+from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode, encode
 from protocol.errors import BusError, RunTakenError
 from protocol.keys import robot_key, world_key, world_token
@@ -238,12 +241,20 @@ def test_who_misspells_a_run_hears_soon_which_runs_there_are_and_the_stop_is_sen
     bus.announced = [world_token("yard", "1"), world_token("dock", "2")]
     assert Operator(bus, "yrad", said.append).stop(60.0).halted  # type: ignore[arg-type]
     (told,) = said
-    assert told.startswith("no world of run 'yrad' answers (there is one of dock, yard): ")
+    assert told.startswith("no world of run 'yrad' answers (runs with a world: dock, yard): ")
     assert told.endswith("; asks again")
     assert bus.waited == [2.0, 5.0, 5.0]
     bus.rounds, bus.announced = [()], [world_token("yrad", "1")]
     with pytest.raises(BusError, match="no world of run 'yrad' answers: "):
         Operator(bus, "yrad", said.append).stop(0.0)  # type: ignore[arg-type]
+
+
+def test_who_misspells_a_run_to_probe_hears_which_runs_there_are(endpoint: str) -> None:
+    connection = Connection(connect=(Endpoint(endpoint),))
+    with closing(ZenohBus(connection)) as bus:
+        bus.announce(world_token("yard", "1"))
+        with pytest.raises(BusError, match=r"for 0\.1 s \(runs with a world: yard\)"):
+            probe(connection, "yrad", "robot-3", 0.1)
 
 
 def test_a_release_lifts_no_stop_that_may_have_come_after_it(monkeypatch: pytest.MonkeyPatch) -> None:
