@@ -11,7 +11,7 @@ from typing import Final
 
 from protocol.process.signals import STOP, Stopped
 
-_UNREAD: Final = 128 + SIGPIPE  # exit status if nobody reads standard output any more, as of any program
+_UNREAD: Final = 128 + SIGPIPE  # exit status if standard output is closed by its reader, as a shell reports SIGPIPE
 
 
 def main() -> None:

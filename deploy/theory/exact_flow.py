@@ -27,7 +27,7 @@ ATTEMPTS = 2000
 def random_configuration(draw: np.random.Generator, radii: Reals, workspace: float) -> Reals | None:
     """Random centres (p, 2) of disjoint disks, by dart throwing, largest first; None if none was found."""
     for _ in range(ATTEMPTS):
-        placed = np.full((len(radii), 2), np.inf)  # until it is thrown, a disk is in nobody's way
+        placed = np.full((len(radii), 2), np.inf)  # a disk overlaps nothing until it is thrown
         for i in np.argsort(-radii, kind="stable"):
             darts = draw.uniform(-workspace, workspace, (DARTS, 2))
             inside = np.hypot(*darts.T) < workspace - radii[i]

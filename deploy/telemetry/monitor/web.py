@@ -103,7 +103,7 @@ def application(source: Steerable, hosts: list[str], token: str) -> Starlette:
                 tasks.create_task(_send(socket, stream))
                 await _listen(socket, source, tasks, may_steer=may_steer)
         except* WebSocketDisconnect:
-            pass  # no task waits for an answer that nobody reads
+            pass  # no task waits for an unread answer
 
     return Starlette(
         routes=[
