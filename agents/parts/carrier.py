@@ -48,12 +48,11 @@ class PartCarrier:
         self._robot, self._scenario = robot, scenario
         self._reach = scenario.carrying.reach
         self._patience, self._pause = scenario.ticks(STUCK), scenario.ticks(AGAIN)
-        self._task = 0  # part that is fetched or carried
+        self._task = 0  # part that is fetched
         self._look = -1  # tick from which on to look for a part again
         self._place: Vector | None = None  # from where the robot takes the part up or puts it down
         self._target: Vector | None = None  # of the carried part
         self._origin: Vector | None = None  # where it was taken up from the floor
-        self._loaded = False
         self._attempt = 0  # number of the attempt to put it down
         self._known: dict[int, int] = {}  # claims of peers at the last check of the plan
         self._in_order = False  # whether all parts can be delivered after this one
@@ -71,14 +70,11 @@ class PartCarrier:
         self.goal, self.claim, self.handles = self._home, None, None
         self.radius, self.held, self.aim = self._small, 0, None
         if ordered is not None:
-            self.goal, self._task, self._place = ordered, 0, None
+            self.goal, self._task, self._place, self._target = ordered, 0, None, None
             return
         if math.dist(position, self._anchor) > MOVED * self._small:
             self._anchor, self._since = position, tick
         carried = self._perception.carriers.get(self._robot, 0)
-        if self._loaded and not carried:
-            self._task = 0  # it is put down
-        self._loaded = carried != 0
         if carried:
             self._carry(carried)
         elif self._is_mine(self._task) and self._fits(self._task):
@@ -93,8 +89,7 @@ class PartCarrier:
         if self.handles is not None:
             return self.goal
         part = self._perception.carriers.get(self._robot, 0)
-        size = max(self.radius, self._planner.loaded(part) if part else self._small)
-        me = Traveller(self._position, self.goal, size, self._perception.among(part))
+        me = Traveller(self._position, self.goal, self.radius, self._perception.among(part))
         ahead = self._perception.first(self._robot, self.claim)
         found = [self._perception.traveller(peer) for peer in ahead]
         return self._traffic.aim(me, [each for each in found if each is not None])
@@ -103,10 +98,8 @@ class PartCarrier:
 
     def _is_mine(self, part: int) -> bool:
         """Whether a part can still be fetched, and no peer has a better claim."""
-        if part not in self._perception.layout.parts or self._planner.is_home(part, self._perception.layout):
-            return False
         mine = (self._cost(), self._robot)
-        return all(
+        return part in self._perception.layout.parts and all(
             mine < (claim.cost, robot) for robot, claim in self._perception.claims if claim.part == part
         )
 
@@ -152,14 +145,13 @@ class PartCarrier:
             self._look = self._tick  # another static disk or obstacle: choose again
             self._choose()
             return
-        self.held = self._perception.obstacles.get(part, 0)
         if self._seen != layout:
             self._seen = layout
             self._place = self._planner.fetch(part, self._position, layout)
         if self._place is None or self._is_stuck():
-            self._give_up(part)
+            self._task, self._avoided[part] = 0, self._tick + self._patience
             return
-        self.goal = self._place
+        self.goal, self.held = self._place, self._perception.obstacles.get(part, 0)
         self.claim = Claim(part, self._cost(), grown)
         size = layout.held.get(part, self._spec(part).radius)
         if self._is_beside(layout.parts[part], size + self._small):
@@ -171,8 +163,9 @@ class PartCarrier:
         is no path for long."""
         spec, carried, layout = self._spec(part), self._planner.loaded(part), self._perception.layout
         stuck, planner = self._is_stuck(), self._planner
-        if self._task != part or self._target is None:
-            self._task, self._seen, self._target = part, None, spec.goal
+        self._task = 0
+        if self._target is None:
+            self._seen, self._target = None, spec.goal
         if stuck and self._place is None:
             back = self._origin if self._target == spec.goal else None
             self._target = planner.spare(part, self._position, layout) or back or spec.goal
@@ -200,10 +193,6 @@ class PartCarrier:
 
     def _is_stuck(self) -> bool:
         return self._tick - self._since > self._patience
-
-    def _give_up(self, part: int) -> None:
-        self._avoided[part] = self._tick + self._patience
-        self._task, self._place, self.held = 0, None, 0
 
     def _spec(self, part: int) -> Part:
         return self._scenario.parts[part - 1]

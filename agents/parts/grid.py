@@ -22,10 +22,10 @@ from protocol.scenario.model import Part, Scenario
 
 Cells = NDArray[np.bool_]
 
-_NEAR: Final = 2  # cells around a point that may replace its own
 _SAG: Final = 1.0 / 16.0  # cells of room for straight lines between free cells
 _KEPT: Final = 1024  # cached sets
 _STEPS: Final = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
+_AROUND: Final = tuple((i, j) for i in range(-2, 3) for j in range(-2, 3))  # may replace a point's own cell
 
 
 class Grid:
@@ -38,7 +38,6 @@ class Grid:
         self.x, self.y = np.meshgrid(
             np.arange(left, right + size, size), np.arange(low, high + size, size), indexing="ij"
         )
-        self.room = room
         self._depth = -distances(room, self.x, self.y)
 
     def clear(self, shapes: Iterable[Shape], radius: float) -> Cells:
@@ -100,7 +99,7 @@ class Grid:
             points.append((float(self.x[cell]), float(self.y[cell])))
             if far[cell] == 0.0:
                 return points
-            cell = min(self._beside(cell), key=lambda each: (far[each], each))
+            cell = min(self._beside(cell, _STEPS), key=lambda each: (far[each], each))
 
     def sees(self, free: Cells, one: Vector, other: Vector) -> bool:
         """Whether all cells on the straight line between two points are free, except near the ends."""
@@ -118,17 +117,15 @@ class Grid:
         i, j = self.cell(point)
         if is_free(i, j):
             return i, j
-        around = range(-_NEAR, _NEAR + 1)
-        near = [(i + dx, j + dy) for dx in around for dy in around if is_free(i + dx, j + dy)]
+        near = [cell for cell in self._beside((i, j), _AROUND) if is_free(*cell)]
         return min(near, key=lambda c: (math.dist((self.x[c], self.y[c]), point), c), default=None)
 
     def _near(self, free: Cells, point: Vector) -> tuple[int, int] | None:
-        high, wide = free.shape
-        return self.near(point, lambda i, j: 0 <= i < high and 0 <= j < wide and bool(free[i, j]))
+        return self.near(point, lambda i, j: bool(free[i, j]))
 
-    def _beside(self, cell: tuple[int, int]) -> list[tuple[int, int]]:
+    def _beside(self, cell: tuple[int, int], steps: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
         shape = self.x.shape
-        around = [(cell[0] + dx, cell[1] + dy) for dx, dy in _STEPS]
+        around = [(cell[0] + dx, cell[1] + dy) for dx, dy in steps]
         return [(i, j) for i, j in around if 0 <= i < shape[0] and 0 <= j < shape[1]]
 
 
@@ -137,8 +134,7 @@ class Reach:
 
     def __init__(self, grid: Grid) -> None:
         self._grid = grid
-        self._columns = grid.x.shape[1]
-        self._row = self._columns + 1  # a blocked cell after each row, so that no shift wraps around
+        self._row: int = grid.x.shape[1] + 1  # a blocked cell after each row, so that no shift wraps around
         self._inside: dict[float, int] = {}
         self._taken: dict[tuple[Shape, float], int] = {}
 
@@ -203,7 +199,7 @@ class Reach:
         return 0 if cell is None else 1 << (cell[0] * self._row + cell[1])
 
     def _has(self, cells: int, i: int, j: int) -> bool:
-        return i >= 0 and 0 <= j < self._columns and cells >> (i * self._row + j) & 1 == 1
+        return cells >> (i * self._row + j) & 1 == 1
 
 
 _Kept = TypeVar("_Kept")
@@ -263,7 +259,7 @@ class GridPlaces:
 
     def is_home(self, part: int, layout: Layout) -> bool:
         """Whether a part is at its goal."""
-        return part not in layout.held and math.dist(layout.parts[part], self.parts[part].goal) < _HOME
+        return math.dist(layout.parts[part], self.parts[part].goal) < _HOME
 
     def is_barred(self, part: int, layout: Layout) -> bool:
         """Whether an obstacle that is not a part covers a part's goal."""

@@ -49,10 +49,9 @@ class Traffic:
     def aim(self, me: Traveller, first: Sequence[Traveller]) -> Vector:
         """The next waypoint, m: along the own path, off the paths of robots that precede (`first`)."""
         ways = [self._way(each) for each in first]
-        if self._is_in_the_way(me.at, me, first, ways):
-            aside = self._aside(me, first, ways)
-            return self._ahead(me) if aside is None else aside
         aim = self._ahead(me)
+        if self._is_in_the_way(me.at, me, first, ways):
+            return self._aside(me, first, ways) or aim
         distance = math.dist(me.at, aim)
         part = min(1.0, AHEAD * me.radius / max(distance, 1e-9))
         soon = me.at[0] + part * (aim[0] - me.at[0]), me.at[1] + part * (aim[1] - me.at[1])
@@ -147,18 +146,17 @@ class Perception:
         self.claims = self._claims()
         self.carriers = {robot: part for robot, part in carried.items() if robot not in stand}
         self.obstacles = {each.part: each.obstacle for each in neighbours.parts if not each.carrier}
-        fallen = {part: stand[robot] for robot, part in carried.items() if robot in stand}
         shapes = {part: neighbours.numbered.get(number) for part, number in self.obstacles.items()}
         at = {part: (disk.x, disk.y) for part, disk in shapes.items() if isinstance(disk, Disk)}
-        at |= {part: each.position for part, each in fallen.items() if each.position is not None}
-        robots = {each.robot: self._empty(each, carried) for each in stand.values() if each.position}
-        self._under = {part: robots[each.robot] for part, each in fallen.items() if each.robot in robots}
+        robots = {robot: self._empty(each, carried) for robot, each in stand.items()}
+        self._under = {part: robots[robot] for robot, part in carried.items() if robot in stand}
+        at |= {part: (disk.x, disk.y) for part, disk in self._under.items()}
         parts = {each.obstacle for each in neighbours.parts}
         others = [shape for number, shape in sorted(neighbours.numbered.items()) if number not in parts]
         self.layout = Layout(
             at,
             (*others, *robots.values()),
-            {part: each.radius for part, each in fallen.items()},
+            {part: stand[robot].radius for robot, part in carried.items() if robot in stand},
             self._promised([state.robot for state in self.peers]),
             tuple(state.position for state in self.peers if state.position is not None),
         )
@@ -172,8 +170,7 @@ class Perception:
 
     def _claims(self) -> list[tuple[int, Claim]]:
         parts = range(1, len(self._scenario.parts) + 1)
-        claims = [(state.robot, state.claim) for state in self.peers]
-        return [(robot, claim) for robot, claim in claims if claim is not None and claim.part in parts]
+        return [(peer.robot, peer.claim) for peer in self.peers if peer.claim and peer.claim.part in parts]
 
     def among(self, part: int) -> tuple[Shape, ...]:
         """Shapes of the layout without one part, and without the static robot that it is on, if any."""
@@ -221,6 +218,5 @@ class Perception:
         part = claim.part
         spec, carries = parts[part - 1], self.carriers.get(peer.robot) == part
         to = spec.goal if carries else self.layout.parts.get(part, at)
-        radius = max(peer.radius, spec.radius) if carries else peer.radius
         leaves = (Disk(*spec.goal, spec.radius),) if carries else ()
-        return Traveller(at, to, radius, self.among(part), leaves)
+        return Traveller(at, to, peer.radius, self.among(part), leaves)

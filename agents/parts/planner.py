@@ -155,7 +155,7 @@ class Planner:
         self._places = GridPlaces(scenario, radius, self.grid)
         self.orders = PartOrders(self._places, Reach(self.grid))
         self._parts = self._places.parts
-        self.loaded, self.is_home = self._places.loaded, self._places.is_home
+        self.loaded = self._places.loaded
         self._homes = [Disk(*robot.goal, robot.radius) for robot in scenario.robots]
 
     def errands(self, position: Vector, layout: Layout) -> Iterator[Errand]:
@@ -163,7 +163,7 @@ class Planner:
         far = self._far(position, layout)
         near = []
         for part in layout.parts:
-            if not self.is_home(part, layout):
+            if not self._places.is_home(part, layout):
                 begins = self._by_way(self._places.to_take(part, layout), far)
                 if begins:
                     near.append((float(self.grid.lengths(far, begins[:1])[0]), part, begins))
@@ -261,15 +261,11 @@ class Planner:
 
     def _begin(self, part: int, layout: Layout, far: Reals, begins: Sequence[Vector]) -> Vector | None:
         """Of the places to take a part up, that on the shortest path to its goal, m; None without a path."""
-        rest, goal = layout.without(part), self._parts[part].goal
-        ends = self._places.to_put(part, goal, rest)
-        if not ends or not begins:
-            return None
+        rest = layout.without(part)
+        ends = self._places.to_put(part, self._parts[part].goal, rest)
         open_ = self.grid.clear(self._places.standing(rest), self.loaded(part))
         back = self.grid.distance_field(open_, ends)
-        costs = self.grid.lengths(far, begins) + self.grid.lengths(back, begins)
-        cost, fetch = min(zip(map(float, costs), begins, strict=True))
-        return fetch if math.isfinite(cost) else None
+        return next(iter(self._by_way(begins, far, back)), None)
 
     # -- the next part, given the claims of peers
 
@@ -313,6 +309,8 @@ class Planner:
         radius = self.loaded(part) if part else self._places.radius
         return self.grid.distance_field(self.grid.clear(self._places.standing(layout), radius), [position])
 
-    def _by_way(self, places: Sequence[Vector], far: Reals) -> list[Vector]:
-        found = zip(map(float, self.grid.lengths(far, places)), places, strict=True)
+    def _by_way(self, places: Sequence[Vector], *fields: Reals) -> list[Vector]:
+        """Places with a path in each distance field, that with the least sum first."""
+        ways = zip(*(self.grid.lengths(far, places).tolist() for far in fields), strict=True)
+        found = zip(map(sum, ways), places, strict=True)
         return [point for way, point in sorted(found) if math.isfinite(way)]

@@ -42,7 +42,7 @@ class Parts:
     def in_place(self, part: int) -> bool:
         """Whether a part is on the floor at its goal."""
         place, known = self._places[part], self._lives.obstacles.standing
-        if place.carrier or place.obstacle not in known:
+        if place.obstacle not in known:
             return False
         spec, tolerance = self._spec(part), self._scenario.time.tolerance
         return known[place.obstacle].distance(*spec.goal) <= tolerance - spec.radius
@@ -97,7 +97,7 @@ class Parts:
 
     def _take(self, robot: int, handles: Handling, at: Mapping[int, Vector]) -> None:
         place, radius = self._places[handles.part], self._scenario.loaded_radius(robot, handles.part)
-        if handles.radius < radius or self.carried_by(robot) or robot == place.carrier:
+        if handles.radius < radius or self.carried_by(robot):
             return
         if place.carrier:
             self._take_over(robot, place, at)
