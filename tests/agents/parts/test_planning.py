@@ -61,14 +61,19 @@ def test_a_part_on_a_robot_that_stands_is_taken_from_where_the_larger_disk_is_cl
     (errand,) = plan.errands(HOME, fallen)
     assert 0.04 + 0.04 < math.dist(errand.fetch, dead) < 0.03 + 0.04 + 0.02
     assert plan.orders.exists(fallen, [HOME])
+    near, _ = planner(replace(setting, carrying=Carrying(0.008)))  # less than the disk grows by
+    assert list(near.errands(HOME, fallen)) == []
     at_goal = Layout({1: (0.2, 0.0)}, (Disk(0.2, 0.0, 0.03),), {1: 0.04})
     assert plan.orders.exists(at_goal, [HOME])  # what has its goal barred for good does not count
 
 
 def test_two_that_change_places_have_no_order_but_one_can_make_room() -> None:
-    plan, layout = planner(scenario(((-0.1, 0.0), (0.1, 0.0)), ((0.1, 0.0), (-0.1, 0.0))))
+    there = (0.2, -0.15), (0.2, -0.15)
+    plan, layout = planner(scenario(there, ((-0.1, 0.0), (0.1, 0.0)), ((0.1, 0.0), (-0.1, 0.0))))
     assert not plan.orders.exists(layout, [HOME])
     errand = plan.clearing(HOME, layout)
+    assert errand.part != 1  # what is in its own place bars none
+    assert plan.fetch(errand.part, HOME, layout) == errand.fetch
     aside = plan.destination(errand.part, errand.fetch, layout.without(errand.part))
     assert all(math.dist(aside, part) >= 0.08 for part in ((-0.1, 0.0), (0.1, 0.0)))
     assert plan.orders.exists(layout.moved(errand.part, aside), [(0.0, -0.15)])
@@ -80,6 +85,27 @@ def test_no_part_goes_through_a_wall() -> None:
     assert list(plan.errands(HOME, layout)) == []
     assert not plan.orders.exists(layout, [HOME])
     assert plan.delivery(1, (0.15, 0.0), (-0.1, 0.0), layout.without(1)) is None
+    spares = list(plan._spares(1, (-0.1, 0.0), layout.without(1)))
+    assert spares
+    assert max(cell for cell, _ in spares)[0] < 0.0
+
+
+def test_robots_on_both_sides_of_a_wall_bring_what_is_on_theirs() -> None:
+    wall = Obstacle(points=((0.0, -0.2), (0.01, -0.2), (0.01, 0.2), (0.0, 0.2)))
+    ends = ((-0.1, -0.1), (-0.1, 0.1)), ((0.15, -0.1), (0.15, 0.1))
+    plan, layout = planner(scenario(*ends, obstacles=(wall,)))
+    assert not plan.orders.exists(layout, [HOME])
+    assert plan.orders.exists(layout, [HOME, (0.2, 0.0)])
+
+
+def test_a_search_that_takes_too_long_finds_no_order_and_says_nothing_of_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    plan, layout = planner(scenario(*(((-0.1, y), (0.1, y)) for y in (-0.1, 0.0, 0.1))))
+    with monkeypatch.context() as few:
+        few.setattr("agents.parts.planner.MOST", 4)
+        assert not plan.orders.exists(layout, [HOME])
+    assert plan.orders.exists(layout.moved(1, (0.1, -0.1)), [HOME])
 
 
 def test_a_robot_that_shuts_itself_in_brings_nothing_more() -> None:
@@ -94,6 +120,13 @@ def test_a_robot_that_shuts_itself_in_brings_nothing_more() -> None:
     assert {each.part for each in plan.errands(HOME, layout)} == {1, 2}
     assert not plan.orders.leads_on(1, layout, HOME, [])
     assert plan.orders.leads_on(2, layout, HOME, [])
+    assert plan.destination(1, (-0.2, 0.0), layout.without(1)) != (-0.05, 0.0)
+    plan, layout = planner(
+        scenario(((-0.2, 0.1), (-0.05, 0.0)), ((-0.2, -0.1), (-0.2, 0.1)), obstacles=walls)
+    )
+    out = plan.delivery(1, (-0.05, 0.0), (0.1, 0.0), layout.without(1))
+    assert out is not None
+    assert out[0] < -0.05  # where what is left to do is, though the other side is nearer
 
 
 @pytest.mark.parametrize("seed", range(3))

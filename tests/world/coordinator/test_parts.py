@@ -17,12 +17,12 @@ TAKE = Handling(1, LARGE)
 PUT = Handling(1, LARGE, GOAL)
 
 
-def world() -> WorldCore:
-    """Robot 1 beside a part, robot 2 elsewhere, and a first tick that is over."""
+def world(*others: Part) -> WorldCore:
+    """Robot 1 beside a part, robot 2 and other parts elsewhere, and a first tick that is over."""
     setting = replace(
         scenario(((0.0, 0.0), (0.0, 0.3)), ((0.0, -0.3), (0.0, -0.4)), radius=SMALL),
         workspace=Workspace(0.6),
-        parts=(Part(LARGE, AT, GOAL),),
+        parts=(Part(LARGE, AT, GOAL), *others),
         time=Time(limit=60.0, fence=0.2),
     )
     found = joined(setting)
@@ -50,8 +50,7 @@ def radius(found: WorldCore, robot: int) -> float:
 
 
 def where(found: WorldCore) -> PartPlace:
-    (place,) = found.lives.roster.message.parts
-    return place
+    return found.lives.roster.message.parts[0]
 
 
 def test_a_part_that_is_taken_up_is_gone_and_its_carrier_larger() -> None:
@@ -99,9 +98,31 @@ def test_a_robot_that_no_longer_asks_has_put_nothing_down() -> None:
     found = world()
     tick(found, {1: TAKE})
     tick(found, {1: PUT}, kept=False)
+    tick(found, silent=(1,), kept=False)
+    assert where(found) == PartPlace(1, 2, 1), "it may ask still"
     tick(found, kept=False)
     assert where(found) == PartPlace(1, carrier=1)
     assert not found.lives.obstacles.appearing
+
+
+@pytest.mark.parametrize(
+    "handling",
+    [
+        *(Handling(1, LARGE, place) for place in ((-0.2, 0.0), (-0.08, 0.0), (0.0, -0.105))),
+        *(Handling(2, LARGE, GOAL), Handling(2, LARGE)),
+    ],
+    ids=["out of reach", "in its own disk", "outside", "what it has not", "a second one"],
+)
+def test_what_is_carried_stays_on_its_carrier(handling: Handling) -> None:
+    found = world(Part(LARGE, (0.0, 0.095), (0.0, 0.5)))
+    tick(found, {1: TAKE})
+    if handling.place == (0.0, -0.105):
+        found.simulation.plant.positions[0] = (0.0, -0.5)
+        handling = Handling(1, LARGE, (0.0, -0.605))
+    before = found.lives.roster.message
+    tick(found, {1: handling}, kept=False)
+    assert found.lives.roster.message == before
+    assert found.parts.carried_by(1) == 1
 
 
 def test_no_part_is_put_down_where_an_obstacle_is_to_appear() -> None:
@@ -125,11 +146,13 @@ def test_a_robot_that_dies_stands_with_what_it_carries_until_another_takes_it(la
     found = world()
     tick(found, {1: TAKE})
     tick(found, {1: last}, kept=False)
-    found.simulation.plant.positions[1] = (0.0, -0.095)  # of robot 2
     for _ in range(5):
         tick(found, {2: TAKE}, silent=(1,), kept=False)
-    assert not found.lives.obstacles.appearing
     assert found.lives.roster.status(1) == "standing"
+    assert where(found) == PartPlace(1, carrier=1)
+    assert not found.lives.obstacles.appearing
+    found.simulation.plant.positions[1] = (0.0, -0.095)  # of robot 2
+    tick(found, {2: TAKE}, silent=(1,), kept=False)
     assert (where(found).carrier, radius(found, 1), radius(found, 2)) == (2, SMALL, LARGE)
     assert found.lives.keeper.excludes(1, Disk(0.0, 0.005, SMALL), SMALL), (
         "it holds no more than its own disk"
@@ -138,6 +161,10 @@ def test_a_robot_that_dies_stands_with_what_it_carries_until_another_takes_it(la
 
 def test_parts_and_carriers_are_not_taken_away_by_operators() -> None:
     found = world()
+    assert found.operate(Operation(place=Obstacle(center=(0.5, 0.0), radius=0.02))).accepted
+    tick(found)
+    tick(found)
+    assert found.operate(Operation(take=2)).accepted
     assert "is part 1" in found.operate(Operation(take=1)).text
     tick(found, {1: TAKE})
     assert found.operate(Operation(remove=1)).text == "robot 1 carries part 1"
