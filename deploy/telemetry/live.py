@@ -47,7 +47,6 @@ class Thinned(Generic[T]):
         self._count = 0
 
     def append(self, item: T) -> None:
-        """Append an entry."""
         if self._count % self._stride:
             self.items[-1] = self._merge(self.items[-1], item)
         else:
@@ -201,7 +200,6 @@ class FleetView:
     """Everything known of one run. `now` is the watcher's clock, s, of which only differences matter.
 
     Args:
-        run: name of the run.
         recent: number of Truths kept for snapshots.
 
     Attributes:
@@ -318,9 +316,8 @@ class FleetView:
             if (view := self.robots.get(robot)) is not None:
                 view.move(position, elapsed)
                 if self.lockstep and view.active and view.alive is not False:
-                    view.on_state(
-                        truth.tick - 1, now
-                    )  # the tick ended once all active robots had sent States
+                    # The tick ended once all active robots had sent States.
+                    view.on_state(truth.tick - 1, now)
         self.history.append((truth.tick * step, truth.clearance, truth.log_potential))
         self.recent.append(truth)
         self.tick = max(self.tick, truth.tick)

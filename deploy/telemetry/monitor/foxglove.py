@@ -21,8 +21,7 @@ class FoxgloveServer(ServerListener):
     """Sends the scene of a watcher's view to viewers.
 
     Args:
-        watcher: of the run.
-        run: name of the run, shown to viewers.
+        run: shown to viewers.
         port: default Foxglove's; 0: a free one.
 
     Attributes:

@@ -33,9 +33,7 @@ def show(source: Source, console: Console | None = None) -> str:
         while True:
             frame = source.snapshot()
             live.update(table(frame), refresh=True)
-            if frame["phase"] in ("ended", "lost"):
-                return str(frame["verdict"])
-            if STOP.wait(REFRESH):
+            if frame["phase"] in ("ended", "lost") or STOP.wait(REFRESH):
                 return str(frame["verdict"])
 
 

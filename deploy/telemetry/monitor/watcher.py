@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future
 from contextlib import suppress
@@ -33,14 +33,10 @@ _NO_RUN = "the run has not started"
 
 
 class Watcher(Source):
-    """A `Node` for the thread that owns `bus`, and a `Source` for all others, which may steer the run.
-
-    Args:
-        bus: a connection of its own.
-        run: name of the run.
+    """A `Node` for the thread that owns `bus`, its own connection, and a `Source` for all others, which may
+    steer the run.
 
     Attributes:
-        rejected: number of invalid messages and tokens, by reason.
         follow: called with the view, under its lock, after each message that it has taken; and with None
             instead of the message when a scenario begins.
     """
@@ -49,7 +45,6 @@ class Watcher(Source):
         super().__init__(run)
         self.follow: Callable[[FleetView, Message | None], None] = lambda *_: None
         self.finished = False
-        self.rejected: Counter[str] = Counter()
         self.deadline = self._ask_at = time.monotonic()
         self._bus, self._run = bus, run
         self._tokens: defaultdict[int | None, set[str]] = defaultdict(set)  # by robot; None for worlds
@@ -89,7 +84,7 @@ class Watcher(Source):
         self.deadline = now + PERIOD
         unknown = self._view.strangers if self._known else self._there
         if unknown and now >= self._ask_at:
-            (self._update if self._known else self._learn)()
+            self._learn(anew=not self._known)
             self._ask_at = time.monotonic() + RETRY
         while self._known and not self._wishes.empty():
             self._wishes.get()()
@@ -97,8 +92,7 @@ class Watcher(Source):
     def _on_presence(self, event: Presence) -> None:
         try:
             robot = parse(event.key).robot
-        except KeyGrammarError:
-            self.rejected["key"] += 1  # not a token of this software
+        except KeyGrammarError:  # not a token of this software
             return
         tokens = self._tokens[robot]
         (tokens.add if event.alive else tokens.discard)(event.key)
@@ -112,8 +106,7 @@ class Watcher(Source):
     def _on_sample(self, sample: Sample) -> None:
         try:
             message = decode(sample.key, sample.payload)
-        except MessageError as error:
-            self.rejected[error.reason] += 1
+        except MessageError:
             return
         if self._known and self.change(lambda view, _: view.is_news(message)):
             self._learn()
@@ -123,20 +116,20 @@ class Watcher(Source):
         view.on_message(message, now)
         self.follow(view, message)
 
-    def _learn(self) -> None:
-        """Query the scenario; without an answer a later `on_timer` repeats it."""
+    def _learn(self, *, anew: bool = True) -> None:
+        """Query the scenario; without an answer a later `on_timer` repeats it. Unless `anew`, only for the
+        robots that are strangers.
+        """
         reply = overview(self._bus, self._run, _ANSWER)
         self._known = reply is not None
-        if reply is not None:
-            self.change(lambda view, _: view.begin(reply.scenario, reply.lockstep, reply.goals))
-            self.change(lambda view, _: self.follow(view, None))
-            self._ask_for(Steer())  # changes nothing; the answer has the settings in force
-
-    def _update(self) -> None:
-        reply = overview(self._bus, self._run, _ANSWER)
-        self._known = reply is not None
-        if reply is not None:
+        if reply is None:
+            return
+        if not anew:
             self.change(lambda view, _: view.update(reply.scenario, reply.goals))
+            return
+        self.change(lambda view, _: view.begin(reply.scenario, reply.lockstep, reply.goals))
+        self.change(lambda view, _: self.follow(view, None))
+        self._ask_for(Steer())  # changes nothing; the answer has the settings in force
 
     def _request(self, operation: Operation) -> Outcome:
         """Outcome of an operation; a refusal if one of several worlds refuses."""
@@ -190,8 +183,6 @@ class Player(Source):
     playback.
 
     Args:
-        scenario: of the recorded run.
-        run: its name.
         entries: simulated time (s, ascending) and message.
         speed: recorded seconds per second; 0: as fast as the machine allows.
         paused: whether it begins once a viewer resumes it.

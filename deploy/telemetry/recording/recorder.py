@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from contextlib import closing
 from math import inf
 from pathlib import Path
@@ -52,7 +52,6 @@ class Recorder:
 
     Args:
         bus: subscribed to all recorded streams, or with `take` to the result only.
-        run: name of the run.
         file: to write to.
         take: returns keys and payloads that have arrived since its last call.
         grace: time for a lost world to return, s; 0: the recording ends with it.
@@ -91,7 +90,9 @@ class Recorder:
                 self._write(time.monotonic())
         elif isinstance(event, Presence):
             (self._worlds.add if event.alive else self._worlds.discard)(event.key)
-            self._on_world(bool(self._worlds))
+            self._back_by = inf if self._worlds else time.monotonic() + self._grace
+            if not self._worlds and not self._grace:
+                self.close()
 
     def on_timer(self, now: float) -> None:
         if now >= min(self._result_due, self._back_by):
@@ -124,11 +125,6 @@ class Recorder:
                 self.handle(event)
         self.close()
 
-    def _on_world(self, alive: bool) -> None:
-        self._back_by = inf if alive else time.monotonic() + self._grace
-        if not alive and not self._grace:
-            self.close()
-
     def _on_result(self, sample: Sample) -> None:
         try:
             message = decode(sample.key, sample.payload)
@@ -152,12 +148,6 @@ class Recorder:
             self._file.flush()
 
 
-def _every_tick(run: str, robots: Iterable[int]) -> Iterator[str]:
-    for robot in robots:
-        for stream in ("tick", "state", "command"):
-            yield robot_key(run, robot, stream)
-
-
 def main(
     connection: Connection,
     run: str,
@@ -171,8 +161,6 @@ def main(
     """Record `run` until a signal; returns 0.
 
     Args:
-        connection: to the network.
-        run: name of the run.
         path: first file.
         result: file that may hold the complete result (JSON) when the signal arrives; otherwise the world's
             result is recorded.
@@ -191,7 +179,8 @@ def main(
         take = bus.bursts(everything(checked_run(run)))  # one subscription keeps the order of arrival
         bus.subscribe(world_key(run, "result"))
         scenario = awaited_scenario(bus, run)
-        bus.expect(_every_tick(run, scenario.ids))
+        streams = ("tick", "state", "command")
+        bus.expect(robot_key(run, robot, stream) for robot in scenario.ids for stream in streams)
         file = RecordingWriter(next_free(path) if again else path, run, scenario, rotation, ready)
         recorder = Recorder(bus, run, file, take=take, grace=grace)
         follow(recorder, bus)

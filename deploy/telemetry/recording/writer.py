@@ -94,8 +94,6 @@ class RecordingFile:
 
     Args:
         path: created, or overwritten.
-        run: name of the run.
-        scenario: of the run.
         preceding: name of the file that this one continues; empty for the first.
 
     Attributes:
@@ -224,8 +222,6 @@ class RecordingWriter:
 
     Args:
         path: the first file; the next are `run-2.mcap` and so on beside `run.mcap`.
-        run: name of the run.
-        scenario: of the run.
         rotation: when another file follows.
         ready: called with the name of each file, once it holds the scenario.
 
