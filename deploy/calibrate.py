@@ -76,15 +76,10 @@ def square(side: float, speed: float, rate: float) -> list[Manoeuvre]:
 class Calibration:
     """A `Node` that drives a base's manoeuvres over zenoh, once odometry and a pose have arrived.
 
-    Args:
-        bus: a connection of its own.
-        base: topics and frames of this robot's base.
-        moves: the manoeuvres.
-        wait: time for the first odometry and pose, s.
+    `wait` is the time for the first odometry and pose, s.
 
     Attributes:
         hears: topics of odometry and poses.
-        deadline: time of the next call of `on_timer`, s, monotonic.
         finished: whether all manoeuvres are over.
 
     Raises:
@@ -108,7 +103,6 @@ class Calibration:
         self._until = math.inf
 
     def handle(self, event: Event) -> None:
-        """Process an event."""
         if isinstance(event, RawSample):
             self.hear(self._link.topic_of(event), event.payload, time.monotonic())
 

@@ -115,17 +115,12 @@ _CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 
 
 class Finding(NamedTuple):
-    """One checked property of this machine.
-
-    Attributes:
-        level: good; note: only a feature is missing; bad: fleets do not work.
-        remedy: what to do, if anything.
-    """
+    """One checked property of this machine."""
 
     what: str
-    level: Grade
+    level: Grade  # good; note: only a feature is missing; bad: fleets do not work
     text: str
-    remedy: str = ""
+    remedy: str = ""  # what to do, if anything
 
 
 def findings() -> Iterator[Finding]:

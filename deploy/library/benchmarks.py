@@ -34,23 +34,14 @@ Extent = tuple[Coordinate, Coordinate]
 
 
 class Options(NamedTuple):
-    """Parameters that a file lacks.
-
-    Attributes:
-        robots: number of robots.
-        radius: of the robots, m.
-        seed: of all random values.
-        error: largest distance by which obstacles of a map may reach into free space, m.
-        obstacles: file of obstacles (LSC-DR).
-        folder: folder of the scenario to write.
-    """
+    """Parameters that a file lacks."""
 
     robots: int = 5
-    radius: float = 0.2
-    seed: int = 0
-    error: float = 0.05
-    obstacles: Path | None = None
-    folder: Path = Path()
+    radius: float = 0.2  # of the robots, m
+    seed: int = 0  # of all random values
+    error: float = 0.05  # largest distance by which obstacles of a map may reach into free space, m
+    obstacles: Path | None = None  # file of obstacles (LSC-DR)
+    folder: Path = Path()  # of the scenario to write
 
 
 def imported(file: Path, options: Options) -> Scenario:

@@ -30,19 +30,12 @@ Yaw = Annotated[float, Meta(ge=-math.tau, le=math.tau)]
 
 @dataclass(frozen=True)
 class Occupancy:
-    """A grid of square cells, rows from south to north, columns from west to east in the map's own frame.
-
-    Attributes:
-        occupied: cells that are occupied.
-        unknown: cells that are neither occupied nor free.
-        resolution: side of a cell, m.
-        origin: outer corner of the first cell (m, m), and direction of the rows (rad).
-    """
+    """A grid of square cells, rows from south to north, columns from west to east in the map's own frame."""
 
     occupied: Mask
-    unknown: Mask
-    resolution: float
-    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    unknown: Mask  # neither occupied nor free
+    resolution: float  # side of a cell, m
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m, m: outer corner of the first cell; rad: of rows
 
     def place(self, column: float, row: float) -> tuple[float, float]:
         """Position of a grid point, m; integers are corners of cells, half-integers centres."""

@@ -30,13 +30,11 @@ _Point = TypeVar("_Point", _Corner, Position)
 
 
 class PlanOfPieces(NamedTuple):
-    """A map for robots: the rectangle around the free space they fit into (corners, m), the convex obstacles
-    in it (corners, m), and the cells of that free space.
-    """
+    """A map for robots."""
 
-    workspace: tuple[Position, ...]
-    obstacles: list[tuple[Position, ...]]
-    free: Mask
+    workspace: tuple[Position, ...]  # corners of the rectangle around the free space they fit into, m
+    obstacles: list[tuple[Position, ...]]  # in it, convex: corners, m
+    free: Mask  # cells of that free space
 
 
 def floor_plan(
@@ -50,8 +48,6 @@ def floor_plan(
     """Obstacles that cover all cells that are not free, and reach at most `error` (m) into free ones.
 
     Args:
-        grid: the map.
-        error: m.
         radius: of the smallest robot, m; free space too narrow for it everywhere is left out.
         unknown_is_free: whether robots may enter unknown cells.
         rim: whether obstacles also cover the cells around the workspace, for a larger workspace.

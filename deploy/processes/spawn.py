@@ -45,11 +45,7 @@ def core_of(turn: int, robots: int) -> int | None:
 
     The threads of a robot, and robots that wait for each other, run in turn. The system would move them to
     whichever core is idle, away from their cached data; on two busy cores, pinning saves 15 % of a tick with
-    16 or 32 robots.
-
-    Args:
-        turn: index of the robot in the fleet.
-        robots: number of robots.
+    16 or 32 robots. `turn` is the index of the robot in the fleet.
     """
     if sys.platform != "linux":
         return None
@@ -167,12 +163,8 @@ def environment() -> dict[str, str]:
 
 
 class Spawner:
-    """A fork server of this process. `close` kills all processes it has started.
-
-    Args:
-        modules: modules that it imports before the first fork.
-        run: name of the run, for process titles.
-        logs: folder of the log files.
+    """A fork server of this process, which imports `modules` before the first fork. `close` kills all
+    processes it has started.
 
     Raises:
         ProcessError: the fork server is gone; its output is on standard error.

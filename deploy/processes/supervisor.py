@@ -30,19 +30,13 @@ _UNHEARD = 2 * MAX_NEWS  # characters of unread reports
 
 
 class Exit(NamedTuple):
-    """End of a process.
-
-    Attributes:
-        expected: it was told to end, or finished with status 0.
-        again: it is restarted automatically.
-        why: reason, if the code does not tell it.
-    """
+    """End of a process."""
 
     process: Process
     code: int
-    expected: bool
-    again: bool = False
-    why: str = ""
+    expected: bool  # it was told to end, or finished with status 0
+    again: bool = False  # it is restarted automatically
+    why: str = ""  # reason, if the code does not tell it
 
     def __str__(self) -> str:
         if self.why:

@@ -125,15 +125,9 @@ _WHEN = "%Y-%m-%d %H:%M UTC"
 class Assembly:
     """Starts the processes of a fleet, from the router to the world; and robots on request.
 
-    Args:
-        scenario: with k as a number.
-        options: transport, clock, names.
-        record: file to record to.
-        stack: receives all clean-up callbacks, also if a start fails.
+    `stack` receives all clean-up callbacks, also if a start fails.
 
     Attributes:
-        supervisor: of all processes.
-        topology: endpoints and links.
         result: file from which the recorder reads the complete result, if the run is recorded.
 
     Raises:

@@ -35,16 +35,11 @@ ENOUGH = "ended as planned"  # reason of a run that `enough` ends
 
 
 class Fleet:
-    """The processes of a run; a context manager.
+    """The processes of a run, whose scenario has k as a number; a context manager.
 
-    Args:
-        scenario: with k as a number.
-        options: transport, clock, names.
-        watch: called with every Clock received.
-        record: file to record to.
+    `watch` is called with every Clock received.
 
     Attributes:
-        supervisor: of all processes.
         rejected: number of invalid messages, by reason.
 
     Raises:

@@ -31,10 +31,7 @@ class RobotProcesses(Protocol):
 class Launcher:
     """Process faults and newcomers of a run.
 
-    Args:
-        scenario: of the run.
-        processes: carries out the actions.
-        turn: sort key that orders actions on several robots at once.
+    `turn` is a sort key that orders actions on several robots at once.
     """
 
     def __init__(

@@ -54,11 +54,8 @@ class LocalFleet:
 
     Args:
         scenario: with k as a number.
-        run: name of the run.
-        lockstep: whether the world waits for every robot.
         speed: simulated seconds per second in lock-step, 0 for no limit.
         watch: called with every Clock.
-        record: file to record to.
         network: bus of the nodes; a new one by default.
 
     Attributes:

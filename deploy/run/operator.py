@@ -35,13 +35,7 @@ _AWAY = 60.0  # s in which a world that has answered may be restarted
 
 
 class Operator:
-    """Client of the world of one run.
-
-    Args:
-        bus: connection used by this operator alone.
-        run: name of the run.
-        warn: called if several worlds answer.
-    """
+    """Client of the world of one run, on a connection of its own; calls `warn` if several worlds answer."""
 
     def __init__(self, bus: Bus, run: str, warn: Callable[[str], None] = LOG.warning) -> None:
         self._bus, self._run, self._warn, self._warned = bus, checked_run(run), warn, False

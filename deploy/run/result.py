@@ -48,12 +48,8 @@ def read_report(text: str) -> RunReport:
 
 
 def unjudged(scenario: Scenario, last: Clock | None, wall_time: float) -> RunReport:
-    """Substitute for the report of a lost world, as of the last Clock received; unknown values are None.
-
-    Args:
-        scenario: of the run.
-        last: newest Clock that the launcher received, if any.
-        wall_time: s since the start of the fleet.
+    """Substitute for the report of a lost world, as of the last Clock received, if any; unknown values are
+    None. `wall_time` is s since the start of the fleet.
     """
     report = result_of(WorldCore(scenario))
     report.update(dict.fromkeys(_UNKNOWN))

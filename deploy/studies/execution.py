@@ -92,13 +92,10 @@ class StudyOutcome:
 
 
 class RunLog:
-    """Results by key, in a file with one JSON line per run; a context manager.
+    """Results by key, in a file with one JSON line per run, or none; a context manager. `fresh` discards its
+    content.
 
     A line that a crash cut short is ignored, and its run is executed again.
-
-    Args:
-        path: the file; None for none.
-        fresh: discard its content.
     """
 
     def __init__(self, path: Path | None, *, fresh: bool = False) -> None:
@@ -135,10 +132,8 @@ def _entry(line: str) -> tuple[str, RunResult] | None:
 def execute(
     study: Study, transport: Transport, log: RunLog, *, jobs: int, quiet: bool = True, shard: Shard = Shard()
 ) -> StudyOutcome:
-    """Execute the runs of a shard that `log` lacks; after a signal, all finished runs are kept.
-
-    Args:
-        jobs: number of parallel runs.
+    """Execute the runs of a shard that `log` lacks, `jobs` at a time; after a signal, all finished runs are
+    kept.
 
     Raises:
         ProcessError: a worker or a fleet was lost; repeat the call to continue.

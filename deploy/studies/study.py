@@ -26,15 +26,10 @@ Build = Callable[[int], Scenario]
 
 @dataclass(frozen=True)
 class Cell:
-    """The runs of one row: the scenario that `build` gives for each of `seeds`.
+    """The runs of one row: the scenario that `build` gives for each of `seeds`."""
 
-    Attributes:
-        labels: identify the cell, and begin its row.
-        build: picklable; its scenarios have k as a number.
-    """
-
-    labels: Mapping[str, Any]
-    build: Build
+    labels: Mapping[str, Any]  # identify the cell, and begin its row
+    build: Build  # picklable; its scenarios have k as a number
     seeds: Sequence[int]
     transport: Transport | None = None  # default: the study's
 
@@ -51,24 +46,18 @@ class StudyRun:
 
 @dataclass(frozen=True)
 class Study:
-    """Cells, and how to make rows of their results.
-
-    Attributes:
-        columns: of the printed table, separated by blanks.
-        row: row from a cell's labels and its results, in the order of seeds.
-        summary: lines below the table.
-        sound: whether the rows keep all promises, such as no collisions.
-    """
+    """Cells, and how to make rows of their results."""
 
     name: str
     cells: Sequence[Cell]
-    columns: str
+    columns: str  # of the printed table, separated by blanks
+    # Row from a cell's labels and its results, in the order of seeds.
     row: Callable[[Mapping[str, Any], Sequence[RunResult]], Row] = lambda labels, results: {
         **labels,
         **figures(results),
     }
-    summary: Callable[[Sequence[Row]], list[str]] = lambda _: []
-    sound: Callable[[Sequence[Row]], bool] = lambda _: True
+    summary: Callable[[Sequence[Row]], list[str]] = lambda _: []  # lines below the table
+    sound: Callable[[Sequence[Row]], bool] = lambda _: True  # all promises are kept, such as no collisions
 
     def adjusted(self, settings: Sequence[str]) -> Study:
         """The study with `path.to.key=VALUE` settings applied to every scenario."""

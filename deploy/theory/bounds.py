@@ -48,18 +48,13 @@ LARGEST_ENUMERATION = 12
 
 @dataclass(frozen=True)
 class Family:
-    """S clusters. If not `enumerated`, row n - 1 bounds all clusters of n robots.
-
-    radii: (S, p) m, members first, largest first, nan for the rest; spread: (S,) m, sum of |g_ij| over the
-    pairs (a lower bound for bounding rows); norms: (S,) m, sum of |g_i| (an upper bound for such rows);
-    members: (S, p), None for bounding rows.
-    """
+    """S clusters. If not `enumerated`, row n - 1 bounds all clusters of n robots."""
 
     sizes: NDArray[np.int64]
-    radii: Reals
-    spread: Reals
-    norms: Reals
-    members: NDArray[np.bool_] | None
+    radii: Reals  # (S, p) m, members first, largest first, nan for the rest
+    spread: Reals  # (S,) m, sum of |g_ij| over the pairs; a lower bound for bounding rows
+    norms: Reals  # (S,) m, sum of |g_i|; an upper bound for bounding rows
+    members: NDArray[np.bool_] | None  # (S, p), None for bounding rows
 
     @property
     def enumerated(self) -> bool:
@@ -104,17 +99,13 @@ def _bounds(problem: FleetProblem) -> Family:
 
 @dataclass(frozen=True)
 class Stretch:
-    """Lambda' and Lambda'' of each cluster of a family, and the largest ||v||^2 and distance.
+    """Bounds of each cluster of a family, all (S,), proven from above."""
 
-    All (S,); lengths in m, `circulation` in m^2. `exact`: the values are attained by a straight chain (with
-    room for the other robots beside it); otherwise they are proven upper bounds.
-    """
-
-    first: Reals
-    second: Reals
-    circulation: Reals
-    longest: Reals
-    exact: NDArray[np.bool_]
+    first: Reals  # Lambda', m
+    second: Reals  # Lambda'', m
+    circulation: Reals  # the largest ||v||^2, m^2
+    longest: Reals  # the largest distance, m
+    exact: NDArray[np.bool_]  # attained by a straight chain, with room for the other robots beside it
 
 
 def _hops(clusters: Family, workspace: float, eps: float) -> tuple[Reals, NDArray[np.bool_]]:

@@ -47,24 +47,16 @@ RANDOM_STARTS = 10
 
 @dataclass(frozen=True)
 class Practice:
-    """Behaviour of the exact flow from the scenario's start and from random starts.
-
-    Attributes:
-        arrived, nrl: from the scenario's start.
-        rest: kind of equilibrium at which that start comes to rest; None if it arrives, or rests nowhere.
-        equilibria: number found of each kind, such as "saddle of index 2", without the goal; empty if not
-            `searched`.
-        other_minima: number of minima besides the goal.
-    """
+    """Behaviour of the exact flow from the scenario's start, the first three, and from random starts."""
 
     arrived: bool
     nrl: float
-    rest: str | None
+    rest: str | None  # kind of equilibrium at which it comes to rest; None if it arrives, or rests nowhere
     random_starts: int
     random_arrived: int
-    searched: bool
-    equilibria: dict[str, int]
-    other_minima: int
+    searched: bool  # otherwise `equilibria` is empty
+    equilibria: dict[str, int]  # number of each kind, such as "saddle of index 2", without the goal
+    other_minima: int  # besides the goal
 
 
 def practice(problem: FleetProblem, start: Reals, seed: int) -> Practice | None:
@@ -104,14 +96,11 @@ def _name(point: CriticalPoint) -> str:
 
 @dataclass(frozen=True)
 class Shortfall:
-    """A cluster for which an assumption is not shown: robot ids, or None for all clusters of its size.
+    """A cluster for which an assumption is not shown."""
 
-    margin: left-hand side minus right-hand side, m, not positive.
-    """
-
-    robots: tuple[int, ...] | None
+    robots: tuple[int, ...] | None  # ids; None for all clusters of its size
     size: int
-    margin: float
+    margin: float  # left-hand side minus right-hand side, m, not positive
     status: ConditionStatus
 
 
@@ -137,22 +126,18 @@ class Certified:
 
 @dataclass(frozen=True)
 class CheckReport:
-    """Results of `disknav check` for robots alone in a disk. Lengths in m, eps in m^2.
-
-    exact: all clusters were evaluated, and Lambda', Lambda'' are attained; otherwise they are upper bounds.
-    bounds: at the best eps; None if the assumptions are not shown. guaranteed: the theory covers this k.
-    """
+    """Results of `disknav check` for robots alone in a disk. Lengths in m, eps in m^2."""
 
     facts: Facts
     unreachable: tuple[tuple[int, int, int], ...]
     every_cluster: bool
-    exact: bool
+    exact: bool  # every cluster, and Lambda', Lambda'' are attained; otherwise they are upper bounds
     assumption_1: Assumption
     assumption_2: Assumption
-    bounds: Bounds | None
+    bounds: Bounds | None  # at the best eps; None if the assumptions are not shown
     practice: Practice | None
     certificate: Certified | None
-    guaranteed: bool
+    guaranteed: bool  # the theory covers this k
 
     def render(self) -> RenderableType:
         """Tables and sentences for the terminal."""

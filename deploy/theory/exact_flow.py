@@ -46,14 +46,11 @@ _LONGEST = 20_000  # steps of the solver
 
 @dataclass(frozen=True)
 class FlowResult:
-    """A trajectory of the flow.
-
-    path: (n, p, 2) m, every accepted step, the last one cut at arrival; nrl as in section 4.
-    """
+    """A trajectory of the flow."""
 
     arrived: bool
-    path: Reals
-    nrl: float
+    path: Reals  # (n, p, 2) m, every accepted step, the last one cut at arrival
+    nrl: float  # as in section 4
 
 
 def integrate(
@@ -107,15 +104,12 @@ CriticalKind = Literal["minimum", "saddle", "maximum", "degenerate"]
 
 @dataclass(frozen=True)
 class CriticalPoint:
-    """An equilibrium of the flow. b: (p, 2) m; index: number of negative eigenvalues (its Morse index).
+    """An equilibrium of the flow."""
 
-    spectrum: (2p,) eigenvalues of (1/c) D^2 phi, increasing, dimensionless: 2 is the curvature of gamma.
-    """
-
-    b: Reals
+    b: Reals  # (p, 2) m
     kind: CriticalKind
-    index: int
-    spectrum: Reals
+    index: int  # number of negative eigenvalues (its Morse index)
+    spectrum: Reals  # (2p,) eigenvalues of (1/c) D^2 phi, increasing; 2 is the curvature of gamma
 
 
 def classify(problem: FleetProblem, b: Reals, tolerance: float = 1e-6) -> CriticalPoint:

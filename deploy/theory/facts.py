@@ -17,20 +17,15 @@ from world.judge.measures import Goals, tight
 
 @dataclass(frozen=True)
 class Facts:
-    """Numbers of a scenario; lengths in m.
-
-    Attributes:
-        density: area of robots and obstacles over that of the workspace.
-        start, goal: smallest clearance.
-    """
+    """Numbers of a scenario; lengths in m."""
 
     scenario: str
     robots: int
-    density: float
+    density: float  # area of robots and obstacles over that of the workspace
     tight: float | None
     k: float
     automatic_k: float
-    start: float
+    start: float  # smallest clearance
     goal: float
 
     @classmethod

@@ -21,15 +21,12 @@ from protocol.arrays import Reals
 
 @dataclass(frozen=True)
 class FleetProblem:
-    """p disks in one disk workspace around the origin.
+    """p disks in one disk workspace around the origin."""
 
-    goals: (p, 2) m; radii: (p,) m, positive; workspace: radius rho_0, m; k: tuning parameter, positive.
-    """
-
-    goals: Reals
-    radii: Reals
-    workspace: float
-    k: float
+    goals: Reals  # (p, 2) m
+    radii: Reals  # (p,) m, positive
+    workspace: float  # radius rho_0, m
+    k: float  # tuning parameter, positive
 
     @property
     def p(self) -> int:

@@ -115,14 +115,11 @@ def _point_of(shape: Shape) -> Vector:
 
 
 class BlockedPath(NamedTuple):
-    """Obstacles that separate a robot's goal from its start, without the other robots and all parts.
-
-    Of all paths, the widest has a width of `width` (m) at its narrowest point (x, y), m.
-    """
+    """Obstacles that separate a robot's goal from its start, without the other robots and all parts."""
 
     robot: int
-    width: float
-    x: float
+    width: float  # m, of the widest of all paths at its narrowest point
+    x: float  # m, of that point
     y: float
 
 
@@ -145,25 +142,17 @@ def _middle(a: Vector, b: Vector) -> Vector:
 
 @dataclass(frozen=True)
 class Surrounded:
-    """Results of `disknav check` among obstacles. Lengths in m.
-
-    Attributes:
-        theorem: the one that covers the scenario, if any; `reasons` otherwise.
-        unreachable: robots whose goals no controller can reach, even without other robots.
-        no_way: robots for which the law finds no path, although one exists.
-        doors: passages that need a larger k for a robot.
-        order: whether parts can reach their goals one after another; None without parts.
-    """
+    """Results of `disknav check` among obstacles. Lengths in m."""
 
     facts: Facts
     obstacles: int
-    theorem: Theorem | None
+    theorem: Theorem | None  # the one that covers the scenario, if any; `reasons` otherwise
     reasons: tuple[str, ...]
-    unreachable: tuple[BlockedPath, ...]
-    no_way: tuple[int, ...]
-    doors: tuple[Door, ...]
+    unreachable: tuple[BlockedPath, ...]  # goals that no controller can reach, even without other robots
+    no_way: tuple[int, ...]  # robots for which the law finds no path, although one exists
+    doors: tuple[Door, ...]  # passages that need a larger k for a robot
     parts: int = 0
-    order: bool | None = None
+    order: bool | None = None  # whether parts can reach their goals one after another; None without parts
 
     def render(self) -> RenderableType:
         """Tables and sentences for the terminal."""

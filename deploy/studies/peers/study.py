@@ -39,16 +39,12 @@ CIRCLE_JITTER = 0.5  # m, the same proportion of RVO2's circle
 
 @dataclass(frozen=True)
 class Venue:
-    """A scenario by seed, with a one-way delay of States, s.
-
-    Attributes:
-        benchmark: the one that it belongs to, with that one's lengths, speed, period and limits.
-    """
+    """A scenario by seed, with a one-way delay of States, s."""
 
     name: str
     build: Build
     delay: float = 0.0
-    benchmark: Group | None = None
+    benchmark: Group | None = None  # it belongs to this one, with its lengths, speed, period and limits
 
     @property
     def label(self) -> str:

@@ -30,15 +30,12 @@ _VECTOR = ("x", "y")
 
 
 class Form(NamedTuple):
-    """The forms of values of one type: JSON schema, and the types of the twins.
-
-    `optional`: whether the value may be None.
-    """
+    """The forms of values of one type: JSON schema, and the types of the twins."""
 
     schema: dict[str, Any]
     wire: Any
     object: Any
-    optional: bool = False
+    optional: bool = False  # whether the value may be None
 
 
 def schema(message: type[Message]) -> dict[str, Any]:

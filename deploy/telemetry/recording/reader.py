@@ -54,17 +54,12 @@ class Recorded(NamedTuple):
 
 @dataclass
 class _RecordedFile:
-    """One file, all of whose messages are in chunks.
-
-    Attributes:
-        firsts: smallest log time of each chunk, ns.
-        cut: the file has no proper end, goes on after it, or is damaged; all before that is available.
-    """
+    """One file, all of whose messages are in chunks; all before a cut is available."""
 
     path: Path
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
-    firsts: list[int] = field(default_factory=list)
-    cut: bool = True
+    firsts: list[int] = field(default_factory=list)  # smallest log time of each chunk, ns
+    cut: bool = True  # the file has no proper end, goes on after it, or is damaged
 
     @property
     def run(self) -> str:

@@ -30,19 +30,12 @@ from world.judge.record import trajectory_rows
 
 
 class Participant(NamedTuple):
-    """A robot that was present for some time.
+    """A robot that was present for some time."""
 
-    Attributes:
-        robot: its id.
-        radius: m.
-        goal: m, from the scenario; None for a robot that an operator added.
-        path: m, shape (n, 2), by recorded tick; NaN while its disk was absent.
-    """
-
-    robot: int
-    radius: float
-    goal: Vector | None
-    path: np.ndarray
+    robot: int  # its id
+    radius: float  # m
+    goal: Vector | None  # m, from the scenario; None for a robot that an operator added
+    path: np.ndarray  # m, shape (n, 2), by recorded tick; NaN while its disk was absent
 
     @property
     def known(self) -> np.ndarray:

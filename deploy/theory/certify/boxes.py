@@ -147,28 +147,22 @@ _LARGEST = float(np.finfo(np.float64).max)
 
 
 class Scene(NamedTuple):
-    """A goal set. goals: (2p,) m; contact: (N, 2) m^2, enclosures of rho_q^2; first, second: (N,) robots.
+    """A goal set. Factors q are the p (p - 1) / 2 pairs, then the p walls, for which `second` is -1."""
 
-    Factors q are the p (p - 1) / 2 pairs, then the p walls, for which `second` is -1.
-    """
-
-    goals: Reals
-    contact: Reals
-    first: NDArray[np.int64]
+    goals: Reals  # (2p,) m
+    contact: Reals  # (N, 2) m^2, enclosures of rho_q^2
+    first: NDArray[np.int64]  # (N,) robots
     second: NDArray[np.int64]
 
 
 class Derived(NamedTuple):
-    """Enclosures derived from a box. apart: (N, 2, 2), d_ij or b_i, axis by bound; pull: (2p, 2), y;
+    """Enclosures derived from a box."""
 
-    beta: (N, 2) m^2; work: (N, 2), y . grad beta_q / 2; total: (2, 2), gamma and s = kappa gamma.
-    """
-
-    apart: Reals
-    pull: Reals
-    beta: Reals
-    work: Reals
-    total: Reals
+    apart: Reals  # (N, 2, 2), d_ij or b_i, axis by bound
+    pull: Reals  # (2p, 2), y
+    beta: Reals  # (N, 2) m^2
+    work: Reals  # (N, 2), y . grad beta_q / 2
+    total: Reals  # (2, 2), gamma and s = kappa gamma
 
 
 def scene_of(problem: FleetProblem) -> Scene:

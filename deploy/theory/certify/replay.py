@@ -27,11 +27,11 @@ _FURTHER = 500  # boxes into which one stored leaf may be halved
 
 @dataclass(frozen=True)
 class Replay:
-    """Result of a verification. verified: the smallest verified K, if any; boxes: number of boxes."""
+    """Result of a verification."""
 
     scenario: str
     claimed: float | None
-    verified: float | None
+    verified: float | None  # the smallest verified K, if any
     boxes: int
     failed: str | None
     interrupted: bool
