@@ -105,13 +105,12 @@ def row(labels: Mapping[str, Any], results: Sequence[RunResult]) -> Row:
 
 def summary(rows: Sequence[Row]) -> list[str]:
     """Each law over all scenarios, with the best setting in each."""
-    laws = {law: [each for each in rows if each["law"] == law] for law in (each["law"] for each in rows)}
-    return [f"{law}: {_outcome(own)}{_beside(own)}" for law, own in laws.items()]
-
-
-def _outcome(rows: Sequence[Row]) -> str:
-    runs, came, touched = (_sum(rows, each) for each in ("runs", "arrived", "collisions"))
-    return f"{came} of {runs} arrived, {touched} collided"
+    lines = []
+    for law in dict.fromkeys(row["law"] for row in rows):
+        own = [row for row in rows if row["law"] == law]
+        runs, came, touched = (sum(row[name] for row in own) for name in ("runs", "arrived", "collisions"))
+        lines.append(f"{law}: {came} of {runs} arrived, {touched} collided{_beside(own)}")
+    return lines
 
 
 def _beside(rows: Sequence[Row]) -> str:
@@ -120,10 +119,6 @@ def _beside(rows: Sequence[Row]) -> str:
         return ""
     shorter, quicker = (sum(each[name] > 1.0 for each in known) for name in ("nrl_ratio", "time_ratio"))
     return f"; {REFERENCE} is shorter in {shorter} and quicker in {quicker} of {len(known)} scenarios"
-
-
-def _sum(rows: Sequence[Row], name: str) -> int:
-    return int(sum(each[name] for each in rows))
 
 
 def sound(rows: Sequence[Row]) -> bool:

@@ -130,16 +130,8 @@ COLUMNS = (
 )
 
 
-def peers(
-    runs: int = RUNS,
-    seed: int = 0,
-    scenarios: Mapping[str, Build] | None = None,
-    delays: Sequence[float] = DELAYS,
-    *,
-    laws: Sequence[str] = (),
-    only: Sequence[str] = (),
-) -> Contest:
-    """`runs` runs of every law and setting in all `places`, or in `scenarios` at every delay.
+def peers(runs: int = RUNS, seed: int = 0, *, laws: Sequence[str] = (), only: Sequence[str] = ()) -> Contest:
+    """`runs` runs of every law and setting in all `places`.
 
     Args:
         laws: the user's, as in `control.law`; they run with separating lines.
@@ -149,11 +141,7 @@ def peers(
         UsageError: a law, a place or a library of a law does not exist.
         LawError: a user's law fails.
     """
-    if scenarios is None:
-        where = places()
-    else:
-        where = [Venue(name, build, delay) for name, build in scenarios.items() for delay in delays]
-    where = _chosen(where, only)
+    where = _chosen(only)
     own = {f"{law} + lines": {"law": law, "filter": "separating-lines"} for law in laws}
     sources = {name: _source(control["law"]) for name, control in own.items()}
     for control in (LAWS | own).values():
@@ -173,8 +161,9 @@ def peers(
     return Contest("peers", cells, COLUMNS, row, summary, sound)
 
 
-def _chosen(where: Sequence[Venue], only: Sequence[str]) -> list[Venue]:
+def _chosen(only: Sequence[str]) -> list[Venue]:
     """Venues selected by `--only`; raises UsageError if there are none."""
+    where = places()
     chosen = [place for place in where if not only or any(part in place.label for part in only)]
     if not chosen:
         known = "; ".join(place.label for place in where)

@@ -9,6 +9,7 @@ import pytest
 
 from deploy.library.encounters import swap
 from deploy.studies.execution import RunLog, execute
+from deploy.studies.peers import study as venues
 from deploy.studies.peers.contest import REFERENCE, Contest, best, row, sound
 from deploy.studies.peers.study import LAWS, SCANS, contest, peers, places, settings, with_arguments
 from deploy.studies.study import Cell
@@ -58,11 +59,12 @@ class Courtesy:
 
 
 @pytest.mark.slow
-def test_a_law_of_the_users_runs_beside_the_others(tmp_path: Path) -> None:
+def test_a_law_of_the_users_runs_beside_the_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(venues, "places", lambda: [venues.Venue("pair", partial(swap, 2, 0.01))])
     file = tmp_path / "courtesy.py"
     file.write_text(COURTESY, encoding="utf-8")
     name = f"{file}:Courtesy"
-    study = peers(2, 5, {"pair": partial(swap, 2, 0.01)}, (0.0,), laws=[name])
+    study = peers(2, 5, laws=[name])
     kept = [cell for cell in study.cells if cell.labels["law"] in (REFERENCE, f"{name} + lines")]
     rows = execute(replace(study, cells=kept), "local", RunLog(None), jobs=1).rows
     assert [each["law"] for each in rows] == [REFERENCE, f"{name} + lines"]
@@ -70,7 +72,7 @@ def test_a_law_of_the_users_runs_beside_the_others(tmp_path: Path) -> None:
     assert rows[1]["time_ratio"] == pytest.approx(1.0, abs=0.1)
     before = kept[1].labels["source"]
     file.write_text(COURTESY + "\n", encoding="utf-8")
-    again = peers(2, 5, {"pair": partial(swap, 2, 0.01)}, (0.0,), laws=[name])
+    again = peers(2, 5, laws=[name])
     assert {cell.labels.get("source") for cell in again.cells} - {None} != {before}
 
 
