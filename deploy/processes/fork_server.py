@@ -65,8 +65,6 @@ def run_forked(
     """Run the entry function of `process` in this newly forked process, and exit.
 
     Args:
-        process: its row of the table.
-        run: name of the run, for the process title.
         report: writing end of a pipe for text to the supervisor, if any.
         lifeline: reading end of a pipe that ends with the fork server.
         parent: process id of the fork server.
@@ -160,10 +158,8 @@ class ForkServer:
     """Serves a supervisor, and kills all processes at the end.
 
     Args:
-        requests: channel from the supervisor.
-        news: channel to the supervisor; may be the same.
-        modules: modules to import before the first fork.
-        run: name of the run, for process titles.
+        requests, news: channels from and to the supervisor; may be the same.
+        modules: to import before the first fork.
         begin_log: starts the log of a forked process, by its name.
         store: writes a received file.
         patience: s without a request after which the supervisor is considered dead.

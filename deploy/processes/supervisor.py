@@ -253,11 +253,6 @@ class Supervisor:
         """Names of the running processes, as of the last `poll`."""
         return [name for name, life in self._lives.items() if life.exit_code is None]
 
-    def pids(self) -> dict[str, int]:
-        """Process ids of the running processes, as of the last `poll`."""
-        lives = self._lives.items()
-        return {name: life.pid for name, life in lives if life.exit_code is None and life.pid}
-
     def stop(self, spare: Collection[str] = ()) -> None:
         """Send SIGTERM, then SIGCONT, to all but those to `spare`; SIGKILL after the patience of each row."""
 

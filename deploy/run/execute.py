@@ -131,15 +131,9 @@ def _show(scenario: Scenario, show: Callable[[float, str], None], clock: Clock) 
 def _fleet(
     scenario: Scenario, options: RunOptions, recording: Path | None, watch: Callable[[Clock], None]
 ) -> Fleet | LocalFleet:
-    if options.transport == "local" and scenario.is_external:
+    if options.transport != "local":
+        return Fleet(scenario, options, watch=watch, record=recording)
+    if scenario.is_external:
         raise UsageError("external bases need a network: leave out --transport local")
-    if options.transport == "local":
-        return LocalFleet(
-            scenario,
-            options.run,
-            lockstep=options.lockstep,
-            speed=options.speed,
-            watch=watch,
-            record=recording,
-        )
-    return Fleet(scenario, options, watch=watch, record=recording)
+    clock, speed = options.lockstep, options.speed
+    return LocalFleet(scenario, options.run, lockstep=clock, speed=speed, watch=watch, record=recording)

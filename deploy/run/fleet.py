@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from deploy.processes import table
-from deploy.processes.supervisor import Exit, Usage
+from deploy.processes.supervisor import Exit
 from deploy.run.assembly import Assembly, Topology, places
 from deploy.run.launcher import Launcher, OnClock
 from deploy.run.options import RunOptions
@@ -120,7 +120,8 @@ class Fleet:
             self.supervisor.poll(_POLL)
         self.supervisor.stop(spare=(table.RECORDER,))
         hosts = places(self._options.hosts)
-        return [_row(usage, hosts.get(usage.name)) for usage in self.supervisor.usage()]
+        used = self.supervisor.usage()
+        return [each._asdict() | ({"host": hosts[each.name]} if each.name in hosts else {}) for each in used]
 
     def recordings(self) -> list[str]:
         """Files of the recording: several if it rotates, or its recorder was restarted."""
@@ -145,7 +146,10 @@ class Fleet:
             self.rejected[error.reason] += 1
             return
         if isinstance(message, Clock):
-            self._follow(message)
+            self._clock = message
+            self.supervisor.up((WORLD, *map(robot_role, message.active)))
+            self._launcher.follow(message)
+            self._watch(message)
 
     def _poll(self) -> list[Exit]:
         """Ended processes. The world reports over its pipe here: a published result may be lost, or arrive
@@ -163,12 +167,6 @@ class Fleet:
                     report["reason"] = f"{report['reason']}{self._assembly.expired}".removeprefix("; ")
                 self._report = report
         return exits
-
-    def _follow(self, clock: Clock) -> None:
-        self._clock = clock
-        self.supervisor.up((WORLD, *map(robot_role, clock.active)))
-        self._launcher.follow(clock)
-        self._watch(clock)
 
     # -- RobotProcesses
 
@@ -217,7 +215,3 @@ class Fleet:
             ):
                 self._take(self._bus.receive(_POLL))
                 self._poll()
-
-
-def _row(usage: Usage, host: str | None) -> dict[str, Any]:
-    return usage._asdict() if host is None else {**usage._asdict(), "host": host}

@@ -126,21 +126,19 @@ class LocalFleet:
     finished, deadline = False, float("inf")
 
     def handle(self, event: Event) -> None:
-        if isinstance(event, Sample) and isinstance(message := decode(event.key, event.payload), Clock):
-            self._follow(message)
-
-    def on_timer(self, now: float) -> None:
-        """No timers."""
-
-    # -- RobotProcesses
-
-    def _follow(self, clock: Clock) -> None:
+        if not isinstance(event, Sample) or not isinstance(clock := decode(event.key, event.payload), Clock):
+            return
         self.launcher.follow(clock)
         for robot, bus in self.robots.items():  # the process of a removed robot ends
             if isinstance(bus.node, RobotNode) and bus.node.verdict == "removed":
                 self.kill(robot)
                 self.launcher.removed(robot)
         self._watch(clock)
+
+    def on_timer(self, now: float) -> None:
+        """No timers."""
+
+    # -- RobotProcesses
 
     def knows(self, robot: int) -> bool:
         return robot in self.robots

@@ -63,7 +63,8 @@ def run(
 
         def enough() -> bool:
             now = time.monotonic() - began
-            pids = {**fleet.supervisor.pids(), _LAUNCHER: os.getpid()}
+            rows = [row for row in fleet.supervisor.usage() if row.exit_code is None and row.pid]
+            pids = {_LAUNCHER: os.getpid()} | {row.name: row.pid for row in rows}
             if now >= _PERIOD * sum(len(life) for (name, _), life in lives.items() if name == _LAUNCHER):
                 for name, pid in pids.items():
                     lives[name, pid] += _sampled(pid, now)

@@ -52,7 +52,6 @@ class Recorder:
 
     Args:
         bus: subscribed to all recorded streams, or with `take` to the result only.
-        file: to write to.
         take: returns keys and payloads that have arrived since its last call.
         grace: time for a lost world to return, s; 0: the recording ends with it.
 

@@ -76,17 +76,11 @@ _JSON = msgspec.json.Encoder()
 
 
 class _Channel:
-    """One key of the run.
-
-    Attributes:
-        number: of the channel in the file.
-        count: messages written so far.
-        read: decodes a payload.
-    """
+    """One key of the run."""
 
     def __init__(self, address: Address, number: int) -> None:
-        self.number, self.count = number, 0
-        self.read = partial(read, address.stream, address.robot)
+        self.number, self.count = number, 0  # of the channel in the file; messages written so far
+        self.read = partial(read, address.stream, address.robot)  # decodes a payload
 
 
 class RecordingFile:

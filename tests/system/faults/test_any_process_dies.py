@@ -45,8 +45,9 @@ class Killer:
 
     def __call__(self, fleet: Fleet, clock: Clock) -> None:
         while self.due and clock.tick >= self.due[0][0]:
-            pid = fleet.supervisor.pids().get(self.due[0][1])
-            if pid is None or pid in self._killed:
+            (row,) = (each for each in fleet.supervisor.usage() if each.name == self.due[0][1])
+            pid = row.pid if row.exit_code is None else 0
+            if not pid or pid in self._killed:
                 return  # its next life has not begun
             self._killed.add(pid)
             fleet.supervisor.signal(self.due.pop(0)[1], signal.SIGKILL)

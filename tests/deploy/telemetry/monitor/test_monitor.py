@@ -137,7 +137,7 @@ def test_endpoint_and_run_name_are_enough(endpoint: str) -> None:
                     frame = watcher.snapshot()
                     robot = frame["robots"][1] if frame["robots"] else {"alive": False, "status": ""}
                     begun = watcher.overview()["epoch"] == epoch and frame["tick"] > 3
-                    if begun and robot["alive"] and "robot-2" in fleet.supervisor.pids():
+                    if begun and robot["alive"] and "robot-2" in fleet.supervisor.running():
                         fleet.supervisor.signal("robot-2", signal.SIGKILL)
                     return begun and robot["status"] in ("dead", "fenced")
 
