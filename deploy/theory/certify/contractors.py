@@ -113,19 +113,14 @@ def _sign(scene: Scene, members: int, q: int) -> int:
 
 
 @compiled
-def _term(box: Box, out: Derived, n: int, q: int, a: int, sign: int) -> Interval:
-    force = weigh(ends(box, n + q), ends(out.apart[q], a))
-    return force if sign > 0 else (-force[1], -force[0])
-
-
-@compiled
 def _force(scene: Scene, box: Box, out: Derived, members: int, a: int, without: int) -> Interval:
     """Sum of the outside forces on the set along one axis, except factor `without`."""
     n, total = len(scene.goals), (0.0, 0.0)
     for q in range(len(scene.first)):
         sign = 0 if q == without else _sign(scene, members, q)
         if sign != 0:
-            total = add(total, _term(box, out, n, q, a, sign))
+            force = weigh(ends(box, n + q), ends(out.apart[q], a))
+            total = add(total, force if sign > 0 else (-force[1], -force[0]))
     return total
 
 
@@ -208,7 +203,8 @@ def _linear(scene: Scene, box: Box, members: int, value: Interval, cross: bool) 
         rest = value
         for other in range(n):
             if other != row and (members >> (other // 2)) & 1:
-                rest = sub(rest, _product(scene, box, other, cross))
+                arm = _factor(scene, other, cross)
+                rest = sub(rest, mul(ends(box, other), (arm, arm)))
         factor = _factor(scene, row, cross)
         if factor == 0.0:
             if rest[0] > 0.0 or rest[1] < 0.0:
@@ -225,12 +221,6 @@ def _factor(scene: Scene, row: int, cross: bool) -> float:
     if cross:
         return float(scene.goals[row + 1] if row % 2 == 0 else -scene.goals[row - 1])
     return float(scene.goals[row])
-
-
-@compiled
-def _product(scene: Scene, box: Box, row: int, cross: bool) -> Interval:
-    factor = _factor(scene, row, cross)
-    return mul(ends(box, row), (factor, factor))
 
 
 @compiled

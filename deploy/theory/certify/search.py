@@ -50,11 +50,6 @@ _UNBOUNDED = 1e50  # larger multipliers may overflow
 
 
 @compiled
-def _point(x: float) -> Interval:
-    return x, x
-
-
-@compiled
 def _accumulate(array: Reals, row: int, value: Interval) -> None:
     array[row] = add(ends(array, row), value)
 
@@ -67,7 +62,7 @@ def _system(scene: Scene, box: Box, out: Derived, at: Reals, value: Reals, slope
     slope[:] = 0.0
     gamma = (0.0, 0.0)
     for row in range(n):
-        y = sub(_point(at[row]), _point(scene.goals[row]))
+        y = sub((at[row], at[row]), (scene.goals[row], scene.goals[row]))
         value[row] = y
         gamma = add(gamma, square(y))
         slope[row, row] = 1.0, 1.0
@@ -77,12 +72,13 @@ def _system(scene: Scene, box: Box, out: Derived, at: Reals, value: Reals, slope
     target = mul(kappa, gamma)
     for q in range(factors):
         i, j = scene.first[q], scene.second[q]
-        weight = _point(at[n + q])
-        opposite = (-at[n + q], -at[n + q])
+        weight, opposite = (at[n + q], at[n + q]), (-at[n + q], -at[n + q])
         far = (0.0, 0.0)
         for a in range(2):
             one, two = 2 * i + a, 2 * j + a
-            there = _point(at[one]) if j < 0 else sub(_point(at[one]), _point(at[two]))
+            there = (at[one], at[one])
+            if j >= 0:
+                there = sub(there, (at[two], at[two]))
             here = ends(out.apart[q], a)
             far = add(far, square(there))
             force = mul(weight, there)
