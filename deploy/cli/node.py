@@ -169,7 +169,7 @@ def router(
     plain = membership.router(() if listen is None else (listen,), connect or (), host)
     connection = replace(plain, admin=admin)
     if print_config:
-        sys.stdout.write(router_config(connection, membership.default_router))
+        sys.stdout.write(router_config(connection, membership.endpoint(None)))
         return
     run = membership.run(None) or ""
     set_process_title("router", run)

@@ -107,7 +107,7 @@ def run(
     membership = KeyRing(secure)
     asked = membership.run(None if name is None else checked_run(name))
     if keep and router is None and listen is None and hosts is None:
-        listen = str(membership.default_router)
+        listen = str(membership.endpoint(None))
     how = RunOptions(
         transport=transport,
         mode=clock,

@@ -31,11 +31,6 @@ class KeyRing:
     directory: Path | None = None
 
     @property
-    def default_router(self) -> Endpoint:
-        """Default endpoint of a router."""
-        return Endpoint.at(self.protocol, "127.0.0.1", DEFAULT_PORT)
-
-    @property
     def protocol(self) -> str:
         """Protocol of this network's endpoints."""
         return "tcp" if self.directory is None else "tls"
@@ -77,7 +72,7 @@ class KeyRing:
         Raises CertificateError if the files of this role are missing, readable by others, or do not match;
         UsageError if an endpoint is invalid, or of the other kind of network.
         """
-        found = tuple(self.default_router if each is None else self.endpoint(each) for each in routers)
+        found = tuple(map(self.endpoint, routers))
         return Connection(connect=found, timeout=timeout, credentials=self._credentials(role))
 
     def router(self, listen: Sequence[str] = (), connect: Sequence[str] = (), host: str = "") -> Connection:
@@ -124,10 +119,12 @@ class KeyRing:
 
         return end_of(str(self.directory / AUTHORITY))
 
-    def endpoint(self, text: str) -> Endpoint:
-        """An endpoint of this network, whose protocol may be left out.
+    def endpoint(self, text: str | None) -> Endpoint:
+        """An endpoint of this network, whose protocol may be left out; None: the default one of a router.
         Raises UsageError if it is invalid, or of the other kind of network.
         """
+        if text is None:
+            return Endpoint.at(self.protocol, "127.0.0.1", DEFAULT_PORT)
         endpoint = Endpoint(text, self.protocol)
         if endpoint.protocol == "tls" and self.directory is None:
             raise UsageError(f"{endpoint} is protected by certificates: give --secure DIR, or use tcp/")
