@@ -40,9 +40,7 @@ def compiled(root: Path = ROOT) -> list[Path]:
 
 def check_compiled(root: Path = ROOT) -> None:
     """Check that no compiled module is older than its source.
-
-    Raises:
-        UsageError: one is; names it and the remedy.
+    Raises UsageError if one is, which names it and the remedy.
     """
     for source in compiled(root):
         twin = source.with_suffix(EXTENSION_SUFFIXES[0])

@@ -122,7 +122,7 @@ def certify(
         goals = None if read_scenario is None else GoalSet.of(read_scenario)
         checked = replay(fetch(verify, goals), minutes, silent)
         _print(_verified(checked), asdict(checked), json_file, silent)
-        raise typer.Exit(_status(checked.enough(k)))
+        raise typer.Exit(EXIT_ARRIVED if checked.enough(k) else EXIT_OTHERWISE)
     if scenario is None or read_scenario is None:
         raise UsageError("certify needs a SCENARIO, or --verify FILE")
     from deploy.theory.certify.certificate import path_for
@@ -133,11 +133,7 @@ def certify(
     check_target(path, "write the certificate")
     found = perform(read_scenario, path, k, minutes, quiet=silent)
     _print(f"{_found(found)}\n{path}", to_json(found, path, k), json_file, silent)
-    raise typer.Exit(_status(found.proves(k)))
-
-
-def _status(proven: bool) -> int:
-    return EXIT_ARRIVED if proven else EXIT_OTHERWISE
+    raise typer.Exit(EXIT_ARRIVED if found.proves(k) else EXIT_OTHERWISE)
 
 
 def _print(text: str, data: dict[str, object], json_file: Path | None, silent: bool) -> None:

@@ -103,13 +103,6 @@ def catalogue() -> list[CatalogueEntry]:
     return [*fixed, *counted]
 
 
-def suggestions(name: str) -> str:
-    """Suggestions for an unknown name."""
-    known = [*_FIXED, *(f"{each}-N" for each in _COUNTED)]
-    near = get_close_matches(name, known, 3, 0.5)
-    return f"did you mean {' or '.join(near)}?" if near else f"the library has {', '.join(known)}"
-
-
 def build(name: str, seed: int | None = None) -> Scenario:
     """The library's scenario of this name; `seed` (default 0) determines all random values.
     Raises UsageError if the name is unknown, its number out of range, or the seed is invalid.
@@ -119,7 +112,10 @@ def build(name: str, seed: int | None = None) -> Scenario:
         return validated(_FIXED[name](seed))
     if found := _NUMBERED.fullmatch(name):
         return validated(_COUNTED[found[1]].build(_in_range(found[1], int(found[2])), seed=seed))
-    raise UsageError(f"no scenario {name!r}; {suggestions(name)}")
+    known = [*_FIXED, *(f"{each}-N" for each in _COUNTED)]
+    near = get_close_matches(name, known, 3, 0.5)
+    help_ = f"did you mean {' or '.join(near)}?" if near else f"the library has {', '.join(known)}"
+    raise UsageError(f"no scenario {name!r}; {help_}")
 
 
 def _in_range(name: str, count: int) -> int:

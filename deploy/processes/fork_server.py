@@ -201,7 +201,10 @@ class ForkServer:
             with suppress(ConnectionError):
                 self._serve()
         finally:
-            self._kill_all()
+            for pid in self._lives:
+                os.kill(pid, signal.SIGKILL)
+            for pid in self._lives:
+                os.waitpid(pid, 0)
 
     def _serve(self) -> None:
         requests = self._requests.fileno()
@@ -219,12 +222,6 @@ class ForkServer:
                     self._collect()
                 elif isinstance(ready, int) and ready in self._reports:  # not collected just now
                     self._relay(ready)
-
-    def _kill_all(self) -> None:
-        for pid in self._lives:
-            os.kill(pid, signal.SIGKILL)
-        for pid in self._lives:
-            os.waitpid(pid, 0)
 
     def _tell(self, news: News) -> None:
         self._news.send_bytes(encode_news(news))
@@ -289,10 +286,7 @@ class ForkServer:
             code = os.waitstatus_to_exitcode(status)
             cpu = usage.ru_utime + usage.ru_stime
             life = self._lives.pop(pid)
-            self._relay_last(life)
+            for descriptor, (owner, pipe) in list(self._reports.items()):
+                while owner == life and descriptor in self._reports and pipe.poll():
+                    self._relay(descriptor)
             self._tell(Exited(life, code, cpu, usage.ru_maxrss * unit / 1e6))
-
-    def _relay_last(self, life: int) -> None:
-        for descriptor, (owner, pipe) in list(self._reports.items()):
-            while owner == life and descriptor in self._reports and pipe.poll():
-                self._relay(descriptor)

@@ -165,9 +165,7 @@ def environment() -> dict[str, str]:
 class Spawner:
     """A fork server of this process, which imports `modules` before the first fork. `close` kills all
     processes it has started.
-
-    Raises:
-        ProcessError: the fork server is gone; its output is on standard error.
+    Methods raise ProcessError once the fork server is gone; its output is on standard error.
     """
 
     name = "this host"

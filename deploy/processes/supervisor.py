@@ -246,7 +246,7 @@ class Supervisor:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of all rows."""
+
         return tuple(self._lives)
 
     def running(self) -> list[str]:

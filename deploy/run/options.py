@@ -19,7 +19,7 @@ _POLICY = re.compile(r"never|on-failure(?::([1-9][0-9]{0,3}))?")
 
 
 def fresh_run_name() -> str:
-    """A random run name."""
+
     return f"run-{os.urandom(4).hex()}"
 
 

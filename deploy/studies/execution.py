@@ -54,11 +54,14 @@ def begin(lifeline: Channel[Any, Any]) -> None:
 
 def run_one(build: Build, seed: int, transport: Transport) -> RunResult:
     """Execute one run, and return the fields of its result that studies need.
-
-    Raises:
-        ProcessError, BusError: a process of the fleet did not start.
+    Raises ProcessError or BusError if a process of the fleet did not start.
     """
-    result = _in_process(build, seed) if transport == "local" else _on_processes(build, seed, transport)
+    if transport == "local":
+        result = _in_process(build, seed)
+    else:
+        options = RunOptions(transport)
+        with Fleet(build(seed), options) as fleet:
+            result = complete(fleet.execute(), options, fleet.processes())
     return {name: result[name] for name in KEPT if name in result}
 
 
@@ -71,13 +74,6 @@ def _in_process(build: Build, seed: int) -> RunResult:
     memory = psutil.Process().memory_info().rss / 1e6
     whole = {"name": "local", "cpu_s": time.thread_time() - began, "max_rss_mb": memory}
     return complete(report, RunOptions("local"), [whole])
-
-
-def _on_processes(build: Build, seed: int, transport: Transport) -> RunResult:
-    options = RunOptions(transport)
-    with Fleet(build(seed), options) as fleet:
-        report = fleet.execute()
-        return complete(report, options, fleet.processes())
 
 
 _POLL = 0.2  # s between checks for signals
@@ -134,9 +130,7 @@ def execute(
 ) -> StudyOutcome:
     """Execute the runs of a shard that `log` lacks, `jobs` at a time; after a signal, all finished runs are
     kept.
-
-    Raises:
-        ProcessError: a worker or a fleet was lost; repeat the call to continue.
+    Raises ProcessError if a worker or a fleet was lost; repeat the call to continue.
     """
     runs = shard.part(study.runs(transport, code_digest()))
     results = {(run.cell, run.seed): log.known[run.key] for run in runs if run.key in log.known}

@@ -91,9 +91,7 @@ class Study:
 
 def adjusted_scenario(build: Build, settings: Sequence[str], seed: int) -> Scenario:
     """The scenario of `seed` with the settings applied.
-
-    Raises:
-        ScenarioError: a setting names no key, or gives an invalid scenario.
+    Raises ScenarioError if one names no key, or gives an invalid scenario.
     """
     scenario = build(seed)
     return resolved(parse_document(apply_settings(document_of(scenario), settings), scenario.name))

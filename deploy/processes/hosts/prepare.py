@@ -33,7 +33,8 @@ def check(host: Host) -> list[Finding]:
             look = partial(spawner.look, host.listen or host.address, host.port, _PATIENCE)
             facts = look()
             reach = Finding("reach", "good", f"answers after {time.monotonic() - began:.1f} s")
-            space = _finding("space", f"{facts.free / 2**30:.1f} GiB", fine=facts.free >= _SPACE)
+            fine = facts.free >= _SPACE
+            space = Finding("space", "good" if fine else "bad", f"{facts.free / 2**30:.1f} GiB")
             return [reach, *_software(facts), _clock(look), _port(host, facts), space]
     except ProcessError as error:
         return [Finding("version" if isinstance(error, OtherVersionError) else "reach", "bad", str(error))]
@@ -55,9 +56,8 @@ def _clock(look: Callable[[], HostFacts]) -> Finding:
     second, later_error = _offset(look)
     span = time.monotonic() - began
     rate, error = (second - first) / span, (error + later_error) / span
-    return _finding(
-        "clock rate", f"{1e6 * rate:+.0f} ± {1e6 * error:.0f} ppm", fine=abs(rate) <= _RATE + error
-    )
+    fine, text = abs(rate) <= _RATE + error, f"{1e6 * rate:+.0f} ± {1e6 * error:.0f} ppm"
+    return Finding("clock rate", "good" if fine else "bad", text)
 
 
 def _offset(look: Callable[[], HostFacts]) -> tuple[float, float]:
@@ -80,7 +80,3 @@ def _port(host: Host, facts: HostFacts) -> Finding:
     except OSError as error:
         return Finding("router port", "bad", f"{where} cannot be reached from here: {error}")
     return Finding("router port", "good", f"{where} is free, and can be reached from here")
-
-
-def _finding(what: str, text: str, *, fine: bool) -> Finding:
-    return Finding(what, "good" if fine else "bad", text)

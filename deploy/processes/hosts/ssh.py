@@ -49,10 +49,8 @@ class FramedMessages:
     """Reads complete messages from a descriptor, without waiting for the rest of an incomplete one.
 
     Args:
-        descriptor: open for reading; not closed here.
         largest: size limit of a message, bytes.
         patience: longest time from the first byte of a message to its last, s.
-        clock: current time, s.
     """
 
     def __init__(

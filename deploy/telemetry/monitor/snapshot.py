@@ -105,7 +105,6 @@ class Source:
         self._clock = clock
 
     def overview(self) -> dict[str, Any]:
-        """Constants of the run, and its past."""
         with self._lock:
             return overview(self._view)
 

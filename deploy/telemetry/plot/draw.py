@@ -17,9 +17,7 @@ _WHAT = "draw"
 
 def check(target: Path) -> None:
     """Check before a run that `target` can be drawn.
-
-    Raises:
-        UsageError: unknown suffix, file that cannot be written, or matplotlib is not installed.
+    Raises UsageError for an unknown suffix, a file that cannot be written, or without matplotlib.
     """
     kinds = PICTURES + ANIMATIONS
     if target.suffix not in kinds:

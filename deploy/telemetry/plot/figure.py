@@ -188,9 +188,7 @@ def animate(
     seconds: float | None = None,
 ) -> None:
     """Write `target`, a .gif, .webp or (with ffmpeg) .mp4, in real time or faster.
-
-    Raises:
-        UsageError: .mp4 without ffmpeg.
+    Raises UsageError for an .mp4 without ffmpeg.
     """
     film = _Film(recording)
     steps = list(_steps(recording, seconds or _LONGEST))

@@ -198,9 +198,7 @@ class Entry(NamedTuple):
 
 class Entries:
     """All messages by time and, within one tick, by arrival; every loop reads the file again.
-
-    Raises:
-        RecordingError: in loops, if another version wrote a message.
+    Loops raise RecordingError if another version wrote a message.
     """
 
     def __init__(self, found: Contents, keep: Callable[[Entry], bool] = lambda _: True) -> None:

@@ -94,10 +94,8 @@ class CheckedTrajectory(NamedTuple):
 def recomputed(recording: Recording) -> CheckedTrajectory:
     """Recompute the trajectory's digest up to the last known tick, as the result has it: from the first tick
     of the run, or of the last of several worlds.
-
-    Raises:
-        RecordingError: a missing tick cannot be reconstructed: the first one, one without odometry, or one in
-            which robots appeared or left.
+    Raises RecordingError if a missing tick cannot be reconstructed: the first one, one without odometry, or
+    one in which robots appeared or left.
     """
     if recording.preceding:
         raise RecordingError(
@@ -184,9 +182,7 @@ def published(recording: Recording, run: str | None = None) -> Iterator[tuple[fl
 
 def verify(recording: Recording) -> CheckedTrajectory | None:
     """The recomputed trajectory; None if the recording has no beginning, or no hash in a result.
-
-    Raises:
-        RecordingError: it differs from the result's, or cannot be recomputed.
+    Raises RecordingError if it differs from the result's, or cannot be recomputed.
     """
     recorded = (recording.result or {}).get("trajectory_sha256")  # None: of a world that was lost
     if recorded is None or recording.preceding:
@@ -228,9 +224,7 @@ _TF = "tf2_msgs/msg/TFMessage"
 
 def export(recording: Recording, path: Path) -> None:
     """Write the recorded Truths to `path` as ROS 2 transforms.
-
-    Raises:
-        UsageError: it cannot be written, or pycdr2 is not installed.
+    Raises UsageError if it cannot be written, or pycdr2 is not installed.
     """
     try:
         from agents.bases.ros_messages import Transform, Transforms, header_at

@@ -48,9 +48,7 @@ class GoalSet(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     @classmethod
     def of(cls, scenario: Scenario) -> GoalSet:
         """The goals of a scenario.
-
-        Raises:
-            UsageError: it has obstacles or parts, or its workspace is a polygon.
+        Raises UsageError if it has obstacles or parts, or its workspace is a polygon.
         """
         if scenario.shapes:
             raise UsageError("no certificates for scenarios with obstacles or parts: remove them")
@@ -141,9 +139,7 @@ def path_for(scenario: str) -> Path:
 
 def stored(name: str, scenario: Scenario) -> Certificate | None:
     """The certificate of the scenario `name`, if there is one.
-
-    Raises:
-        ProofError: it is damaged, or belongs to other goals.
+    Raises ProofError if it is damaged, or belongs to other goals.
     """
     path = path_for(name)
     return fetch(path, GoalSet.of(scenario)) if path.exists() else None
@@ -162,9 +158,7 @@ def store(certificate: Certificate, path: Path) -> None:
 
 def fetch(path: Path, goals: GoalSet | None = None) -> Certificate:
     """Read a certificate, which must belong to `goals` if given.
-
-    Raises:
-        ProofError: it cannot be read, is damaged, or belongs to other goals.
+    Raises ProofError if it cannot be read, is damaged, or belongs to other goals.
     """
     try:
         certificate = msgspec.json.decode(path.read_bytes(), type=Certificate)

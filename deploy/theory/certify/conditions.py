@@ -28,17 +28,17 @@ ZERO, INFINITE = arb(0), arb("+inf")
 
 
 def add(a: Ends, b: Ends) -> Ends:
-    """a + b."""
+
     return a[0] + b[0], a[1] + b[1]
 
 
 def sub(a: Ends, b: Ends) -> Ends:
-    """a - b."""
+
     return a[0] - b[1], a[1] - b[0]
 
 
 def negative(a: Ends) -> Ends:
-    """-a."""
+
     return -a[1], -a[0]
 
 
@@ -56,7 +56,7 @@ def mul(a: Ends, b: Ends) -> Ends:
 
 
 def square(a: Ends) -> Ends:
-    """a^2."""
+
     s, t = a[0] * a[0], a[1] * a[1]
     return s.min(t) if a[0] > 0 or a[1] < 0 else ZERO, s.max(t)
 

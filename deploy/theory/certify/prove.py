@@ -50,10 +50,8 @@ def _steps() -> Iterator[float]:
 
 def prove(certificate: Certificate, target: float | None) -> Iterator[Certificate]:
     """Extend a certificate down to `target`, or as far as possible; yields it after each change.
-
-    Raises:
-        UsageError: goals overlap, touch or are not inside the workspace; or `target` is not positive and
-            finite.
+    Raises UsageError if goals overlap, touch or are not inside the workspace, or `target` is not positive and
+    finite.
     """
     if not certificate.goals.is_free:
         raise UsageError(BLOCKED)
