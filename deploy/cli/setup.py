@@ -5,11 +5,12 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from deploy.cli import options
+from deploy.manifests import Orchestrator
 from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE, check_json, is_standard_output, write_json
 from deploy.run.options import fresh_run_name
 from deploy.security.membership import KeyRing
@@ -108,10 +109,7 @@ def hosts(
 
 @app.command()
 def deploy(
-    orchestrator: Annotated[
-        Literal["compose", "kubernetes", "systemd"],
-        typer.Argument(metavar="ORCHESTRATOR", help="Orchestrator."),
-    ],
+    orchestrator: Annotated[Orchestrator, typer.Argument(metavar="ORCHESTRATOR", help="Orchestrator.")],
     scenario: options.Scenario,
     out: Annotated[Path, options.out("Folder to make.", metavar="FOLDER")],
     run: options.FreshRun = None,

@@ -54,9 +54,11 @@ def _from_file(name: str, seed: int) -> Scenario:
 
 
 def _on_map(name: str, count: int, seed: int) -> Scenario:
-    from deploy.maps.scenario import library_map  # needs an extra's libraries
+    from deploy.maps.scenario import expanded, on_map  # needs an extra's libraries
 
-    return parse_document(library_map(name, count, seed))
+    folder = Path(__file__).parent / "maps"
+    document = on_map(folder / f"{name}.yaml", count, 0.2, seed)
+    return parse_document(expanded(document, folder, document["name"]))
 
 
 _FIXED: dict[str, Callable[[int], Scenario]] = {

@@ -133,13 +133,6 @@ def on_map(
     }
 
 
-def library_map(name: str, count: int, seed: int) -> Document:
-    """`on_map` for a map of the library, with obstacles in place of the map."""
-    folder = Path(__file__).parents[1] / "library" / "maps"
-    document = on_map(folder / f"{name}.yaml", count, 0.2, seed)
-    return expanded(document, folder, document["name"])
-
-
 def _room(grid: Occupancy, clear: float) -> Mask:
     """The largest connected part of the cells that are more than `clear` (cells) from all others."""
     free = np.pad(~(grid.occupied | grid.unknown), 1)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing, contextmanager, suppress
+from collections.abc import Callable
+from contextlib import ExitStack, closing, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -28,23 +28,21 @@ from protocol.process.signals import STOP, Stopped
 from protocol.scenario.model import Scenario
 
 
-@contextmanager
-def live_page(fleet: Fleet | LocalFleet, options: RunOptions) -> Iterator[str]:
+def _live_page(fleet: Fleet | LocalFleet, options: RunOptions, stack: ExitStack) -> str:
     """Serve a page that shows `fleet`, and print its address, which permits steering, to standard error.
     Raises UsageError if the libraries of the extra `web` are not installed.
     """
     from deploy.telemetry.monitor.web import Server
 
-    with ExitStack() as stack:
-        if isinstance(fleet, Fleet):
-            bus = ZenohBus(fleet.topology.connection(KeyRing(options.secure).viewer))
-            source: Watcher = stack.enter_context(closing(Attachment(bus, options.run)))
-        else:
-            here = fleet.network.connect()
-            source = here.node = Watcher(here, options.run)
-        server = stack.enter_context(closing(Server(source)))
-        print(f"live page: {server.link}", file=sys.stderr, flush=True)
-        yield server.link
+    if isinstance(fleet, Fleet):
+        bus = ZenohBus(fleet.topology.connection(KeyRing(options.secure).viewer))
+        source: Watcher = stack.enter_context(closing(Attachment(bus, options.run)))
+    else:
+        here = fleet.network.connect()
+        source = here.node = Watcher(here, options.run)
+    server = stack.enter_context(closing(Server(source)))
+    print(f"live page: {server.link}", file=sys.stderr, flush=True)
+    return server.link
 
 
 def execute(
@@ -89,7 +87,7 @@ def execute(
                 fleet = _fleet(scenario, options, recording, partial(_show, scenario, show))
                 running.enter_context(fleet)
                 LOG.info(f"run {options.run!r} of {scenario.name!r} begins")
-                page = stack.enter_context(live_page(fleet, options)) if web else None
+                page = _live_page(fleet, options, stack) if web else None
             except Stopped:
                 report = unjudged(scenario, None, time.monotonic() - began)
                 report.update(verdict="interrupted", reason=INTERRUPTED)

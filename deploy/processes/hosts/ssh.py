@@ -175,12 +175,6 @@ _OPTIONS = (
 )
 
 
-def ssh_command(host: Host, there: str) -> list[str]:
-    """Command line that runs `there` in a shell on `host`, without a password prompt."""
-    options = [word for option in _OPTIONS for word in ("-o", option)]
-    return ["ssh", "-T", *host.options, *options, "--", host.ssh, there]
-
-
 class OtherVersionError(ProcessError):
     """A host has another version of this software."""
 
@@ -250,7 +244,9 @@ class SshSpawner(Spawner):
             raise ProcessError(f"{self.name} has accepted nothing for {_STALL:g} s") from None
 
     def _serve(self, theirs: socket.socket) -> subprocess.Popen[bytes]:
-        command = ssh_command(self.host, f"{self.host.command} node host --run={shlex.quote(self._run)}")
+        there = f"{self.host.command} node host --run={shlex.quote(self._run)}"
+        options = [word for option in _OPTIONS for word in ("-o", option)]
+        command = ["ssh", "-T", *self.host.options, *options, "--", self.host.ssh, there]
         end = theirs.fileno()
         try:
             ssh = subprocess.Popen(
