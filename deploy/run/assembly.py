@@ -242,11 +242,10 @@ class Assembly:
 
     def _start_world(self, checkpoint: Path | None) -> None:
         """Start the world, and the recorder before the first tick."""
-        run, topology = self._options.run, self.topology
-        options = self._options
+        options, topology = self._options, self.topology
         world = table.world(
             topology.connection(WORLD),
-            run,
+            options.run,
             self._scenario,
             options.lockstep,
             speed=options.speed,
@@ -258,7 +257,7 @@ class Assembly:
             grace = GRACE if options.restarts else 0.0
             arguments = (
                 topology.connection(MONITOR),
-                run,
+                options.run,
                 self._record,
                 self.result,
                 options.rotation,

@@ -19,6 +19,7 @@ from deploy.run.result import INTERRUPTED, RunResult, complete, unjudged
 from deploy.security.membership import KeyRing
 from deploy.telemetry.monitor.watcher import Attachment, Watcher
 from deploy.telemetry.plot.draw import check, draw
+from deploy.telemetry.recording.reader import read
 from deploy.telemetry.recording.writer import ONE_FILE
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import UsageError
@@ -111,7 +112,7 @@ def execute(
         if plot is not None and not STOP.requested:
             first = 0 if options.rotation != ONE_FILE else -1  # -1: a restarted recorder has a new file
             with suppress(Stopped):
-                draw(Path(recordings[first]), plot, lambda _: STOP.check())
+                draw(read(recordings[first]), plot, lambda _: STOP.check())
         if page is not None and sys.stdin.isatty():
             print(f"{page} stays available until Ctrl-C", file=sys.stderr, flush=True)
             STOP.wait()

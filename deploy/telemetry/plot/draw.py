@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from deploy.output import check_target, writing
-from deploy.telemetry.recording.reader import Progress, Recording, read
+from deploy.telemetry.recording.reader import Progress, Recording
 from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 
@@ -30,7 +30,7 @@ def check(target: Path) -> None:
 
 
 def draw(
-    recording: Recording | Path,
+    recording: Recording,
     target: Path,
     progress: Progress = lambda _: None,
     width: int | None = None,
@@ -47,8 +47,6 @@ def draw(
     Raises:
         UsageError: as `check`, or the disk is full.
     """
-    if isinstance(recording, Path):
-        recording = read(recording)
     check(target)
     import matplotlib
 

@@ -130,7 +130,7 @@ class RecordingFile:
         with self._writing():
             for key, payload in batch:
                 try:
-                    channel = self._channels.get(key) or self._open(key)
+                    channel = self._channels[key] if key in self._channels else self._open(key)
                     if channel is not None:
                         self._add(channel, channel.read(payload))
                 except MessageError as error:
@@ -175,8 +175,6 @@ class RecordingFile:
 
     def _open(self, key: str) -> _Channel | None:
         """Channel of a key; None for streams that are not recorded."""
-        if key in self._channels:
-            return self._channels[key]
         address = parse(key)
         if address.run != self._run or (address.robot is not None and address.robot not in self._robots):
             raise MessageError("key", f"{key} is not a key of run {self._run!r}")

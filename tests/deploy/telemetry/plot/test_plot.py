@@ -51,7 +51,7 @@ def test_a_picture_shows_every_robot_and_the_words(recording, tmp_path):
         wanted = [int(colour(index)[place : place + 2], 16) for place in (1, 3, 5)]
         assert (np.abs(pixels - wanted).max(axis=1) < 8).sum() > 50, f"nothing is drawn in {colour(index)}"
     for name in ("a.svg", "b.svg"):
-        draw(recording.path, tmp_path / name)
+        draw(recording, tmp_path / name)
     text = (tmp_path / "a.svg").read_text()
     assert text == (tmp_path / "b.svg").read_text()  # the same recording gives the same file
     for word in (f"three: {recording.result['verdict']}", "clearance, mm", "γ", "start", "goal", ">7<"):
@@ -73,8 +73,9 @@ def test_a_run_cut_before_anything_happened_can_be_drawn(recording, tmp_path):
     data = recording.path.read_bytes()
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(data[: data.index(b"scenario") + 3000])
-    assert read(cut).trajectory.ticks.tolist() == [0]
-    draw(cut, tmp_path / "a.gif", width=200, seconds=1.0)
+    begun = read(cut)
+    assert begun.trajectory.ticks.tolist() == [0]
+    draw(begun, tmp_path / "a.gif", width=200, seconds=1.0)
     assert (tmp_path / "a.gif").stat().st_size > 1000
 
 
