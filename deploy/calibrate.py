@@ -78,17 +78,13 @@ class Calibration:
 
     `wait` is the time for the first odometry and pose, s.
 
-    Attributes:
-        hears: topics of odometry and poses.
-        finished: whether all manoeuvres are over.
-
     Raises:
         BusError: odometry or poses do not arrive.
         MessageError: a message is invalid or of another type.
     """
 
     def __init__(self, bus: Bus, base: Base, moves: list[Manoeuvre], wait: float) -> None:
-        self.hears = (
+        self.hears = (  # topics of odometry and poses
             Topic(base.topic(base.odometry), ros.ODOMETRY),
             Topic(base.topic(base.pose), ros.STAMPED_POSE),
         )

@@ -182,17 +182,14 @@ parallel_env = FleetEnv  # as PettingZoo's environments name it
 
 
 class Observer:
-    """Computes the observations of all robots from their positions, each with so many neighbours.
-
-    Attributes:
-        limits: largest size of each number of an observation, shape (4 + 5 neighbours,).
-    """
+    """Computes the observations of all robots from their positions, each with so many neighbours."""
 
     def __init__(self, scenario: Scenario, neighbours: int) -> None:
         self._neighbours = neighbours
         (left, low), (right, high) = scenario.workspace.shape.box
         reach, speed = 2.0 * max(-left, -low, right, high), scenario.control.speed
         each = [2.0 * reach, 2.0 * reach, speed, speed, 2.0 * reach]
+        # Largest size of each number of an observation, shape (4 + 5 neighbours,).
         self.limits = np.array([reach, reach, 2.0 * reach, 2.0 * reach, *each * neighbours], np.float32)
         self.begin(scenario, np.array([scenario.spec(robot).start for robot in scenario.ids]))
 

@@ -127,9 +127,6 @@ class Assembly:
 
     `stack` receives all clean-up callbacks, also if a start fails.
 
-    Attributes:
-        result: file from which the recorder reads the complete result, if the run is recorded.
-
     Raises:
         ProcessError, BusError: a process did not start, or an endpoint is taken.
         RunTakenError: another world of this run uses the given router.
@@ -150,6 +147,7 @@ class Assembly:
         self._there = {host.name: SshSpawner(host, options.run, options.log) for host in there if host.ssh}
         self.supervisor = stack.enter_context(Supervisor(here, self._there, places(hosts)))
         self._record = record
+        # The recorder reads the complete result from this file, if the run is recorded.
         self.result = None if record is None else self._folder / "result.json"
         self._ends: datetime | None = None
         self.topology = self._begin(stack)

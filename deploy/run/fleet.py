@@ -39,9 +39,6 @@ class Fleet:
 
     `watch` is called with every Clock received.
 
-    Attributes:
-        rejected: number of invalid messages, by reason.
-
     Raises:
         ProcessError, BusError: a process did not start, or an endpoint is taken.
     """
@@ -62,7 +59,7 @@ class Fleet:
         self._report: RunReport | None = None
         self._leaving = _LEAVING
         self._stack = ExitStack()
-        self.rejected: Counter[str] = Counter()
+        self.rejected: Counter[str] = Counter()  # invalid messages, by reason
 
     def __enter__(self) -> Fleet:
         with ExitStack() as stack:

@@ -57,9 +57,6 @@ class LocalFleet:
         speed: simulated seconds per second in lock-step, 0 for no limit.
         watch: called with every Clock.
         network: bus of the nodes; a new one by default.
-
-    Attributes:
-        report: of the world, once the run has ended.
     """
 
     def __init__(
@@ -79,7 +76,7 @@ class LocalFleet:
         self._read = lru_cache(maxsize=1)(decode_reply)
         self._scenario, self._lockstep, self._speed = scenario, lockstep, speed
         self._watch, self._record = watch, record
-        self.report: dict[str, Any] = {}
+        self.report: dict[str, Any] = {}  # of the world, once the run has ended
         self.start_world()
         self._recorder = None if record is None else self._hear(record)
         self.robots: dict[int, LocalBus] = {}

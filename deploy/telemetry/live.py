@@ -197,13 +197,8 @@ def _worst(earlier: HistoryPoint, later: HistoryPoint) -> HistoryPoint:
 
 
 class FleetView:
-    """Everything known of one run. `now` is the watcher's clock, s, of which only differences matter.
-
-    Args:
-        recent: number of Truths kept for snapshots.
-
-    Attributes:
-        strangers: ids of present disks of which no message gave the radius.
+    """Everything known of one run, with the `recent` newest Truths. `now` is the watcher's clock, s, of which
+    only differences matter.
     """
 
     def __init__(self, run: str, recent: int = _RECENT) -> None:
@@ -226,7 +221,7 @@ class FleetView:
         self.obstacles: tuple[PlacedObstacle, ...] = ()  # placed or removed during the run
         self.history: Thinned[HistoryPoint] = Thinned(HISTORY, _worst)
         self.recent: deque[Truth] = deque(maxlen=self._recent)
-        self.strangers: Set[int] = frozenset()
+        self.strangers: Set[int] = frozenset()  # present disks of which no message gave the radius
         self._newcomers: tuple[RobotSpec, ...] = ()
         self._announced: dict[int, float] = {}  # radii by rosters, m
         self._shown: tuple[int, ...] = ()  # robots of the newest Truth

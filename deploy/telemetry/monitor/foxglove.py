@@ -24,9 +24,6 @@ class FoxgloveServer(ServerListener):
         run: shown to viewers.
         port: default Foxglove's; 0: a free one.
 
-    Attributes:
-        address: URL to open in Foxglove, such as `ws://127.0.0.1:8765`.
-
     Raises:
         UsageError: the port is taken.
     """
@@ -49,7 +46,7 @@ class FoxgloveServer(ServerListener):
             )
         except (OSError, RuntimeError) as error:
             raise UsageError(f"--port {port}: {error}; name another port") from error
-        self.address = f"ws://{HOST}:{self._server.port}"
+        self.address = f"ws://{HOST}:{self._server.port}"  # to open in Foxglove
         watcher.follow = self._follow
 
     def _follow(self, view: FleetView, message: Message | None) -> None:

@@ -43,16 +43,13 @@ class FrameStream:
     """Takes at most one snapshot per `FRAME_PERIOD` for all viewers together, and none without viewers.
 
     A viewer that cannot keep up misses frames; no frames are queued for it.
-
-    Attributes:
-        due: time of the next frame, s, monotonic.
     """
 
     def __init__(self, source: Source) -> None:
         self._source = source
         self._newest = 0, -1, b""
         self._since = -1
-        self.due = 0.0
+        self.due = 0.0  # s, monotonic: time of the next frame
 
     def overview(self) -> tuple[int, bytes]:
         """Epoch and overview for a new viewer."""

@@ -127,15 +127,12 @@ def _look_through(path: Path) -> _RecordedFile:
 
 
 class Contents:
-    """A file and those that continue it, without their messages.
-
-    Attributes:
-        path: of the first file.
-        metadata: run and scenario of the first file, result of the last.
+    """A file and those that continue it, without their messages; its metadata are run and scenario of the
+    first file, and the result of the last.
 
     Raises:
         UsageError: the first file cannot be opened.
-        RecordingError: the first file is not an MCAP file.
+        RecordingError: it is not an MCAP file.
     """
 
     def __init__(self, path: Path) -> None:

@@ -55,8 +55,6 @@ class Recorder:
         take: returns keys and payloads that have arrived since its last call.
         grace: time for a lost world to return, s; 0: the recording ends with it.
 
-    Attributes:
-        result: published result of the run (JSON), once received.
     """
 
     def __init__(
@@ -69,7 +67,7 @@ class Recorder:
         grace: float = 0.0,
     ) -> None:
         self.finished = False
-        self.result: str | None = None
+        self.result: str | None = None  # published result of the run (JSON), once received
         self._bus, self._grace, self._back_by = bus, grace, inf
         self._file, self._take = file, take
         self._buffer: list[tuple[str, bytes]] = []

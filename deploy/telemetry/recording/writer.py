@@ -90,9 +90,6 @@ class RecordingFile:
         path: created, or overwritten.
         preceding: name of the file that this one continues; empty for the first.
 
-    Attributes:
-        rejected: number of invalid payloads, by reason; they are not recorded.
-
     Raises:
         UsageError: the file cannot be created.
         RecordingError: (all methods) writing fails.
@@ -100,7 +97,7 @@ class RecordingFile:
 
     def __init__(self, path: Path, run: str, scenario: Scenario, preceding: str = "") -> None:
         self.path = path
-        self.rejected: Counter[str] = Counter()
+        self.rejected: Counter[str] = Counter()  # invalid payloads, by reason; they are not recorded
         self._run, self._step = run, scenario.time.step
         self._robots = frozenset((*scenario.ids, *(spec.id for spec in scenario.newcomers)))
         self._channels: dict[str, _Channel | None] = {}

@@ -158,12 +158,7 @@ _KAPPA_WIDTH = 0.5  # width of the whole range of kappa, contact distances
 
 
 class Search:
-    """Branch and bound over one range of 1/k, in portions.
-
-    Attributes:
-        nodes: number of boxes processed.
-        stuck: a box was halved to the depth limit, or there are too many.
-    """
+    """Branch and bound over one range of 1/k, in portions."""
 
     def __init__(self, scene: Scene, kappa: tuple[float, float]) -> None:
         root = whole(scene, kappa)
@@ -172,7 +167,8 @@ class Search:
         self._level = np.zeros(DEEPEST, dtype=np.int64)  # a box is 2^-level of the whole
         self._stack[0], self._height = root, 1
         self._tape: list[bytes] = []
-        self.nodes, self.stuck = 0, False
+        self.nodes = 0  # boxes processed
+        self.stuck = False  # a box was halved to the depth limit, or there are too many
 
     @property
     def open(self) -> Reals:
