@@ -11,7 +11,7 @@ from typing import Final
 
 from protocol.process.signals import STOP, Stopped
 
-_UNREAD: Final = 128 + SIGPIPE  # exit status if standard output is closed by its reader, as a shell reports SIGPIPE
+_UNREAD: Final = 128 + SIGPIPE  # exit status if the reader of standard output has closed it
 
 
 def main() -> None:
