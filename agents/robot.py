@@ -51,7 +51,7 @@ class Robot:
     Attributes:
         scenario: of the admission.
         goal: m; stored only here, since every Tick may change it.
-        hearing: receives the States of peers.
+        inbox: receives the States of peers.
         stopped: whether it has to stand, apart from an emergency stop of all.
     """
 
@@ -67,8 +67,8 @@ class Robot:
         self._body, self._plausible = body_of(scenario, robot), plausible(scenario)
         self._estimate = self._nothing_known()
         self._filter = SafetyFilter(scenario, robot, spec.radius, self._body)
-        self.hearing = PeerInbox(scenario, robot, self._filter.lines.on_state, lockstep=lockstep)
-        self._peers = self.hearing.neighbours
+        self.inbox = PeerInbox(scenario, robot, self._filter.lines.on_state, lockstep=lockstep)
+        self._peers = self.inbox.neighbours
         self._law = GuardedLaw(scenario, robot)
         self._mover = PartCarrier(scenario, robot) if scenario.parts else None
         self._period = period(scenario) if scenario.hears_near else 0  # ticks, of summaries
@@ -89,10 +89,10 @@ class Robot:
         if tick.roster is not None:
             self._follow(tick.roster)
         if tick.grants is not None:
-            self._filter.lines.hear(tick.grants, self._peers)
+            self._filter.lines.on_grants(tick.grants, self._peers)
             self._peers.attend(self._filter.lines.peers)
         self._filter.locate(self.tick, self._estimate, blind=self._blind)
-        self.hearing.open(tick, self._estimate.position)
+        self.inbox.open(tick, self._estimate.position)
         if self._mover is not None:
             self._move_parts(self._mover)
         return self._state()
@@ -161,20 +161,20 @@ class Robot:
             return None, 0.0
         return position, bound
 
-    def tell(self, wish: Vector) -> None:
+    def on_wish(self, wish: Vector) -> None:
         """Pass on a wish, m/s, for the law "external"."""
-        self._law.tell(wish, self.tick)
+        self._law.on_wish(wish, self.tick)
 
     # -- phase 2: accept States, apply the law, filter, command
 
     def command(self) -> Command:
         """Close the tick; returns the Command to publish."""
-        self.hearing.close()
+        self.inbox.close()
         self._desired, velocity = STILL, STILL
         handles: Handling | None = None
         filter_, position = self._filter, self._estimate.position
         if position is not None:
-            self.hearing.look_afar(position, filter_.radius)
+            self.inbox.look_afar(position, filter_.radius)
         if self._mover is not None:
             handles = self._fit_to_load(self._mover, filter_)
         if position is not None and not (self._halted or self.stopped):
@@ -196,7 +196,7 @@ class Robot:
 
     def complaint(self) -> Command:
         """A Command without a velocity; it lists the robots with missing States."""
-        missing = tuple(self.hearing.missing[:NAMED])
+        missing = tuple(self.inbox.missing[:NAMED])
         return Command(*self._life, STILL, epoch=self.epoch, roster=self._peers.version, awaits=missing)
 
     def _wish(self, position: Vector) -> Vector:

@@ -84,15 +84,15 @@ class Calibration:
     """
 
     def __init__(self, bus: Bus, base: Base, moves: list[Manoeuvre], wait: float) -> None:
-        self.hears = (  # topics of odometry and poses
+        self.topics = (  # topics of odometry and poses
             Topic(base.topic(base.odometry), ros.ODOMETRY),
             Topic(base.topic(base.pose), ros.STAMPED_POSE),
         )
         twist = ros.STAMPED_TWIST if base.stamped else ros.TWIST
         self._link = RosLink(bus, base)
-        self._tell = self._link.publisher(Topic(base.topic(base.velocity), twist))
+        self._publish = self._link.publisher(Topic(base.topic(base.velocity), twist))
         self._given_up = time.monotonic() + wait
-        self._link.subscribe(*self.hears)
+        self._link.subscribe(*self.topics)
         self.deadline, self.finished = 0.0, False
         self.log = DriveLog([], [], [])
         self._base, self._ahead = base, list(reversed(moves))
@@ -100,11 +100,11 @@ class Calibration:
 
     def handle(self, event: Event) -> None:
         if isinstance(event, RawSample):
-            self.hear(self._link.topic_of(event), event.payload, time.monotonic())
+            self.on_message(self._link.topic_of(event), event.payload, time.monotonic())
 
-    def hear(self, topic: Topic, payload: bytes, now: float) -> None:
-        """Process a message of one of `hears`."""
-        if topic == self.hears[0]:
+    def on_message(self, topic: Topic, payload: bytes, now: float) -> None:
+        """Process a message of one of `topics`."""
+        if topic == self.topics[0]:
             message = decode(Odometry, payload)
             ahead, rate = message.velocity.linear[0], message.velocity.angular[2]
             self._append(self.log.odometry, now, message.pose, ahead, rate)
@@ -121,7 +121,7 @@ class Calibration:
     def on_timer(self, now: float) -> None:
         """Publish the command that is due."""
         self.deadline = now + EVERY
-        if missing := [topic.name for topic, rows in zip(self.hears, self.log[1:], strict=True) if not rows]:
+        if missing := [topic.name for topic, rows in zip(self.topics, self.log[1:], strict=True) if not rows]:
             if now > self._given_up:
                 raise BusError(
                     f"no message on {' and '.join(missing)}: check that their publishers, or a bridge with "
@@ -144,7 +144,7 @@ class Calibration:
     def _command(self, ahead: float, rate: float) -> None:
         velocity = Velocity([ahead, 0.0, 0.0], [0.0, 0.0, rate])
         header = header_at(time.time_ns(), self._base.base_frame)
-        self._tell((StampedVelocity(header, velocity) if self._base.stamped else velocity).serialize())
+        self._publish((StampedVelocity(header, velocity) if self._base.stamped else velocity).serialize())
 
 
 MARGIN: Final = 1.5  # stated bound over measured value

@@ -99,7 +99,7 @@ class Simulation:
         nodes = self._nodes()
         for robot, wish in wishes.items():
             if robot in nodes and (core := nodes[robot].core) is not None:
-                core.tell(finite(wish))
+                core.on_wish(finite(wish))
 
     def _nodes(self) -> dict[int, RobotNode]:
         """Nodes of all robots whose processes run, by id."""

@@ -91,7 +91,7 @@ class External:
         """Numbers of late, missing and dropped measurements: none."""
         return {"delayed": 0, "missing": 0, "dropped": 0}
 
-    def hear(self, command: Command) -> None:
+    def on_command(self, command: Command) -> None:
         """Receive a robot's Command of a tick, with its position at the beginning of that tick, if known."""
         robot, tick, report = command.robot, command.tick, command.report
         sent = max(tick, self._tick)  # by then, even if its tick is late

@@ -185,7 +185,7 @@ class SimulatedFleet:
         kinds = ("delayed", "missing", "dropped")
         return {kind: sum(getattr(each, kind) for each in self.sensors.values()) for kind in kinds}
 
-    def hear(self, command: Command) -> None:
+    def on_command(self, command: Command) -> None:
         """Do nothing: simulated robots report no position."""
 
     def move(self, commands: Mapping[int, Vector], tick: int) -> None:

@@ -163,7 +163,7 @@ class WorldCore:
         """Accept the first command of an active life for the open tick, or count its refusal."""
         taken = self.exchange.accept(command)
         if taken:
-            self.simulation.hear(command)
+            self.simulation.on_command(command)
         return taken
 
     def close_tick(self) -> None:

@@ -26,8 +26,8 @@ class Ros2Base:
         base: its table.
 
     Attributes:
-        hears: topics to subscribe to.
-        tells: the topic that it publishes.
+        topics: to subscribe to.
+        drives: topic of velocities, which it publishes.
         due: time of the next `on_timer`, s.
         senses: its odometry and poses.
     """
@@ -38,8 +38,8 @@ class Ros2Base:
         self._odometry = Topic(base.topic(base.odometry), ros.ODOMETRY)
         self._pose = Topic(base.topic(base.pose), ros.STAMPED_POSE)
         wishes = [Topic(base.topic(base.desired), twist)] if scenario.control.law == "external" else []
-        self.hears: tuple[Topic, ...] = (self._odometry, self._pose, *wishes)
-        self.tells = Topic(base.topic(base.velocity), twist)
+        self.topics: tuple[Topic, ...] = (self._odometry, self._pose, *wishes)
+        self.drives = Topic(base.topic(base.velocity), twist)
         self.due = 0.0
         self._base, self._offset = base, body.offset
         self._every = base.timeout / OFTEN
@@ -51,8 +51,8 @@ class Ros2Base:
         self._begun = -math.inf
         self._shared = False
 
-    def hear(self, topic: Topic, payload: bytes, now: float) -> Vector | None:
-        """Receive a message of one of `hears`; returns a wish for an external law, m/s, if any."""
+    def on_message(self, topic: Topic, payload: bytes, now: float) -> Vector | None:
+        """Receive a message of one of `topics`; returns a wish for an external law, m/s, if any."""
         if self._shared:
             return None
         if topic == self._odometry:
@@ -98,7 +98,7 @@ class Ros2Base:
         """Set whether another process drives this base: then its data is not trusted."""
         self._shared = shared
         if shared:
-            self.senses.invalidate(f"another process drives {self.tells.name}, of this or another run")
+            self.senses.invalidate(f"another process drives {self.drives.name}, of this or another run")
 
     def stand(self, now: float) -> bytes:
         """Brake, outside of a tick; returns the payload to publish at once."""

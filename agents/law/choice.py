@@ -32,7 +32,7 @@ class ExternalLaw(Law):
         self._wish: Vector = (0.0, 0.0)
         self._until = -1  # tick up to which the wish is valid
 
-    def tell(self, wish: Vector, tick: int) -> None:
+    def on_wish(self, wish: Vector, tick: int) -> None:
         """Take a wish, m/s, received during `tick`."""
         excess = max(1.0, math.hypot(*wish) / self._speed)
         self._wish = wish[0] / excess, wish[1] / excess
@@ -90,10 +90,10 @@ class GuardedLaw:
         with self._guarded(f"cannot be constructed for robot {robot}", UsageError):
             self._law = choose(scenario, robot)
 
-    def tell(self, wish: Vector, tick: int) -> None:
+    def on_wish(self, wish: Vector, tick: int) -> None:
         """Pass a wish, m/s, received during `tick`, to the law "external"; others ignore it."""
         if isinstance(self._law, ExternalLaw):
-            self._law.tell(wish, tick)
+            self._law.on_wish(wish, tick)
 
     def velocity(self, view: View) -> Vector:
         """Desired velocity, m/s, at most the speed limit; 0 after a failure."""

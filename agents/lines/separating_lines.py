@@ -1,6 +1,6 @@
 """The constraints of one robot towards robots and obstacles: the kernel's bindings as half-planes.
 
-One tick is: `hear`, `locate`, `on_state` for late States, `entries` for the own one; `on_state` for the
+One tick is: `on_grants`, `locate`, `on_state` for late States, `entries` for the own one; `on_state` for the
 States of this tick, then `half_planes` for the velocity. No command is outstanding at these moments.
 """
 
@@ -16,7 +16,7 @@ from agents.peers.state import PeerState
 from protocol.bodies.sweep import Sweep
 from protocol.geometry import Disk as Circle
 from protocol.kernel.pair import Follower, Owner
-from protocol.kernel.records import NO, Listed, Told
+from protocol.kernel.records import NO, LifeGrants, Listed
 from protocol.kernel.robot import HALF, RobotLife
 from protocol.line import ROUNDING, HalfPlane, Line
 from protocol.messages import Answer, FirstLine, Grants, Proposal, Vector
@@ -68,7 +68,7 @@ class SeparatingLines:
 
     # -- grants of the ledger
 
-    def hear(self, grants: Grants, neighbours: Neighbours) -> None:
+    def on_grants(self, grants: Grants, neighbours: Neighbours) -> None:
         """Accept the grants of the ledger, unless newer ones were received."""
         kernel = self.kernel
         if kernel is None:
@@ -76,7 +76,7 @@ class SeparatingLines:
             kernel = self.kernel = RobotLife(self._robot, grants.life, cover, CoverGeometry())
         if grants.life != kernel.life or grants.version <= kernel.version:
             return
-        kernel.hear(_told(grants))
+        kernel.receive(_life_grants(grants))
         known, self._each = {bond.end.number: bond for bond in self._each}, []
         for listed in grants.bindings:
             end = kernel.ends[listed.number]
@@ -297,7 +297,7 @@ class SeparatingLines:
         return tuple((peer, side.nx, side.ny, side.limit + self._radius) for peer, side in found[:SHOWN])
 
 
-def _told(grants: Grants) -> Told[Region, Line]:
+def _life_grants(grants: Grants) -> LifeGrants[Region, Line]:
     """The grants of a Tick, as records of the kernel."""
     region = EVERYWHERE if grants.region is None else Region(Circle(*grants.region))
     listed: list[Listed[Region, Line]] = []
@@ -312,4 +312,4 @@ def _told(grants: Grants) -> Told[Region, Line]:
                 each.static,
             )
         )
-    return Told(grants.life, grants.version, grants.number, region, listed)
+    return LifeGrants(grants.life, grants.version, grants.number, region, listed)

@@ -36,20 +36,20 @@ class AttachedBase:
         warn: takes warnings for the operator.
 
     Attributes:
-        hears: topics to subscribe to.
+        topics: to subscribe to.
         trouble: the fault reported last; "" if none.
         in_place: whether the base was free of faults, with the robot at a valid start, at least once.
     """
 
     def __init__(self, base: Ros2Base, link: RosLink, warn: Callable[[str], None]) -> None:
-        self.hears = base.hears
+        self.topics = base.topics
         self.trouble = ""
         self.in_place = False
         self._base, self._warn = base, warn
-        link.subscribe(*base.hears)
-        self._tell = link.publisher(base.tells)
+        link.subscribe(*base.topics)
+        self._publish = link.publisher(base.drives)
         self._others: set[str] = set()  # tokens of other processes that drive this base
-        self._own = link.claim(base.tells)
+        self._own = link.claim(base.drives)
 
     @property
     def due(self) -> float:
@@ -61,9 +61,9 @@ class AttachedBase:
         """Heading of the robot in the map, rad; 0 if unknown."""
         return self._base.senses.heading()
 
-    def hear(self, topic: Topic, payload: bytes) -> Vector | None:
-        """Receive a message of one of its topics; as `Ros2Base.hear`."""
-        return self._base.hear(topic, payload, since_boot())
+    def on_message(self, topic: Topic, payload: bytes) -> Vector | None:
+        """Receive a message of one of its topics; as `Ros2Base.on_message`."""
+        return self._base.on_message(topic, payload, since_boot())
 
     def on_driver(self, token: str, alive: bool) -> None:
         """A token of a process that drives this base came or went. With several, the robot stands."""
@@ -83,11 +83,11 @@ class AttachedBase:
 
     def obey(self, command: Command) -> None:
         """Execute the Command of the newest tick, before it is sent."""
-        self._tell(self._base.obey(command, since_boot()))
+        self._publish(self._base.obey(command, since_boot()))
 
     def stand(self, core: Robot, *, founded: bool) -> None:
         """Brake at once, outside of a tick. The parameters are those of `on_timer`."""
-        self._tell(self._base.stand(since_boot()))
+        self._publish(self._base.stand(since_boot()))
         self.on_timer(core, founded=founded)
 
     def on_timer(self, core: Robot, *, founded: bool) -> None:
@@ -97,7 +97,7 @@ class AttachedBase:
             core: the robot that it moves.
             founded: whether the run had begun when the robot was admitted: then it starts at its disk.
         """
-        self._tell(self._base.on_timer(since_boot()))
+        self._publish(self._base.on_timer(since_boot()))
         trouble = self._base.senses.fault
         if not self.in_place and not trouble:
             known = self._base.senses.place()

@@ -143,9 +143,9 @@ class RobotNode:
         bus.subscribe(self._summary)
         if core.scenario.control.law == "external":
             bus.subscribe(robot_key(run, robot, "wish"))
-        self._tell_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
-        self._tell_command = bus.publisher(STREAMS["command"], robot_key(run, robot, "command"))
-        self._tell_health = bus.publisher(STREAMS["health"], robot_key(run, robot, "health"))
+        self._publish_state = bus.publisher(STREAMS["state"], robot_key(run, robot, "state"))
+        self._publish_command = bus.publisher(STREAMS["command"], robot_key(run, robot, "command"))
+        self._publish_health = bus.publisher(STREAMS["health"], robot_key(run, robot, "health"))
         self._declare_topics(core)
         if self._base is None:
             self._announce()
@@ -217,7 +217,7 @@ class RobotNode:
             self._on_message(core, message)
         else:
             self._received += 1
-            core.hearing.on_state(heard)
+            core.inbox.on_state(heard)
             self._command_if_complete(core)
 
     def _on_foreign(self, link: RosLink, event: RawSample) -> None:
@@ -226,12 +226,12 @@ class RobotNode:
         if tools is not None and tools.is_reply(event):
             return
         topic = link.topic_of(event)
-        if base is not None and topic in base.hears:
-            wish = base.hear(topic, event.payload)
+        if base is not None and topic in base.topics:
+            wish = base.on_message(topic, event.payload)
             if wish is not None and core is not None:
-                core.tell(wish)
+                core.on_wish(wish)
         elif tools is not None:
-            tools.hear(topic, event.payload)
+            tools.on_message(topic, event.payload)
             if tools.stopped and base is not None and core is not None:
                 base.stand(core, founded=self._founded)
 
@@ -247,10 +247,10 @@ class RobotNode:
         if isinstance(message, Tick):
             self._on_tick(core, message)
         elif isinstance(message, SummaryPlaces):
-            core.hearing.on_summary(message)
+            core.inbox.on_summary(message)
             self._command_if_complete(core)
         elif isinstance(message, Wish):
-            core.tell(message.velocity)
+            core.on_wish(message.velocity)
 
     def _reject(self, key: str, error: MessageError) -> None:
         """Count a message that is dropped, and report the first for each reason."""
@@ -261,7 +261,7 @@ class RobotNode:
     # -- ticks
 
     def _on_tick(self, core: Robot, tick: Tick) -> None:
-        self._world.hear()
+        self._world.on_tick()
         if tick.over:
             self._over = True
             self._world.over()
@@ -277,7 +277,7 @@ class RobotNode:
 
     def _open(self, core: Robot, tick: Tick) -> None:
         if tick.roster is not None and not core.scenario.hears_near:
-            self._peers.hear([member.robot for member in tick.roster.members])
+            self._peers.subscribe([member.robot for member in tick.roster.members])
         if tick.grants is not None and core.scenario.hears_near:
             self._peers.attend({each.peer for each in tick.grants.bindings if each.peer > 0})
         sense = None if self._base is None else self._base.begin(core, tick)
@@ -286,12 +286,12 @@ class RobotNode:
         if len(core.troubles) > self._noted:
             self._noted = len(core.troubles)
             self._warn(core.note)
-        self._tell_state(self._said_state)
+        self._publish_state(self._said_state)
         self._published += 1
         self._command_if_complete(core)
 
     def _command_if_complete(self, core: Robot) -> None:
-        if core.hearing.is_open and core.hearing.complete:
+        if core.inbox.is_open and core.inbox.complete:
             self._command(core)
 
     def _command(self, core: Robot) -> None:
@@ -299,21 +299,21 @@ class RobotNode:
         if self._base is not None:
             self._base.obey(command)
         self._said_command = encode(command)
-        self._tell_command(self._said_command)
+        self._publish_command(self._said_command)
         if self._tools is not None:
-            self._tools.tell(core, command, 0.0 if self._base is None else self._base.heading)
+            self._tools.publish(core, command, 0.0 if self._base is None else self._base.heading)
         self._published += 1
         self._peers.apply(core.tick)
 
     def _repeat(self, core: Robot, tick: Tick) -> None:
         """Answer a repeated Tick, as the State may be lost; without a Command name the missing States."""
-        self._tell_state(self._said_state)
-        if not core.hearing.is_open:
-            self._tell_command(self._said_command)
-        core.hearing.reconsider(tick)
+        self._publish_state(self._said_state)
+        if not core.inbox.is_open:
+            self._publish_command(self._said_command)
+        core.inbox.reconsider(tick)
         self._command_if_complete(core)
-        if core.hearing.is_open and core.hearing.missing:
-            self._tell_command(encode(core.complaint()))
+        if core.inbox.is_open and core.inbox.missing:
+            self._publish_command(encode(core.complaint()))
 
     def _rejoin(self, core: Robot) -> None:
         self._ended = True
@@ -343,7 +343,7 @@ class RobotNode:
             self._join()
 
     def _report(self) -> None:
-        self._tell_health(encode(self._health()))
+        self._publish_health(encode(self._health()))
 
     def _health(self) -> Health:
         core = self.core

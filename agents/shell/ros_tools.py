@@ -68,12 +68,12 @@ class RosTools:
         self._frame = f"{base.namespace.strip('/')}/disk".lstrip("/")
         self._stop = Topic(base.topic("disknav/stop"), ros.BOOL)
         link.subscribe(self._stop, Topic(base.topic("goal_pose"), ros.STAMPED_POSE))
-        self._tell_tf = link.publisher(Topic(base.topic("/tf"), ros.TF))
-        self._tell_odometry = link.publisher(Topic(base.topic("disknav/odom"), ros.ODOMETRY))
-        self._tell_markers = link.publisher(Topic(base.topic("disknav/markers"), ros.MARKERS))
+        self._publish_tf = link.publisher(Topic(base.topic("/tf"), ros.TF))
+        self._publish_odometry = link.publisher(Topic(base.topic("disknav/odom"), ros.ODOMETRY))
+        self._publish_markers = link.publisher(Topic(base.topic("disknav/markers"), ros.MARKERS))
         self._due, self._published = -math.inf, 0
 
-    def hear(self, topic: Topic, payload: bytes) -> None:
+    def on_message(self, topic: Topic, payload: bytes) -> None:
         """Receive a message; raises MessageError, also for a goal in another frame than the map."""
         if topic == self._stop:
             before, self.stopped = self.stopped, decode(Flag, payload).data
@@ -99,7 +99,7 @@ class RosTools:
             self._warn(f"a goal is refused: {outcome.text}")
         return True
 
-    def tell(self, core: Robot, command: Command, heading: float) -> None:
+    def publish(self, core: Robot, command: Command, heading: float) -> None:
         """Publish the payloads that are due, after a Command of a robot with `heading`, rad."""
         now, (position, bound) = time.monotonic(), core.place
         if position is None or now < self._due:
@@ -108,11 +108,11 @@ class RosTools:
         header, half = header_at(time.time_ns(), self._base.map_frame), 0.5 * heading
         pose = Pose([*position, 0.0], [0.0, 0.0, math.sin(half), math.cos(half)])
         moved = Transform(header, self._frame, pose.position, pose.orientation)
-        self._tell_tf(Transforms([moved]).serialize())
+        self._publish_tf(Transforms([moved]).serialize())
         velocity = turned(*command.velocity, -heading)
-        self._tell_odometry(_located(header, self._frame, pose, bound, velocity).serialize())
+        self._publish_odometry(_located(header, self._frame, pose, bound, velocity).serialize())
         if self._published % _DRAWN == 0:
-            self._tell_markers(Markers(_drawn(header, pose, core)).serialize())
+            self._publish_markers(Markers(_drawn(header, pose, core)).serialize())
         self._published += 1
 
 

@@ -28,7 +28,7 @@ class Subscriptions:
         self._near: frozenset[int] = frozenset()  # peers near now or soon; empty before the first `attend`
         self._kept: frozenset[int] | None = None  # they and those near before, from `attend` to `apply`
         self._dropped: set[str] = set()  # keys to withdraw from
-        self._heard: set[str] = set()  # keys that are subscribed to: a later life may know of more peers
+        self._subscribed: set[str] = set()  # keys that are subscribed to: a later life may know of more peers
 
     def begin(self, admission: Admission) -> None:
         """Begin a life: subscribe to all peers, unless the world will name the near ones."""
@@ -36,16 +36,16 @@ class Subscriptions:
         self._limits, self._epoch = plausible(scenario), admission.epoch
         self._near, self._kept, self._dropped, self.readers = frozenset(), None, set(), {}
         if not scenario.hears_near:
-            self.hear(scenario.ids)
+            self.subscribe(scenario.ids)
 
-    def hear(self, robots: Iterable[int]) -> None:
+    def subscribe(self, robots: Iterable[int]) -> None:
         """Subscribe to all of some robots that are peers."""
         keys = {self._key(robot): robot for robot in robots if robot != self._robot}
         for key, peer in keys.items():
             if key not in self.readers:
                 self.readers[key] = PeerReader(self._robot, peer, self._epoch, self._limits)
-        self._bus.subscribe(*[key for key in keys if key not in self._heard])
-        self._heard.update(keys)
+        self._bus.subscribe(*[key for key in keys if key not in self._subscribed])
+        self._subscribed.update(keys)
 
     def attend(self, near: Iterable[int]) -> None:
         """Set the peers that are near now or soon; `apply` applies it."""
@@ -56,13 +56,13 @@ class Subscriptions:
         """Once a tick, when no peer waits for this robot: subscribe to near peers; in later ticks, which
         differ by robot, withdraw from others."""
         if self._kept is not None:
-            self.hear(sorted(self._near))
-            self._dropped = self._heard - {self._key(peer) for peer in self._kept}
+            self.subscribe(sorted(self._near))
+            self._dropped = self._subscribed - {self._key(peer) for peer in self._kept}
             self._kept = None
         elif self._dropped and (tick + self._robot) % _TURNS == 0:
             for key in sorted(self._dropped):
                 self._bus.unsubscribe(key)
-                self._heard.discard(key)
+                self._subscribed.discard(key)
                 self.readers.pop(key, None)
             self._dropped = set()
 

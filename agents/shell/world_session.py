@@ -111,7 +111,7 @@ class WorldSession:
             raise BusError("several worlds of this run answer, end all but one")
         return mine[0]
 
-    def hear(self) -> None:
+    def on_tick(self) -> None:
         """Note a Tick of its own world, which is there whatever its token says."""
         self.heard, self._gone = time.monotonic(), inf
 

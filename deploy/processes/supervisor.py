@@ -80,7 +80,7 @@ class ProcessLife:
     cpu_s: float = 0.0  # of ended processes
     max_rss_mb: float = 0.0
 
-    def hear(self, text: str) -> None:
+    def on_report(self, text: str) -> None:
         """Keep the newest unread reports of a process; a hostile host may never stop sending."""
         if not self.process.reports:
             return
@@ -338,7 +338,7 @@ class Supervisor:
         if isinstance(news, Started):
             life.pid = news.pid
         elif isinstance(news, ProcessReport):
-            life.hear(news.text)
+            life.on_report(news.text)
         elif isinstance(news, Exited):
             life.cpu_s += news.cpu_s
             life.max_rss_mb = max(life.max_rss_mb, news.max_rss_mb)

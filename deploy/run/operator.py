@@ -27,7 +27,7 @@ from protocol.process.signals import STOP
 from protocol.scenario.model import Operation
 
 ANSWER = 5.0  # s for a router to accept, and for a world to answer
-_SOON = 2.0  # s to wait for an answer before a person hears that there is none, if the request is repeated
+_SOON = 2.0  # s to wait for an answer before a warning that there is none, if the request is repeated
 _PRESENT = 2.0  # s from a release to the number of stops in force; after that others may have followed
 _LOOK = 0.05  # s between queries of the state
 _PAUSE = 0.5  # s between them while nothing is published about an order

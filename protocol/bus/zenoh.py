@@ -126,7 +126,7 @@ class ZenohBus:
 
     def bursts(self, key_expression: str) -> Callable[[], list[tuple[str, bytes]]]:
         """Subscribe to be read later: the function returned gives keys and payloads so far, of too many the
-        newest. Nothing in Python wakes for a single sample, which is most of what hearing costs."""
+        newest. Nothing in Python wakes for a single sample, which is most of the cost."""
         ring: zenoh.handlers.RingChannel[zenoh.Sample] = zenoh.handlers.RingChannel(self._capacity)
         subscriber = self._session.declare_subscriber(key_expression, ring)
         self._declared.append(subscriber)

@@ -21,9 +21,9 @@ from protocol.kernel.records import (
     Held,
     L,
     LedgerGeometry,
+    LifeGrants,
     Listed,
     R,
-    Told,
     require,
 )
 
@@ -90,9 +90,9 @@ class Ledger(Generic[R, L]):
         if static is not None:
             if static.end(disk.name).dead == NO:
                 pair.static = None  # both ends are dead
-            elif static.told != NO or living is None or living.told == NO:
+            elif static.since != NO or living is None or living.since == NO:
                 return  # the peer obeys a binding towards that place already, or is asked for its line
-        if living is not None and (living.told != NO or living.asked != disk.name):
+        if living is not None and (living.since != NO or living.asked != disk.name):
             living.end(disk.name).dead = self.version
             pair.static = living
 
@@ -114,9 +114,9 @@ class Ledger(Generic[R, L]):
         if pair is None:
             return False
         living, static = pair.living, pair.static
-        if living is not None and living.told != NO:
+        if living is not None and living.since != NO:
             return True
-        return static is not None and static.told != NO and static.end(disk.name).dead == NO
+        return static is not None and static.since != NO and static.end(disk.name).dead == NO
 
     def grant(self, disk: DiskRecord[R], region: R) -> None:
         """Grant a further region to a life. With the first one its disk is no longer static."""
@@ -143,7 +143,7 @@ class Ledger(Generic[R, L]):
         living, static = pair.living, pair.static
         if static is not None and static.end(disk.name).dead != NO:
             pair.static = None
-        if living is not None and living.told == NO and living.asked != disk.name:
+        if living is not None and living.since == NO and living.asked != disk.name:
             pair.living = None
 
     def acknowledge(self, disk: DiskRecord[R], number: int) -> None:
@@ -200,9 +200,9 @@ class Ledger(Generic[R, L]):
         """Record by a Command that a life obeys the first line of a binding for which it was asked. No other
         life knows that line yet.
         """
-        require(binding.told == NO, "answer: it is news")
+        require(binding.since == NO, "answer: it is news")
         self.version += 1
-        binding.first, binding.told = line, self.version
+        binding.first, binding.since = line, self.version
 
     def part(self, one: DiskRecord[R], other: DiskRecord[R]) -> None:
         """End the bindings of two disks, when all that they hold is disjoint."""
@@ -247,18 +247,18 @@ class Ledger(Generic[R, L]):
 
     # -- grants
 
-    def told(self, disk: DiskRecord[R]) -> Told[R, L]:
+    def grants_of(self, disk: DiskRecord[R]) -> LifeGrants[R, L]:
         """All that concerns the present life of a disk, complete."""
         listed: list[Listed[R, L]] = []
         for peer, pair in self.pairs[disk.name].items():
             for binding in (pair.living, pair.static):
                 if binding is None or binding.end(disk.name).life != disk.life:
                     continue
-                if binding.told == NO and binding.asked != disk.name:
+                if binding.since == NO and binding.asked != disk.name:
                     continue
                 other = self.disks[peer]
                 place = other.held.regions[0][1] if other.still else None
                 static = binding.other(disk.name).dead != NO
                 listed.append(Listed(binding.number, peer, binding.first, place, static))
         held = disk.held
-        return Told(disk.life, self.version, held.granted, held.regions[-1][1], listed)
+        return LifeGrants(disk.life, self.version, held.granted, held.regions[-1][1], listed)

@@ -119,13 +119,13 @@ class Binding(Generic[L]):
         low, high: its ends.
         asked: the disk that was asked for the first line; NO if the coordinator gave it.
         first: the first line.
-        told: version that has the first line; NO while it is unknown.
+        since: version that has the first line; NO while it is unknown.
     """
 
     def __init__(self, number: int, low: End, high: End, asked: int, first: L | None) -> None:
         self.number, self.low, self.high = number, low, high
         self.asked, self.first = asked, first
-        self.told = NO if first is None else number
+        self.since = NO if first is None else number
 
     def end(self, disk: int) -> End:
         """The end of this disk."""
@@ -153,7 +153,7 @@ class Listed(Generic[R, L]):
 
 
 @mypyc_attr(allow_interpreted_subclasses=True)
-class Told(Generic[R, L]):
+class LifeGrants(Generic[R, L]):
     """Everything in the ledger that concerns one life, at one version.
 
     Attributes:

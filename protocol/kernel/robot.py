@@ -11,7 +11,7 @@ from typing import Final, Generic, Protocol
 from mypy_extensions import mypyc_attr
 
 from protocol.kernel.pair import Follower, Owner
-from protocol.kernel.records import NO, B, B_contra, L, Listed, R, Told, require
+from protocol.kernel.records import NO, B, B_contra, L, LifeGrants, Listed, R, require
 
 ASKED: Final = 0  # asked for the first line, none is obeyed yet
 LINES: Final = 1  # obeys the lines of the pair
@@ -112,20 +112,20 @@ class RobotLife(Generic[R, L, B]):
         """Whether the body is on the own side of a line, now and until no command has any effect."""
         return self._geometry.fits(self.body_towards(end), line, end.low)
 
-    def hear(self, told: Told[R, L]) -> None:
+    def receive(self, grants: LifeGrants[R, L]) -> None:
         """Accept a Tick. Bindings that it does not list are over; it adopts listed ones before its region."""
-        require(told.life == self.life, "hear: it is told to this life")
-        require(told.version > self.version, "hear: it is newer than any before")
+        require(grants.life == self.life, "receive: it is for this life")
+        require(grants.version > self.version, "receive: it is newer than any before")
         known, self.ends = self.ends, {}
-        for listed in told.bindings:
+        for listed in grants.bindings:
             end = known.get(listed.number)
             if end is None:
                 end = OwnEnd(listed, self.name < listed.peer)
             else:
                 end.place, end.static = listed.place, listed.static
             self.ends[listed.number] = end
-        self.version = told.version
-        self.offered_number, self.offered = told.number, told.region
+        self.version = grants.version
+        self.offered_number, self.offered = grants.number, grants.region
 
     def freeze(self, end: OwnEnd[R, L], line: L) -> None:
         """Obey this first line, for which the robot was asked, and announce it."""

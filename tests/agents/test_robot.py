@@ -41,7 +41,7 @@ def said() -> list[tuple[Tick, dict[int, State], Command]]:
         for i, robot in fleet.items():
             for peer in IDS:
                 if peer != i:
-                    robot.hearing.on_state(addressed_to(i, states[peer], SCENARIO.spec(peer).radius))
+                    robot.inbox.on_state(addressed_to(i, states[peer], SCENARIO.spec(peer).radius))
         commands = {i: robot.command() for i, robot in fleet.items()}
         for command in commands.values():
             world.accept(command)
@@ -58,9 +58,9 @@ def test_commands_are_the_same_in_whatever_order_its_peers_are_heard(orders: lis
             if each == OWN:
                 assert robot.begin(opened) == states[OWN]
             else:
-                robot.hearing.on_state(heard(states[each]))
+                robot.inbox.on_state(heard(states[each]))
             told = OWN in order[: count + 1]
-            assert not told or robot.hearing.complete == (count == len(order) - 1)
+            assert not told or robot.inbox.complete == (count == len(order) - 1)
         assert robot.command() == command
 
 
@@ -71,7 +71,7 @@ def test_a_robot_stands_while_its_fleet_is_halted_or_it_is_stopped(halted: bool,
         robot.begin(replace(opened, halted=halted))
         robot.stopped = stopped
         for peer in OTHERS:
-            robot.hearing.on_state(heard(states[peer]))
+            robot.inbox.on_state(heard(states[peer]))
         velocity = robot.command().velocity
     assert (velocity == (0.0, 0.0)) is (halted or stopped)
 
@@ -91,12 +91,12 @@ def test_a_missing_life_holds_up_no_robot() -> None:
     (first, states, _), (second, later, _) = said()[:2]
     robot.begin(first)
     for peer in OTHERS:
-        robot.hearing.on_state(heard(replace(states[peer], incarnation=999)))
+        robot.inbox.on_state(heard(replace(states[peer], incarnation=999)))
     robot.command()
     robot.begin(second)
     for peer in OTHERS:
-        robot.hearing.on_state(heard(later[peer]))
-    assert robot.hearing.complete
+        robot.inbox.on_state(heard(later[peer]))
+    assert robot.inbox.complete
 
 
 def test_a_robot_that_knows_nothing_any_more_adopts_nothing() -> None:
@@ -114,7 +114,7 @@ def test_a_robot_that_knows_nothing_any_more_adopts_nothing() -> None:
     (line,) = held
     offer = Proposal(robot.robot, bond.end.number, 1, line.nx, line.ny, line.offset)
     state = State(owner, 1, 1, SCENARIO.spec(owner).start, 0.0, 1.0, 1.0, (0.0, 0.0), proposals=(offer,))
-    robot.hearing.on_state(addressed_to(robot.robot, state, SCENARIO.spec(owner).radius))
+    robot.inbox.on_state(addressed_to(robot.robot, state, SCENARIO.spec(owner).radius))
     assert robot.command().velocity == (0.0, 0.0)
     end = bond.end.lines
     assert (end.seen, end.held_number, end.obeyed()) == (1, 0, held)

@@ -109,20 +109,20 @@ def test_what_is_of_another_life_or_tick_leaves_the_present_one_as_it_is() -> No
     core = node.core
     core.incarnation = 2  # a life of this process began within the tick
     fleet.world_bus.node = None
-    core.hearing.is_open = True
-    core.hearing._awaited = {2, 3, 4}
+    core.inbox.is_open = True
+    core.inbox._awaited = {2, 3, 4}
     node.handle(Sample(robot_key("local", 1, "tick"), encode(Tick(1, 1, core.tick, (1, 2), core.epoch))))
-    assert core.hearing.missing == [2, 3, 4]
+    assert core.inbox.missing == [2, 3, 4]
     node.handle(Sample(robot_key("local", 1, "tick"), encode(Tick(1, 2, core.tick, (1, 2), core.epoch))))
-    assert core.hearing.missing == [2]
+    assert core.inbox.missing == [2]
     node.handle(Sample(robot_key("local", 1, "tick"), encode(Tick(1, 2, 0, (1, 2), core.epoch))))
     assert core.tick > 0, "an older one of this life begins nothing"
     bus = fleet.network.connect()
     bus.subscribe(robot_key("local", 1, "command"))
-    core.hearing.close()
+    core.inbox.close()
     early = State(2, 1, core.tick + 1, None, 0.0, 0.0, 0.0, (0.0, 0.0), core.epoch)
     node.handle(Sample(robot_key("local", 2, "state"), encode(early)))
-    assert (core.hearing.complete, bus.receive(0.0)) == (True, None), "its Command is out"
+    assert (core.inbox.complete, bus.receive(0.0)) == (True, None), "its Command is out"
     now, tick = time.monotonic(), core.tick
     node._world.heard, node._due = now - PATIENCE, now + PATIENCE
     node.handle(Sample(robot_key("local", 1, "tick"), encode(Tick(1, 3, tick + 1, (1, 2), core.epoch))))
@@ -155,7 +155,7 @@ def test_every_life_says_once_what_troubles_it(caplog: pytest.LogCaptureFixture)
     for life in (1, 2):
         fleet.network.run(lambda life=life: node.core is not None and node.core.incarnation == life)
         node.core._estimate.contradiction = "two measurements exclude each other"
-        fleet.network.run(lambda: node.core.tick >= 0 and node.core.hearing.is_open)
+        fleet.network.run(lambda: node.core.tick >= 0 and node.core.inbox.is_open)
         begun = node.core.tick
         fleet.network.run(lambda begun=begun: node.core.tick > begun + 2)
     assert caplog.messages == ["robot-1: two measurements exclude each other; stands still"] * 2

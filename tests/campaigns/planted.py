@@ -51,8 +51,8 @@ FAULTS = (  # those that random scenarios show
         "no step of a robot fails",
         Edit(
             "agents.robot",
-            "        self.hearing.close()\n",
-            "        self.hearing.close()\n"
+            "        self.inbox.close()\n",
+            "        self.inbox.close()\n"
             "        if self.incarnation > 2 and self.tick > 3:\n            raise ZeroDivisionError\n",
         ),
     ),

@@ -21,8 +21,8 @@ KERNEL = Path(__file__).resolve().parents[2] / "protocol" / "kernel"
 SOURCES = {path.stem: path.read_text() for path in sorted(KERNEL.glob("*.py"))}
 
 KEPT = {"Held": "acknowledged granted regions", "DiskRecord": "name held phase life still"}
-KEPT |= {"End": "disk life dead", "Binding": "number low high asked first told"}
-KEPT |= {"Listed": "number peer first place static", "Told": "life version number region bindings"}
+KEPT |= {"End": "disk life dead", "Binding": "number low high asked first since"}
+KEPT |= {"Listed": "number peer first place static", "LifeGrants": "life version number region bindings"}
 KEPT |= {"Pair": "living static", "Ledger": "version disks pairs _geometry"}
 KEPT |= {"OwnEnd": "number peer low state lines half place static"}
 KEPT |= {"RobotLife": "name life body own part version number region offered_number offered ends _geometry"}
@@ -30,7 +30,7 @@ KEPT |= {"Owner": "held_number held number seen open", "Follower": "held_number 
 FIELDS = {name: fields.split() for name, fields in KEPT.items()}  # as in the model
 WRITABLE = {  # targets of assignments in a class, besides its own fields
     "Ledger": "disk.phase disk.life disk.still pair.living pair.static living.end(disk.name).dead "
-    "binding.first binding.told self.disks[name] self.pairs[name] self.pairs[low.name][high.name] "
+    "binding.first binding.since self.disks[name] self.pairs[name] self.pairs[low.name][high.name] "
     "self.pairs[high.name][low.name]",
     "RobotLife": "end.place end.static self.ends[listed.number]",
 }
@@ -39,7 +39,7 @@ OF_PAIR = r"(pair|living|static)\..+"  # all that `_end` and `_begin` read, quer
 
 KINDS = {
     "id": "name peer asked part",
-    "version": "version life number dead told acknowledged granted offered_number held_number seen each[0]",
+    "version": "version life number dead since acknowledged granted offered_number held_number seen each[0]",
     "phase": "phase GONE ANNOUNCED PRESENT",
     "state": "state ASKED LINES HALF",
     "none": "NO 0",
@@ -69,7 +69,7 @@ LOOPS = {  # and the only statement for an element; there may be no element
     r"disk in self\.disks\.values\(\)": r"self\._geometry\.note\(disk\)",
     rf"pair in {PAIRS}\.values\(\)": r"self\._(end|begin)\(pair, disk\)",
     rf"peer in list\({PAIRS}\)": r"self\._release\(disk, self\.disks\[peer\]\)",
-    r"listed in told\.bindings": r"self\.ends\[listed\.number\] = end|"
+    r"listed in grants\.bindings": r"self\.ends\[listed\.number\] = end|"
     r"end\.place, end\.static = \(listed\.place, listed\.static\)",
     r"number, line in self\.open": r"self\.held = line",
     rf"peer, pair in {PAIRS}\.items\(\)": r"other = self\.disks\[peer\]",

@@ -50,7 +50,7 @@ def history(after: dict[str, Any]) -> dict[str, Any]:
     once at most, at a version that it records."""
     v, version = S["v"], after["v"]
     changed = [f"{x}.{f}" for x in "AB" for f in ("phase", "life", "still", "granted")]
-    changed += [f"{b}.{f}" for b in "LS" for f in ("on", "number", "told", "A.dead", "B.dead")]
+    changed += [f"{b}.{f}" for b in "LS" for f in ("on", "number", "since", "A.dead", "B.dead")]
     nothing = z3.And(*[after[f] == S[f] for f in changed])
     found = {"a change has a version": z3.And(version >= v, z3.Or(version > v, nothing))}
     for x in "AB":
@@ -58,13 +58,13 @@ def history(after: dict[str, Any]) -> dict[str, Any]:
     for b in "LS":
         new = z3.And(
             after[f"{b}.number"] == version,
-            z3.Or(after[f"{b}.told"] == 0, after[f"{b}.told"] == version),
+            z3.Or(after[f"{b}.since"] == 0, after[f"{b}.since"] == version),
             *[z3.Or(after[f"{b}.{x}.dead"] == 0, after[f"{b}.{x}.dead"] == version) for x in "AB"],
         )
         same = z3.Or(*[z3.And(S[f"{old}.on"], *_goes_on(after, b, old)) for old in "LS"])
         found[f"{b}: is new or goes on"] = z3.Implies(after[f"{b}.on"], z3.Or(new, same))
         # While one life is asked, its binding with an earlier life of the other disk stays in force.
-        asks = z3.And(same, after[f"{b}.on"], after[f"{b}.told"] == 0, after[f"{b}.number"] != S["S.number"])
+        asks = z3.And(same, after[f"{b}.on"], after[f"{b}.since"] == 0, after[f"{b}.number"] != S["S.number"])
         stays = z3.And(after["S.on"], after["S.number"] == S["S.number"])
         for x in "AB":
             mine = z3.And(after[f"{b}.asked"] == CODE[x], S["S.on"], S[f"S.{x}.dead"] == 0)
@@ -75,25 +75,27 @@ def history(after: dict[str, Any]) -> dict[str, Any]:
 def noted(geometry: Geometry, after: dict[str, Any]) -> dict[str, Any]:
     """The newest notes of the geometry cover all that each disk holds."""
     found = {}
-    for x, told in geometry.noted.items():
+    for x, note in geometry.noted.items():
         acked, granted = after[f"{x}.acked"], after[f"{x}.granted"]
-        covers = z3.And(told.phase != GONE, told.acknowledged <= acked, told.granted >= granted)
+        covers = z3.And(note.phase != GONE, note.acknowledged <= acked, note.granted >= granted)
         found[f"{x}: is noted"] = z3.Implies(after[f"{x}.phase"] != GONE, covers)
-        if told.regions is not None:
-            found[f"{x}: is noted as it is"] = holds_its_regions(told, x)
+        if note.regions is not None:
+            found[f"{x}: is noted as it is"] = holds_its_regions(note, x)
     return found
 
 
 def _goes_on(after: dict[str, Any], b: str, old: str) -> Iterator[Any]:
     for kept in ("number", "asked", "A.life", "B.life"):
         yield after[f"{b}.{kept}"] == S[f"{old}.{kept}"]
-    for once in ("told", "A.dead", "B.dead"):
+    for once in ("since", "A.dead", "B.dead"):
         now, before = after[f"{b}.{once}"], S[f"{old}.{once}"]
         yield z3.Or(now == before, z3.And(before == 0, now == after["v"]))
     for x, y in (("A", "B"), ("B", "A")):
-        told = z3.Or(z3.And(after[f"{b}.told"] == 0, S[f"{old}.asked"] == CODE[x]), S[f"{old}.{y}.dead"] != 0)
+        lists = z3.Or(
+            z3.And(after[f"{b}.since"] == 0, S[f"{old}.asked"] == CODE[x]), S[f"{old}.{y}.dead"] != 0
+        )
         # A half-plane behind the place in an earlier Tick is behind the present place.
-        yield z3.Implies(told, z3.Implies(*[BESIDE[y](each[f"{y}.acked"], ANY_LINE) for each in (S, after)]))
+        yield z3.Implies(lists, z3.Implies(*[BESIDE[y](each[f"{y}.acked"], ANY_LINE) for each in (S, after)]))
 
 
 def _settled(x: str, outcome: Outcome) -> None:
@@ -121,7 +123,7 @@ def _joined(x: str, outcome: Outcome) -> None:
     begun = z3.And(made.body == body, made.own == body, made.life == life, life == NEXT)
     heard = z3.Or(*[number != 0 for number in numbers])
     empty = made.region is made.offered is None and not made.ends and made.name == CODE[x]
-    outcome.claims[f"{x}: has heard nothing"] = z3.And(empty, begun, z3.Not(heard))
+    outcome.claims[f"{x}: has received nothing"] = z3.And(empty, begun, z3.Not(heard))
 
 
 def _announced(x: str, outcome: Outcome) -> None:
@@ -167,7 +169,7 @@ def ledger_cases() -> Iterator[Case]:
         yield of_ledger("appear", lambda m, d, _: m.appear(d), x)
         yield of_ledger("part", lambda m, d, o: m.part(d, o), x)
         yield of_ledger("query: tied", lambda m, d, o: m.tied(d, o), x)
-        yield of_ledger("query: told", lambda m, d, _: m.told(d), x)
+        yield of_ledger("query: grants", lambda m, d, _: m.grants_of(d), x)
     yield of_ledger("introduce", lambda m, d, o: m.introduce(d, o, LINE_OF(NEXT, 0)), "A")
     yield of_ledger("elsewhere", lambda m, *_: vars(m).update(version=m.version + 1), "A")
     for b, slot in (("L", "living"), ("S", "static")):

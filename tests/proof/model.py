@@ -7,7 +7,7 @@ flat record of symbolic numbers and truth values:
 - of a disk X its phase, life, still, acked and granted, and any acknowledgement in transit (`said`);
 - of the process of its present life the version received, the newest region offered, the region obeyed,
   its body, the own one without a part, and whether the other disk is that part (`reach`);
-- of a binding whether it is in force (`on`), its number, told, asked (0, or one of the two disks), whether a
+- of a binding whether it is in force (`on`), its number, since, asked (0, or one of the two disks), whether a
   first line is in transit (`frozen`), and two answers;
 - of each of its ends the life, dead, the version received if that life is over, and the end in its process:
   has, state, half, static, and of the protocol number, seen, held (A, the owner), seen and held (B).
@@ -70,7 +70,7 @@ CODE = {"A": Code("id.A", 3), "B": Code("id.B", 5)}
 THIRDS = {  # disks beside A and B, with ids below, between and above, and the kind of their bindings
     Code(f"id.{place}", place): kind
     for place, kind in zip(
-        (1, 2, 8, 4, 6, 9, 0), ["asked", "told", "loose", "asked", "asked", "told", "loose"], strict=True
+        (1, 2, 8, 4, 6, 9, 0), ["asked", "begun", "loose", "asked", "asked", "begun", "loose"], strict=True
     )
 }
 _IDS = sorted([*CODE.values(), *THIRDS])
@@ -83,7 +83,7 @@ _KINDS = (
     ("{x}.", INT, "phase life acked granted taken offered obeyed said"),
     ("{x}.", BOOL, "still reach"),
     ("{x}.", BODY, "body own"),
-    ("{b}.", INT, "number told asked h s h2 s2"),
+    ("{b}.", INT, "number since asked h s h2 s2"),
     ("{b}.", BOOL, "on frozen"),
     ("{b}.{x}.", INT, "life dead taken state seen held"),
     ("{b}.{x}.", BOOL, "has static"),
@@ -133,7 +133,7 @@ def ledger_fields(ledger: Any, low: int = CODE["A"], high: int = CODE["B"]) -> d
     bindings = bindings_of(ledger, low, high)
     found |= {f"{b}.on": b in bindings for b in "LS"}
     for b, binding in bindings.items():
-        found |= {f"{b}.{f}": getattr(binding, f) for f in ("number", "told", "asked")}
+        found |= {f"{b}.{f}": getattr(binding, f) for f in ("number", "since", "asked")}
         for x, end in (("A", binding.low), ("B", binding.high)):
             found |= {f"{b}.{x}.life": end.life, f"{b}.{x}.dead": end.dead}
     return found
@@ -214,7 +214,7 @@ def _fields(s: State, of: str) -> SimpleNamespace:
 def _of_pair(s: State) -> dict[str, z3.BoolRef]:
     there = z3.And(s["A.phase"] == PRESENT, s["B.phase"] == PRESENT)
     one_moves = z3.Not(z3.And(s["A.still"], s["B.still"]))
-    counts = [z3.And(s[f"{b}.on"], s[f"{b}.told"] != 0) for b in "LS"]
+    counts = [z3.And(s[f"{b}.on"], s[f"{b}.since"] != 0) for b in "LS"]
     held = [holds(s, x, REGION[x]) for x in "AB"]
     return {
         # The claim: two present disks are disjoint.
@@ -274,7 +274,7 @@ def _of_end(s: State, b: str, x: str) -> dict[str, z3.BoolRef]:
     y = OTHER[x]
     disk, other, binding = _fields(s, x), _fields(s, y), _fields(s, b)
     end, far = _fields(s, f"{b}.{x}"), _fields(s, f"{b}.{y}")
-    told, first, is_asked = binding.told, LINE_OF(binding.number, 0), binding.asked == CODE[x]
+    since, first, is_asked = binding.since, LINE_OF(binding.number, 0), binding.asked == CODE[x]
     begun = z3.And(end.has, end.state != ASKED)
     newest = z3.If(end.dead == 0, disk.taken, end.taken)  # version that this life has received
     lives = z3.And(end.life == disk.life, disk.life != 0)
@@ -290,33 +290,33 @@ def _of_end(s: State, b: str, x: str) -> dict[str, z3.BoolRef]:
             z3.Or(end.dead == 0, binding.number <= end.dead),
             end.state >= ASKED, end.state <= HALF, z3.Implies(end.life == 0, z3.Not(end.has)),
         ),
-        # "An end that is asked has a life, and the other stands until the first line is told."
-        "asked": z3.Implies(is_asked, z3.If(told == 0, z3.And(other.still, end.dead == 0), begun)),
-        # "A life that has taken in a version that tells a binding has taken the binding."
-        "taken with its version": z3.Implies(z3.And(end.dead == 0, told != 0, told <= disk.taken), begun),
+        # "An end that is asked has a life, and the other stands until the first line is known."
+        "asked": z3.Implies(is_asked, z3.If(since == 0, z3.And(other.still, end.dead == 0), begun)),
+        # "A life that has received a version in which a binding has its first line has adopted the binding."
+        "taken with its version": z3.Implies(z3.And(end.dead == 0, since != 0, since <= disk.taken), begun),
         "taken from a Tick": z3.Implies(
             end.has,
             z3.And(
                 binding.number <= newest,
-                z3.Or(is_asked, z3.And(told != 0, told <= newest, end.state != ASKED)),
+                z3.Or(is_asked, z3.And(since != 0, since <= newest, end.state != ASKED)),
             ),
         ),
-        # "All that a disk held when the first line was told is beside it, but of the one that was asked."
+        # "All that a disk held when the first line became known is beside it, but of the one that was asked."
         "beside the first line": z3.Implies(
-            z3.And(told != 0, end.dead == 0, z3.Not(is_asked), holds(s, x, REGION[x]), REGION[x] < told),
+            z3.And(since != 0, end.dead == 0, z3.Not(is_asked), holds(s, x, REGION[x]), REGION[x] < since),
             BESIDE[x](REGION[x], first),
         ),
         # "A body fits all lines that it obeys, and the first one before it knows of it."
         "fits its lines": z3.Implies(
             z3.And(
-                z3.Or(told != 0, z3.And(end.has, end.state == LINES)),
+                z3.Or(since != 0, z3.And(end.has, end.state == LINES)),
                 z3.Not(z3.And(end.has, end.state == HALF)),
                 obeys(s, b, x, K),
             ),
             FITS[x](towards(s, x), LINE_OF(binding.number, K)),
         ),
         "first line said": z3.Implies(z3.And(binding.frozen, is_asked), begun),
-        "frozen": z3.Implies(z3.And(told == 0, begun), BESIDE[y](other.acked, first)),
+        "frozen": z3.Implies(z3.And(since == 0, begun), BESIDE[y](other.acked, first)),
         # "A half-plane is obeyed only towards what stands."
         "half-plane": z3.Implies(
             z3.And(end.has, end.state == HALF),
@@ -330,12 +330,12 @@ def _of_end(s: State, b: str, x: str) -> dict[str, z3.BoolRef]:
 def _of_binding(s: State, b: str) -> dict[str, z3.BoolRef]:
     """For a binding in force, and the numbers of its lines."""
     binding, e = _fields(s, b), ends(s, b)
-    number, told, asked = binding.number, binding.told, binding.asked
+    number, since, asked = binding.number, binding.since, binding.asked
     answers = [(binding.h, binding.s), (binding.h2, binding.s2)]
     found = {
         "numbers": z3.And(
-            number > 0, number <= s["v"], z3.Or(told == 0, z3.And(number <= told, told <= s["v"])),
-            z3.Or(*[asked == each for each in (0, *CODE.values())]), z3.Implies(asked == 0, told == number),
+            number > 0, number <= s["v"], z3.Or(since == 0, z3.And(number <= since, since <= s["v"])),
+            z3.Or(*[asked == each for each in (0, *CODE.values())]), z3.Implies(asked == 0, since == number),
         ),
         # "Whichever line the follower obeys, the owner obeys too."
         "the owner obeys what the follower obeys": owner_obeys(s, b, e["adopted"]),

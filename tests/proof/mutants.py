@@ -24,7 +24,7 @@ REDUNDANT = {
 }
 
 
-_LIVING, _STATIC = "if living is not None and living.told", "if static is not None and static.end"
+_LIVING, _STATIC = "if living is not None and living.since", "if static is not None and static.end"
 _ENDED = "            pair.living = None\n\n    def ack"
 _TAKES_OVER = "        elif living and static:\n            living.first = static.first\n"
 _COVERED, _UNLESS = "covered = own if end.peer == part else body\n", "            if "
@@ -42,16 +42,16 @@ _CHANGED = (  # name, rule, source text, and its replacement
     ("a follower obeys what it held before", "adopt", "self.held_number, self.held = number, line",
      "self.held_number = number"),
     ("a half-plane is not obeyed", "turn", "return [self.half]", "return []"),
-    ("an older region is told", "tell", "held.regions[-1]", "held.regions[0]"),
-    ("a disk is told its own place", "tell", "place = other.held", "place = disk.held"),
+    ("an older region is sent", "message", "held.regions[-1]", "held.regions[0]"),
+    ("a disk is sent its own place", "message", "place = other.held", "place = disk.held"),
     ("a region that is obeyed is forgotten", "acknowledge", "each[0] >= number", "each[0] > number"),
     ("a part ends bindings of others", "part", "pairs[one.name].pop(other.name, None)",
      "pairs[one.name].clear()"),
     ("the swept body is not recorded", "command", "= body, own, part", "= own, own, part"),
-    ("a half-plane is forgotten", "hear", "end.static = listed.place, listed.static",
+    ("a half-plane is forgotten", "receive", "end.static = listed.place, listed.static",
      "end.half = listed.place, None"),
-    ("a first line is not recorded", "answer", "binding.first, binding.told = line,", "binding.told ="),
-    ("tied by a binding that is not told", "grant", f"{_LIVING} != NO:", "if living is not None:"),
+    ("a first line is not recorded", "answer", "binding.first, binding.since = line,", "binding.since ="),
+    ("tied by a binding without a first line", "grant", f"{_LIVING} != NO:", "if living is not None:"),
     ("tied because they were once", "grant", f"        {_LIVING} != NO:",
      f"        if living is None and static is None:\n            return True\n        {_LIVING} != NO:"),
     ("tied by a place of its own", "grant", " and static.end(disk.name).dead == NO", ""),
@@ -61,9 +61,9 @@ _CHANGED = (  # name, rule, source text, and its replacement
     ("a fence forgets the line", "fence", "            pair.static = living\n", "            pass\n"),
     ("a fence keeps a binding of two dead ends", "fence", "pair.static = None  # both ends are dead",
      "return"),
-    ("a fence keeps an older binding", "fence", "static.told != NO or", "True or"),
-    ("a fence drops an older binding", "fence", " or living is None or living.told == NO:", ":"),
-    ("what is listed is not taken", "hear", "self.ends[listed.number] = end\n", "pass\n"),
+    ("a fence keeps an older binding", "fence", "static.since != NO or", "True or"),
+    ("a fence drops an older binding", "fence", " or living is None or living.since == NO:", ":"),
+    ("what is listed is not taken", "receive", "self.ends[listed.number] = end\n", "pass\n"),
     ("only the newest region is held", "grant", "held.grant(self.version", "held.stand(self.version"),
     ("a region that is granted is not kept", "grant", "self.regions.append((number, region))", "pass"),
     ("a place that is left is kept", "settle", "self.regions = [(number, place)]", "pass"),
@@ -75,7 +75,7 @@ _CHANGED = (  # name, rule, source text, and its replacement
     ("a fence is not noted", "fence", f"place)\n            {_NOTED}", "place)\n"),
     ("a settled place is not noted", "settle", f"place)\n        {_NOTED}", "place)\n"),
     ("an announced disk is not noted", "announce", "self._geometry.note(found)", ""),
-    ("only what has a place is taken", "hear", "            self.ends[listed.number] = end\n",
+    ("only what has a place is taken", "receive", "            self.ends[listed.number] = end\n",
      "            if end.place is not None:\n                self.ends[listed.number] = end\n"),
     ("a first line is a half-plane", "freeze", "Follower(first)", "Follower(first); self.half = first"),
     ("a first line beside any other", "freeze", "line in self.kept(end)", "len(self.kept(end)) > 0"),
@@ -99,7 +99,7 @@ _CHANGED = (  # name, rule, source text, and its replacement
     ("a number that is an id ends all", "command", _COVERED,
      f"{_COVERED}{_UNLESS}self.name in self.ends:\n{_NEXT}"),
     ("any part makes a body small", "freeze", "end.peer == self.part", "self.part != NO"),
-    ("telling forgets regions", "tell", "        held = disk.held\n",
+    ("a message forgets regions", "message", "        held = disk.held\n",
      "        held = disk.held\n        held.acknowledge(held.granted)\n"),
     ("a life begins that is none", "rejoin", "disk.life = self.version", "disk.life = NO"),
     ("what has appeared is not present", "appear", "        disk.phase = PRESENT", "        pass"),

@@ -77,8 +77,8 @@ def disk_of(name: Code) -> Any:
 def binding_of(b: str) -> Any:
     low, high = (SOURCE.records.End(CODE[x], S[f"{b}.{x}.life"], S[f"{b}.{x}.dead"]) for x in "AB")
     binding = SOURCE.records.Binding(S[f"{b}.number"], low, high, S[f"{b}.asked"], None)
-    binding.told, binding.of = S[f"{b}.told"], b
-    return with_optional(binding, first=(LINE_OF(S[f"{b}.number"], 0), binding.told != 0))
+    binding.since, binding.of = S[f"{b}.since"], b
+    return with_optional(binding, first=(LINE_OF(S[f"{b}.number"], 0), binding.since != 0))
 
 
 def ledger_of(geometry: Geometry, changing: str = "") -> Any:
@@ -135,7 +135,7 @@ def pair_with_third(name: Code, third: Code) -> Any:
     if THIRDS[third] == "asked":
         both.living = binding(2, (life, 0), (1, 0), third, None)
         both.static = binding(1, (life, 0), (1, 2), 0, line)
-    elif THIRDS[third] == "told":
+    elif THIRDS[third] == "begun":
         both.living = binding(2, (life, 0), (1, 0), 0, line)
     else:
         both.static = binding(2, (0, 2), (1, 0), 0, line)
@@ -148,7 +148,7 @@ def treated(made: Any, name: int, third: int) -> list[Any]:
     found: list[Any] = [pair is made.pairs[third].get(name), pair is None]
     for b, binding in bindings_of(made, name, third).items():
         mine, other = sorted((binding.low, binding.high), key=lambda end: bool(end.disk != name))
-        found += [b, *map(str, (binding.told, mine.dead, other.dead))]
+        found += [b, *map(str, (binding.since, mine.dead, other.dead))]
     return found
 
 
@@ -195,10 +195,10 @@ def ledger_claims(made: Any) -> dict[str, Any]:
 
 
 def _has_its_first_line(binding: Any) -> Any:
-    told = binding.told != 0
+    since = binding.since != 0
     if "first" not in vars(binding):  # no rule has looked at it
-        return told == (S[f"{binding.of}.told"] != 0)
-    return z3.If(told, z3.Or(binding.first == LINE_OF(binding.number, 0)), binding.first is None)
+        return since == (S[f"{binding.of}.since"] != 0)
+    return z3.If(since, z3.Or(binding.first == LINE_OF(binding.number, 0)), binding.first is None)
 
 
 def own_claims(made: Any) -> dict[str, Any]:

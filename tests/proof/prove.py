@@ -11,7 +11,7 @@ import z3
 from tests.proof.ledger_rules import ledger_cases
 from tests.proof.model import IDS, INT, axioms, invariant, quantified, smaller, variables_in
 from tests.proof.outcomes import PROPOSED, Case, Outcome, S
-from tests.proof.robot_rules import robot_cases, tells
+from tests.proof.robot_rules import message_cases, robot_cases
 from tests.proof.symbolic import ConcreteRun, evaluated, expression, paths
 
 TIMEOUT = 20_000  # ms, of one query
@@ -22,10 +22,10 @@ GEOMETRY = [
     *[each for x in "AB" for each in smaller(x, S[f"{x}.own"], S[f"{x}.body"])],
 ]
 
-CASES = {case.rule: case for case in (*ledger_cases(), *robot_cases(), *tells())}  # by rule
+CASES = {case.rule: case for case in (*ledger_cases(), *robot_cases(), *message_cases())}  # by rule
 RULES = {  # methods of the kernel that the cases execute
     "Ledger": "rejoin fence settle grant acknowledge introduce ask answer part announce appear remove",
-    "RobotLife": "hear freeze turn adopt command locate",
+    "RobotLife": "receive freeze turn adopt command locate",
     "Owner": "propose on_answer",
     "Follower": "on_proposal",
 }

@@ -86,8 +86,8 @@ def _cases() -> Iterator[Case]:
         yield of_robot("command", x, _command, "body|own|part")
         yield of_robot("locate", x, _locate, "body|own")
         yield Case(f"say region {x}", partial(_say, x), [S[f"{x}.life"] != 0, S[f"{x}.phase"] == PRESENT])
-        yield Case(f"hear {x}", partial(_hear, x, ""), _heard(x))
-        yield Case(f"hear {x} late", partial(_hear, x, "S"), _heard_late(x))
+        yield Case(f"receive {x}", partial(_receive, x, ""), _received(x))
+        yield Case(f"receive {x} late", partial(_receive, x, "S"), _received_late(x))
 
 
 def _line(b: str, number: Any) -> z3.ExprRef:
@@ -170,18 +170,18 @@ def _say(x: str) -> Outcome:
     return outcome
 
 
-AT, NUMBER = z3.Int("heard"), z3.Int("heard region")
-LIFE, TO = z3.Int("hearing life"), z3.Int("life told")
+AT, NUMBER = z3.Int("received"), z3.Int("received region")
+LIFE, TO = z3.Int("receiving life"), z3.Int("addressed life")
 
 
-def _heard(x: str) -> list[Any]:
+def _received(x: str) -> list[Any]:
     """The present life receives a Tick of any version."""
     present = [S[f"{x}.life"] == LIFE, LIFE != 0, S[f"{x}.phase"] == PRESENT]
-    told = [S["v"] >= AT, AT >= TO, NUMBER <= AT]
-    return [*present, *told, z3.Implies(LIFE == TO, S[f"{x}.granted"] >= NUMBER)]
+    sent = [S["v"] >= AT, AT >= TO, NUMBER <= AT]
+    return [*present, *sent, z3.Implies(LIFE == TO, S[f"{x}.granted"] >= NUMBER)]
 
 
-def _heard_late(x: str) -> list[Any]:
+def _received_late(x: str) -> list[Any]:
     """An earlier life receives a Tick, sent before it ended."""
     over = [S["S.on"], S[f"S.{x}.life"] == LIFE, LIFE != 0, S[f"S.{x}.dead"] != 0]
     return [*over, z3.Implies(LIFE == TO, S[f"S.{x}.dead"] > AT)]
@@ -191,11 +191,11 @@ def _listed(x: str, place: Any) -> list[Any]:
     """The bindings in force of the life of X to which a Tick of this version is sent, as it lists them."""
     y, listed = OTHER[x], []
     for b in ends_of(x, TO, taken=False):
-        told = z3.And(S[f"{b}.told"] != 0, S[f"{b}.told"] <= AT)
-        if z3.And(S[f"{b}.number"] <= AT, z3.Or(told, S[f"{b}.asked"] == CODE[x])):
+        begun = z3.And(S[f"{b}.since"] != 0, S[f"{b}.since"] <= AT)
+        if z3.And(S[f"{b}.number"] <= AT, z3.Or(begun, S[f"{b}.asked"] == CODE[x])):
             static = z3.And(S[f"{b}.{y}.dead"] != 0, S[f"{b}.{y}.dead"] <= AT)
             each = SOURCE.records.Listed(S[f"{b}.number"], CODE[y], None, place, static)
-            listed.append(with_optional(each, first=(_line(b, 0), told)))
+            listed.append(with_optional(each, first=(_line(b, 0), begun)))
     return listed
 
 
@@ -213,7 +213,7 @@ def _is_taken(made: Any, listed: Any) -> bool:
     return same and end.low == (made.name < listed.peer) and all(mine is line for mine, line in kept)
 
 
-def _hear(x: str, late: str) -> Outcome:
+def _receive(x: str, late: str) -> Outcome:
     """A life receives a Tick, which lists every binding in force as of its version (`history`)."""
     geometry = Geometry()
     known = [end_of(b, x, z3.Int(f"{b}.place before")) for b in ends_of(x, LIFE)]
@@ -222,13 +222,13 @@ def _hear(x: str, late: str) -> Outcome:
     if late:
         made.version = S[f"{late}.{x}.taken"]
     each = zip(_NUMBERS, [*THIRDS][::2], (z3.Const("listed line", LINE), None), strict=False)
-    told = z3.Int("listed place"), z3.Bool("listed static")
-    others = [SOURCE.records.Listed(*third, *told) for third in each]
+    at = z3.Int("listed place"), z3.Bool("listed static")
+    others = [SOURCE.records.Listed(*third, *at) for third in each]
     place = S[f"{OTHER[x]}.acked"] if z3.Bool("is unknown") else None  # both are possible
     listed = [others[0], *_listed(x, place), others[1]]
     frames = [Frame(end, "place|static") for end in made.ends.values()]
     frames.append(Frame(made, "version|offered_number|offered|ends"))
-    made.hear(SOURCE.records.Told(TO, AT, NUMBER, NUMBER, SymbolicList(lambda: listed)))
+    made.receive(SOURCE.records.LifeGrants(TO, AT, NUMBER, NUMBER, SymbolicList(lambda: listed)))
     outcome = Outcome(geometry)
     after, claims = outcome.after, outcome.claims
     if late:
@@ -253,28 +253,28 @@ def _hear(x: str, late: str) -> Outcome:
     return outcome
 
 
-def tells() -> Iterator[Case]:
-    """The ledger's present Tick is as the rule `hear` assumes, at this version."""
+def message_cases() -> Iterator[Case]:
+    """The ledger's present Tick is as the rule `receive` assumes, at this version."""
     for x in "AB":
         now = [S["v"] == AT, S[f"{x}.life"] == LIFE, LIFE == TO, TO != 0]
-        yield Case(f"tell {x}", partial(_told_now, x), now)
+        yield Case(f"message {x}", partial(_message_now, x), now)
 
 
-def _told_now(x: str) -> Outcome:
+def _message_now(x: str) -> Outcome:
     geometry = Geometry()
     made = ledger_of(geometry)
-    told, place = made.told(made.disks[CODE[x]]), S[f"{OTHER[x]}.acked"]
+    grants, place = made.grants_of(made.disks[CODE[x]]), S[f"{OTHER[x]}.acked"]
     listed = _listed(x, place if S[f"{OTHER[x]}.still"] else None)
     granted, pairs = S[f"{x}.granted"], made.pairs[CODE[x]]
-    thirds = [each.peer for each in told.bindings if each.peer not in CODE.values()]
-    outcome = outcome_of(made, geometry)
+    thirds = [each.peer for each in grants.bindings if each.peer not in CODE.values()]
+    outcome, own = outcome_of(made, geometry), SOURCE.records.LifeGrants
     outcome.claims |= {
-        "told: what it obeys": _same(told, SOURCE.records.Told(TO, AT, granted, granted, told.bindings)),
-        "told: its bindings": z3.And(
-            len(told.bindings) == len(listed) + len(thirds),
-            *[z3.Or(*[_same(one, each) for one in told.bindings]) for each in listed],
+        "grants: what it obeys": _same(grants, own(TO, AT, granted, granted, grants.bindings)),
+        "grants: its bindings": z3.And(
+            len(grants.bindings) == len(listed) + len(thirds),
+            *[z3.Or(*[_same(one, each) for one in grants.bindings]) for each in listed],
         ),
-        "told: all others": thirds == [each for each in THIRDS if each in pairs and THIRDS[each] != "loose"],
+        "grants: others": thirds == [each for each in THIRDS if each in pairs and THIRDS[each] != "loose"],
     }
     return outcome
 

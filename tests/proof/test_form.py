@@ -31,9 +31,9 @@ REFUSED = {  # text of the kernel, and continuations that are refused
         " and (still := begins)", " and disk.still == begins", " and self.announce(name, region).still",
     ],
     "\n        disk.life = self.version": [
-        "; Pair.told = disk", "; disk.told = self.version", "; disk.held.regions = []", "; made = self",
+        "; Pair.since = disk", "; disk.since = self.version", "; disk.held.regions = []", "; made = self",
         "; self.version /= 1", "; self.version += 1.0", "; del self.disks[NO]", "; self.disks[self] = disk",
-        "; require(disk.still, 'late: still')", "; require.told = disk", "; pass",
+        "; require(disk.still, 'late: still')", "; require.since = disk", "; pass",
         "; still = self._geometry.apart(disk.held, disk.held)",
     ],
     "\n            self._end(pair, disk)": [
@@ -51,7 +51,7 @@ REFUSED = {  # text of the kernel, and continuations that are refused
     "\n                found.extend(end.obeyed)": ["; asked = found[0]", "; found = end.obeyed"],
     "\n        held = disk.held": ["; listed = held.regions; listed.append(NO)"], "import Generic": [", sys"],
     " if other.still else None": ["; found = other.held; found.acknowledge(NO)"], "name: int": [" | L"],
-    "\n        self.told = NO": ["; self.hidden = NO"], "self.still = True": ["; held.stand(NO, held)"],
+    "\n        self.since = NO": ["; self.hidden = NO"], "self.still = True": ["; held.stand(NO, held)"],
     "class Pair(Generic[L]": [", list", " and dict"], "NO: Final = 0": [" - 7"],
     'R = TypeVar("R")': [" and []"], "    if not holds": [" and what"],
     "\n    def ": ["__getattr__", "kept(self): pass\n    def ", "popitem(self): return\n    def "],

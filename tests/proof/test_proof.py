@@ -17,7 +17,7 @@ from tests.proof.walks import WEIGHTS, walk
 # Methods that are no rules: steps within rules, and queries, which have no effect.
 PARTS = "Held.grant Held.acknowledge Held.stand OwnEnd.begin OwnEnd.turn"
 QUERIES = (
-    "Ledger.tied Ledger.told RobotLife.fits RobotLife.behind RobotLife.kept RobotLife.body_towards"
+    "Ledger.tied Ledger.grants_of RobotLife.fits RobotLife.behind RobotLife.kept RobotLife.body_towards"
     " OwnEnd.obeyed Owner.obeyed Follower.obeyed Binding.end Binding.other"
 )
 

@@ -61,9 +61,9 @@ NOWHERE = Disk(0.0, 0.0, 0.0)
 ROOM = 2.0**-6  # m, between a body and its region, and a region and a line; sums with integers are exact
 WEIGHTS = {
     "fence": 0.1, "settle": 1.0, "part": 0.1, "remove": 0.1, "restart": 0.3, "rejoin": 1.0, "grant": 2.0,
-    "introduce": 2.0, "ask": 3.0, "announce": 0.5, "appear": 1.0, "tell": 4.0, "hear": 6.0, "command": 12.0,
-    "reach": 6.0, "take_up": 4.0, "adopt_region": 6.0, "acknowledge": 3.0, "freeze": 8.0, "answer": 6.0,
-    "turn": 3.0, "propose": 4.0, "adopt": 6.0, "read_answer": 4.0,
+    "introduce": 2.0, "ask": 3.0, "announce": 0.5, "appear": 1.0, "message": 4.0, "receive": 6.0,
+    "command": 12.0, "reach": 6.0, "take_up": 4.0, "adopt_region": 6.0, "acknowledge": 3.0, "freeze": 8.0,
+    "answer": 6.0, "turn": 3.0, "propose": 4.0, "adopt": 6.0, "read_answer": 4.0,
 }  # fmt: skip
 _FACTORS = (0.2, 0.5, 1.0, 1.0, 2.0, 4.0)  # factors of these: no two walks have the same character
 
@@ -221,14 +221,14 @@ class Walk:
 
     # -- robots
 
-    def do_tell(self) -> None:
+    def do_message(self) -> None:
         disk = self.disk()
         require(disk.life != NO, "no life is listening")
-        self.sent["Tick"].append((disk.name, self.ledger.told(disk)))
+        self.sent["Tick"].append((disk.name, self.ledger.grants_of(disk)))
 
-    def do_hear(self) -> None:
+    def do_receive(self) -> None:
         robot = self.robot()
-        robot.hear(*self.received("Tick", robot.name))
+        robot.receive(*self.received("Tick", robot.name))
 
     def do_freeze(self) -> None:
         robot, end = self.end()

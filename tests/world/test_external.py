@@ -31,7 +31,7 @@ def test_a_robot_that_was_not_heard_stands_within_all_that_its_body_may_have_don
     """A lease runs from when its command was sent, which may be a moment before it is heard."""
     outside, body = External(SETTING), SETTING.body_of(1)
     outside.sense(heard)
-    outside.hear(Command(1, 1, 4, (0.1, 0.0), report=Report((0.05, 0.0), 2e-3)))
+    outside.on_command(Command(1, 1, 4, (0.1, 0.0), report=Report((0.05, 0.0), 2e-3)))
     leased = 0.5 + body.hold + 0.2 / 0.5  # then it has braked
     last = heard + 2 + int(leased / 0.1)
     for tick in range(heard + 1, last):
@@ -47,13 +47,13 @@ def test_an_emergency_stop_has_succeeded_once_every_base_had_the_time_to_brake()
     outside, body = External(SETTING), SETTING.body_of(1)
     outside.sense(4)
     assert outside.moving() == frozenset(), "no base has ever been told to move"
-    outside.hear(Command(1, 1, 4, (0.0, 0.0), region=1, report=Report((0.05, 0.0), 2e-3)))
+    outside.on_command(Command(1, 1, 4, (0.0, 0.0), region=1, report=Report((0.05, 0.0), 2e-3)))
     outside.stop(5)
     outside.sense(5)
     assert outside.moving() == {1}, "it may be told to move in the tick that was open"
-    outside.hear(Command(1, 1, 4, (0.0, 0.0), region=1))
+    outside.on_command(Command(1, 1, 4, (0.0, 0.0), region=1))
     outside.sense(6)
-    outside.hear(Command(1, 1, 5, (0.0, 0.0), region=1, report=Report((0.05, 0.0), 2e-3)))
+    outside.on_command(Command(1, 1, 5, (0.0, 0.0), region=1, report=Report((0.05, 0.0), 2e-3)))
     braked = 8 + int((body.hold + 0.2 / 0.5) / 0.1)
     for tick in range(6, braked):
         outside.sense(tick)
@@ -76,10 +76,10 @@ def test_a_robot_whose_lease_may_run_is_not_taken_for_static(monkeypatch: pytest
         outside.sense(command.tick)
         base.begin(Tick(robot, 1, command.tick, scenario.ids, heard=command.tick - 1), now)
         base.obey(command, now)
-    outside.hear(waits)
+    outside.on_command(waits)
     assert robot in outside.resting()
     assert leases[-1] < 0.5, "it does not move"
-    outside.hear(moves)
+    outside.on_command(moves)
     base.begin(Tick(robot, 1, 6, scenario.ids, heard=5), 0.6)
     base.obey(moves, 0.6)
     assert robot not in outside.resting()
@@ -90,7 +90,7 @@ def test_another_world_bounds_what_a_base_may_cover_until_its_lease_is_over() ->
     """Whatever the dead world has told, and however late a Command of its open tick is sent."""
     outside, body = External(SETTING), SETTING.body_of(1)
     outside.sense(20)
-    outside.hear(Command(1, 1, 20, (0.1, 0.0), region=1, report=Report((0.05, 0.0), 2e-3)))
+    outside.on_command(Command(1, 1, 20, (0.1, 0.0), region=1, report=Report((0.05, 0.0), 2e-3)))
     outside.sense(21)
     past = outside.past
     leased = 0.5 + body.hold + 0.2 / 0.5
@@ -105,16 +105,16 @@ def test_another_world_bounds_what_a_base_may_cover_until_its_lease_is_over() ->
     last = 23 + int(leased / 0.1)
     for tick in range(21, last):
         later.sense(tick)
-        later.hear(Command(1, 2, tick, (0.0, 0.0), report=Report((0.06, 0.0), 2e-3)))
+        later.on_command(Command(1, 2, tick, (0.0, 0.0), report=Report((0.06, 0.0), 2e-3)))
         assert later.resting() == {}, "it may still move under the lease of its earlier life"
     late = 1 + int(LATE / 0.1)  # ticks by which a report may be of odometry from before it stood
     for tick in range(last + 1, last + 1 + late):
         later.sense(tick)
-        later.hear(Command(1, 2, tick, (0.0, 0.0), report=Report((0.06, 0.0), 2e-3)))
+        later.on_command(Command(1, 2, tick, (0.0, 0.0), report=Report((0.06, 0.0), 2e-3)))
         assert later.resting() == {1: (0.06, 0.0)}
         assert later.unsettled == {1}
     later.sense(last + 1 + late)
-    later.hear(Command(1, 2, last + 1 + late, (0.0, 0.0), report=Report((0.06, 0.0), 2e-3)))
+    later.on_command(Command(1, 2, last + 1 + late, (0.0, 0.0), report=Report((0.06, 0.0), 2e-3)))
     assert later.resting() == {1: (0.06, 0.0)}
     assert later.unsettled == set()
     assert later.bounds == {1: 2e-3}
@@ -122,16 +122,16 @@ def test_another_world_bounds_what_a_base_may_cover_until_its_lease_is_over() ->
 
 def test_a_base_that_stands_is_settled_where_it_is_known_exactly_or_after_a_while() -> None:
     outside, exact = External(SETTING), 0.1 * 0.05
-    outside.hear(Command(1, 1, 4, (0.1, 0.0), report=Report((0.05, 0.0), 0.5 * exact)))
+    outside.on_command(Command(1, 1, 4, (0.1, 0.0), report=Report((0.05, 0.0), 0.5 * exact)))
     for tick in range(5, 60):
         outside.sense(tick)
-        outside.hear(Command(1, 2, tick, (0.0, 0.0), report=Report((0.06, 0.0), 5.0 * exact)))
+        outside.on_command(Command(1, 2, tick, (0.0, 0.0), report=Report((0.06, 0.0), 5.0 * exact)))
         resting = outside.resting()
         assert outside.unsettled == set(resting)
-    outside.hear(Command(1, 2, 60, (0.0, 0.0), report=Report((0.06, 0.0), exact)))
+    outside.on_command(Command(1, 2, 60, (0.0, 0.0), report=Report((0.06, 0.0), exact)))
     assert outside.resting()
     assert outside.unsettled == set()
-    outside.hear(Command(1, 2, 61, (0.0, 0.0), report=Report((0.06, 0.0), 5.0 * exact)))
+    outside.on_command(Command(1, 2, 61, (0.0, 0.0), report=Report((0.06, 0.0), 5.0 * exact)))
     outside.sense(120)
     assert outside.resting()
     assert outside.unsettled == set()

@@ -206,13 +206,13 @@ class Exchange:
         reason = self._refusal(command)
         if reason:
             self.refused[reason] += 1
-            return reason == "late" and self._is_external and self._lives.hear(command)
+            return reason == "late" and self._is_external and self._lives.on_command(command)
         if command.awaits:
             self._missing[command.robot] = command.awaits
             return False
         self.waiting.discard(command.robot)
         self.taken[command.robot] = command
-        self._lives.hear(command)
+        self._lives.on_command(command)
         if self._interest is not None:
             self._interest.accept(command)
         return True
@@ -263,7 +263,7 @@ def blamed(
         if 2 * count > heard_by[robot] - 1
     }
     return (unheard | silent) or {
-        robot: f"does not hear its peers: it lacks the State of {_names(missing[robot])}"
+        robot: f"lacks the State of {_names(missing[robot])}"
         for robot in sorted(waiting)
     }
 

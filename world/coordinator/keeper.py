@@ -18,7 +18,7 @@ from protocol.crowd import slack_of
 from protocol.geometry import Disk as Circle
 from protocol.geometry import Shape, points_of
 from protocol.kernel.ledger import Ledger
-from protocol.kernel.records import ANNOUNCED, NO, PRESENT, Binding, DiskRecord, Held, Told
+from protocol.kernel.records import ANNOUNCED, NO, PRESENT, Binding, DiskRecord, Held, LifeGrants
 from protocol.line import ROUNDING, Line
 from protocol.messages import Command, Grants, Vector
 from protocol.messages import ListedBinding as Listing
@@ -141,7 +141,7 @@ class Keeper:
             (peer, binding)
             for peer, pair in self._ledger.pairs[disk.name].items()
             for binding in (pair.living, pair.static)
-            if binding is not None and binding.asked == disk.name and binding.told == NO
+            if binding is not None and binding.asked == disk.name and binding.since == NO
         ]
 
     # -- once a tick
@@ -246,7 +246,8 @@ class Keeper:
         if disk.life == NO:
             return ()
         if robot not in self._bound:
-            self._bound[robot] = {each.peer for each in self._ledger.told(disk).bindings if each.peer > 0}
+            bindings = self._ledger.grants_of(disk).bindings
+            self._bound[robot] = {each.peer for each in bindings if each.peer > 0}
         return self._bound[robot]
 
     def news(self, robot: int) -> Grants | None:
@@ -254,19 +255,19 @@ class Keeper:
         disk = self._ledger.disks[robot]
         if disk.life == NO or self._known.get(robot, 0) >= self._changed.get(robot, 0):
             return None
-        return _message(self._ledger.told(disk))
+        return _message(self._ledger.grants_of(disk))
 
 
 def _shapes(held: Held[Region]) -> list[Shape]:
     return [region.shape for _, region in held.regions]
 
 
-def _message(told: Told[Region, Line]) -> Grants:
+def _message(grants: LifeGrants[Region, Line]) -> Grants:
     listings = []
-    for each in told.bindings:
+    for each in grants.bindings:
         points, radius = ((), 0.0) if each.place is None else points_of(each.place.shape)
         first = None if each.first is None else (each.first.nx, each.first.ny, each.first.offset)
         listings.append(Listing(each.number, each.peer, first, points, radius, each.static))
-    region = told.region.shape.around
-    disk = None if told.region.is_everywhere else (region.x, region.y, region.radius)
-    return Grants(told.life, told.version, told.number, disk, tuple(listings))
+    region = grants.region.shape.around
+    disk = None if grants.region.is_everywhere else (region.x, region.y, region.radius)
+    return Grants(grants.life, grants.version, grants.number, disk, tuple(listings))

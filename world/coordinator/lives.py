@@ -170,7 +170,7 @@ class Lives:
         """Whether a Command refers to a roster or to grants that its life cannot have received."""
         return command.roster > self.roster.version or self.keeper.refuses(command)
 
-    def hear(self, command: Command) -> bool:
+    def on_command(self, command: Command) -> bool:
         """Record from a Command the roster that the newest life of a robot has received, and the grants that
         it obeys; False if a later one was recorded.
         """

@@ -160,7 +160,7 @@ class Floor:
         self._later(0.05, lambda: self._locate(robot))
 
     def _hear(self, crew: Crew, number: int, payload: bytes) -> None:
-        crew.base.hear(crew.base.hears[number], payload, self.now)
+        crew.base.on_message(crew.base.topics[number], payload, self.now)
 
     def _to_robot(self, crew: Crew, event: Event) -> None:
         table = self.scenario.base_of(crew.core.robot)
@@ -194,7 +194,7 @@ class Floor:
     def _publish(self, crew: Crew, payload: bytes) -> None:
         table = self.scenario.base_of(crew.core.robot)
         assert table is not None
-        self._later(self.rng.uniform(0.0, table.latency), lambda: crew.wheels.hear(payload, self.now))
+        self._later(self.rng.uniform(0.0, table.latency), lambda: crew.wheels.on_message(payload, self.now))
 
     # -- the fleet
 
@@ -241,7 +241,7 @@ class Floor:
             self._check(crew, state)
         for peer in self.crews.values():
             if peer is not crew:
-                self._send(lambda peer=peer: self._if_alive(peer, lambda: self._tell(peer, state)))
+                self._send(lambda peer=peer: self._if_alive(peer, lambda: self._deliver(peer, state)))
         command = core.command()
         self._publish(crew, base.obey(command, self.now))
         crew.swept = None if sense is None or base.senses.fault else self._swept(crew, command)
@@ -257,9 +257,9 @@ class Floor:
         truth = crew.truths[round((newest.stamp - EPOCH / NANO) * 1000)]
         return truth, body._passed(command.velocity) if moves else None
 
-    def _tell(self, peer: Crew, state: State) -> None:
+    def _deliver(self, peer: Crew, state: State) -> None:
         radius = self.scenario.spec(state.robot).radius
-        peer.core.hearing.on_state(addressed_to(peer.core.robot, state, radius))
+        peer.core.inbox.on_state(addressed_to(peer.core.robot, state, radius))
 
     def _accept(self, command: Command) -> None:
         if not self.cut:

@@ -53,7 +53,7 @@ class Floor:
 
     def handle(self, event: Event) -> None:
         if isinstance(event, RawSample):
-            self.wheels[int(event.key[3])].hear(event.payload, self._steps * STEP)
+            self.wheels[int(event.key[3])].on_message(event.payload, self._steps * STEP)
 
     def on_timer(self, now: float) -> None:
         while self._steps * STEP <= now - self._began:

@@ -205,17 +205,17 @@ OLDEST = PAIR.base_of(1).age + PAIR.base_of(1).latency  # s, of odometry by whic
 )
 def test_what_is_commanded_is_executed_unless(fault, life, aged, taken, moves):
     base, wheels, now = Ros2Base(PAIR, 1, PAIR.base_of(1)), Wheels(PAIR, 1, Random(1)), 0.0
-    odometry, pose = base.hears
+    odometry, pose = base.topics
     while now < 1.0:
         now += 0.02
-        base.hear(odometry, wheels.odometry(now).serialize(), now)
-        base.hear(pose, wheels.pose(now).serialize(), now)
+        base.on_message(odometry, wheels.odometry(now).serialize(), now)
+        base.on_message(pose, wheels.pose(now).serialize(), now)
         base.on_timer(now)
     for tick in (0, 1):  # by the second the coordinator has the Command of the first
         lived, heard = (life, 0) if tick else (1, None)
         base.begin(Tick(1, lived, tick, (1, 2), heard=heard), now + aged)
         for by in (0.5, 0.0) if fault and tick else ():
-            base.hear(odometry, shifted(wheels.odometry(now + 0.01), by).serialize(), now)
+            base.on_message(odometry, shifted(wheels.odometry(now + 0.01), by).serialize(), now)
         told = decode(Velocity, base.obey(Command(1, lived, tick, (0.1, 0.1)), now + aged + taken))
     assert (told.linear[0] != 0.0 or told.angular[2] != 0.0) is moves
 

@@ -44,9 +44,9 @@ class Planned(Floor):
 
     def _plan(self) -> None:
         for robot, crew in self.crews.items():
-            wish = crew.base.hear(crew.base.hears[2], straight(self, robot), self.now)
+            wish = crew.base.on_message(crew.base.topics[2], straight(self, robot), self.now)
             if wish is not None:
-                crew.core.tell(wish)
+                crew.core.on_wish(wish)
         self._later(0.1, self._plan)
 
 
@@ -68,21 +68,21 @@ def test_a_velocity_that_is_no_number_is_refused(bad: float) -> None:
     base = Ros2Base(scenario, 1, scenario.base_of(1))
     for linear, angular in (([bad, 0.0, 0.0], [0.0] * 3), ([0.0] * 3, [0.0, 0.0, bad])):
         with pytest.raises(MessageError):
-            base.hear(base.hears[2], Velocity(linear, angular).serialize(), 0.0)
+            base.on_message(base.topics[2], Velocity(linear, angular).serialize(), 0.0)
     with pytest.raises(MessageError):
-        base.hear(base.hears[2], b"what", 0.0)
+        base.on_message(base.topics[2], b"what", 0.0)
 
 
 def test_a_stamped_base_takes_stamped_wishes() -> None:
     scenario = crossing("base.stamped=true")
     base, twist = Ros2Base(scenario, 1, scenario.base_of(1)), Velocity([0.1, 0.0, 0.0], [0.0] * 3)
     stamped = StampedVelocity(header_at(0, "base"), twist)
-    assert base.hear(base.hears[2], stamped.serialize(), 0.0) is None  # the heading is unknown
+    assert base.on_message(base.topics[2], stamped.serialize(), 0.0) is None  # the heading is unknown
     with pytest.raises(MessageError):
-        base.hear(base.hears[2], twist.serialize(), 0.0)
+        base.on_message(base.topics[2], twist.serialize(), 0.0)
 
 
 def test_only_the_law_from_outside_subscribes_to_wishes() -> None:
     scenario = crossing("control.law=reciprocal")
-    names = [topic.name for topic in Ros2Base(scenario, 1, scenario.base_of(1)).hears]
+    names = [topic.name for topic in Ros2Base(scenario, 1, scenario.base_of(1)).topics]
     assert names == ["bot1/odom", "bot1/pose"]

@@ -46,7 +46,7 @@ class Wheels:
         lead = self.body.offset
         return self.x + lead * math.cos(self.yaw), self.y + lead * math.sin(self.yaw)
 
-    def hear(self, payload: bytes, now: float) -> None:
+    def on_message(self, payload: bytes, now: float) -> None:
         velocity = decode(Velocity, payload)
         across = 0.5 * velocity.angular[2] * self.body.track
         self.aims, self.heard = (velocity.linear[0] - across, velocity.linear[0] + across), now

@@ -118,7 +118,9 @@ class Ride:
         lines = self.product.lines.SeparatingLines(
             OWN, self.radius, speed=self.speed, period=self.period, reach=self.filter.reach
         )
-        lines.hear(Grants(1, 19, 8, None, tuple(bindings)), Neighbours(dict.fromkeys(PEERS, self.radius)))
+        lines.on_grants(
+            Grants(1, 19, 8, None, tuple(bindings)), Neighbours(dict.fromkeys(PEERS, self.radius))
+        )
         return lines
 
     def tick(self) -> float:

@@ -24,7 +24,7 @@ def robot(identity: int, *bindings: ListedBinding, at: Vector = STILL, bound: fl
 
 
 def hear(lines: SeparatingLines, version: int, *bindings: ListedBinding, number: int = 8) -> None:
-    lines.hear(Grants(4, version, number, None, bindings), Neighbours(RADII))
+    lines.on_grants(Grants(4, version, number, None, bindings), Neighbours(RADII))
 
 
 def said(identity: int, tick: int, x: float, *entries: Proposal | Answer) -> State:
@@ -37,7 +37,7 @@ def test_a_robot_stands_until_it_obeys_a_region_that_it_is_in() -> None:
     lines = SeparatingLines(1, 0.04, speed=0.1, period=0.05)
     lines.locate(0, STILL, 0.0)
     assert not lines.ready
-    lines.hear(Grants(4, 9, 8, (0.5, 0.0, 0.3), ()), Neighbours(RADII))
+    lines.on_grants(Grants(4, 9, 8, (0.5, 0.0, 0.3), ()), Neighbours(RADII))
     lines.locate(1, STILL, 0.0)
     assert (lines.ready, lines.version, lines.region) == (False, 9, 0)
     lines.locate(2, (0.4, 0.0), 0.17)  # not surely inside
@@ -50,7 +50,7 @@ def test_a_robot_stands_until_it_obeys_a_region_that_it_is_in() -> None:
 def test_an_older_tick_or_one_to_another_life_is_not_taken_in() -> None:
     lines = robot(1, ListedBinding(5, 2, HALFWAY), at=(0.0, 0.0))
     hear(lines, 8)
-    lines.hear(Grants(7, 20, 19, None, ()), Neighbours(RADII))
+    lines.on_grants(Grants(7, 20, 19, None, ()), Neighbours(RADII))
     assert (lines.version, lines.peers) == (9, {2})
     hear(lines, 10)
     assert (lines.version, lines.peers) == (10, set())

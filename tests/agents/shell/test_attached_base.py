@@ -22,7 +22,7 @@ from protocol.scenario.body import Base
 class Told:
     """A base that notes what time it is told, and wants to be woken 0.1 s later."""
 
-    hears, tells, due = (), Topic("cmd_vel", TWIST), 0.0
+    topics, drives, due = (), Topic("cmd_vel", TWIST), 0.0
     senses = SimpleNamespace(fault="waits")
 
     def on_timer(self, now):
@@ -81,19 +81,19 @@ def test_two_processes_that_drive_one_base_stand_until_one_is_gone():
         for number, (base, bus) in enumerate(zip(bases, buses, strict=True))
     ]
 
-    def hear() -> None:
+    def on_message() -> None:
         for each, bus in zip(attached, buses, strict=True):
             while (event := bus.receive(0.0)) is not None:
                 if isinstance(event, Presence):
                     each.on_driver(event.key, event.alive)
 
-    hear()
+    on_message()
     text = "another process drives same/cmd_vel, of this or another run"
     assert [base.senses.fault for base in bases] == [text, text, "waits for odometry and a pose"]
     odometry = Topic("same/odom", ODOMETRY)
-    bases[0].hear(odometry, b"", 0.0)
+    bases[0].on_message(odometry, b"", 0.0)
     assert bases[0].senses.fault == text  # whatever its base says meanwhile
     buses[1].close()
-    hear()
-    bases[0].hear(odometry, b"", 0.0)
+    on_message()
+    bases[0].on_message(odometry, b"", 0.0)
     assert bases[0].senses.fault.startswith("odometry: ")

@@ -58,7 +58,7 @@ def test_a_silent_world_is_asked_once_a_while(session: WorldSession, gone: bool)
 def test_a_world_that_says_ticks_is_there(session: WorldSession) -> None:
     session.on_token(session_of(OWN), alive=True)
     session.on_token(session_of(OWN), alive=False)
-    session.hear()
+    session.on_tick()
     session.on_token(session_of(NEXT), alive=False)  # another one's
     assert session.check(time.monotonic() + 100.0), "it is silent, not gone"
 

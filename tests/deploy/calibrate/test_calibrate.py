@@ -41,15 +41,15 @@ def measured(scale: float = 1.0, seed: int = 0) -> MeasuredBounds:
     for step in range(round(200.0 / STEP)):
         now = step * STEP
         while sent and sent[0][0] <= now:
-            wheels.hear(sent.pop(0)[1], now)
+            wheels.on_message(sent.pop(0)[1], now)
         while heard and heard[0][0] <= now:
             _, key, payload = heard.pop(0)
-            driver.hear(key, payload, now)
+            driver.on_message(key, payload, now)
         wheels.roll(now)
         if step % 4 == 0:
-            heard.append((now + LATENCY, driver.hears[0], wheels.odometry(now).serialize()))
+            heard.append((now + LATENCY, driver.topics[0], wheels.odometry(now).serialize()))
         if step % 10 == 0:
-            heard.append((now + LATENCY, driver.hears[1], wheels.pose(now).serialize()))
+            heard.append((now + LATENCY, driver.topics[1], wheels.pose(now).serialize()))
         if now >= driver.deadline:
             driver.on_timer(now)
         if driver.finished:

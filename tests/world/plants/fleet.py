@@ -99,7 +99,7 @@ def drive(
         for robot, core in robots.items():
             others = [each for each in scenario.ids if each != robot]
             for peer in others:
-                core.hearing.on_state(addressed_to(robot, states[peer], setting.radius))
+                core.inbox.on_state(addressed_to(robot, states[peer], setting.radius))
         for core in robots.values():
             command = core.command()
             if lost.random() >= setting.dropped:

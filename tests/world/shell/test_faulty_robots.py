@@ -108,7 +108,7 @@ def test_one_that_hears_no_peer_is_given_up_alone() -> None:
         return not (isinstance(event, Sample) and event.key.endswith("/state"))
 
     found = given_up(Ward(hears, speed=2.0))  # time for five refusals
-    assert "does not hear" in found[0]["reason"]
+    assert "lacks the State of" in found[0]["reason"]
     assert [each["incarnation"] for each in found] == list(range(1, CHANCES + 1))
 
 

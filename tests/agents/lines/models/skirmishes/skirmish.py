@@ -122,7 +122,7 @@ class Skirmish:
         places = None if summary is None else SummaryPlaces(summary)
         for process in (*self.processes.values(), *self.former):
             if places is not None and rng.random() >= self.loss:
-                process.core.hearing.on_summary(places)
+                process.core.inbox.on_summary(places)
 
     def _operate(self, rng: Random) -> None:
         book = self.world.lives.obstacles
@@ -231,7 +231,7 @@ class Skirmish:
             radius = self.scenario.spec(state.robot).radius
             for process in self._all_of(robot):
                 if process.core.epoch == state.epoch:
-                    process.core.hearing.on_state(addressed_to(robot, state, radius))
+                    process.core.inbox.on_state(addressed_to(robot, state, radius))
             if self.rng.random() < 0.1:
                 self.under_way.append((self.world.tick + self.rng.randint(1, 10), state, robot))
 
