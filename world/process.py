@@ -36,7 +36,7 @@ def main(
     restarts: int = 0,
     checkpoint: Path | None = None,
     *,
-    tell: Callable[[dict[str, Any]], None] = lambda _: None,
+    on_report: Callable[[dict[str, Any]], None] = lambda _: None,
     beat: Heartbeat | None = None,
 ) -> int:
     """Judge `scenario` in `run`; arguments as of `WorldNode`; returns the exit status.
@@ -69,7 +69,7 @@ def main(
                 warn=LOG.warning,
                 info=LOG.info,
                 checkpoint=kept,
-                tell=tell,
+                on_report=on_report,
             )
             last_words = partial(node.interrupt, "interrupted", "the world was asked to stop")
             drive(node, bus, on_stop=last_words, beat=beat)
@@ -102,5 +102,5 @@ def _taken(run: str) -> RunTakenError:
 
 def supervised(*arguments: Any) -> int:
     """As `main`; the last argument takes the report as JSON text, also if the network fails."""
-    *others, tell = arguments
-    return main(*others, tell=lambda report: tell(json.dumps(report)))
+    *others, on_report = arguments
+    return main(*others, on_report=lambda report: on_report(json.dumps(report)))

@@ -121,7 +121,7 @@ def world(
         Checkpoint.create(checkpoint)
     verdicts: list[int] = []
 
-    def tell(report: dict[str, Any]) -> None:
+    def on_report(report: dict[str, Any]) -> None:
         sys.stdout.write(json.dumps(report, indent=2) + "\n")
         verdicts.append(exit_status(report))
 
@@ -132,7 +132,7 @@ def world(
         mode == "lockstep",
         gathering=wait,
         checkpoint=checkpoint,
-        tell=tell,
+        on_report=on_report,
         beat=heartbeat(alive),
     )
     raise typer.Exit(min(status, EXIT_FAULT) or (verdicts[-1] if verdicts else EXIT_ARRIVED))

@@ -128,9 +128,9 @@ def run(
         typer.echo(
             f"starting run {how.run} at {how.router or how.listen or 'its hosts'}; Ctrl-C stops it", err=True
         )
-    tell = (lambda _: None) if silent else show
+    on_result = (lambda _: None) if silent else show
     result = execute(
-        loaded, how, record=record, plot=plot, web=web, json_file=json_file, quiet=silent, tell=tell
+        loaded, how, record=record, plot=plot, web=web, json_file=json_file, quiet=silent, on_result=on_result
     )
     if not silent:
         _print_files(result, plot, json_file)

@@ -223,7 +223,7 @@ class ForkServer:
                 elif isinstance(ready, int) and ready in self._reports:  # not collected just now
                     self._relay(ready)
 
-    def _tell(self, news: News) -> None:
+    def _send(self, news: News) -> None:
         self._news.send_bytes(encode_news(news))
 
     def _obey(self, request: Request) -> None:
@@ -231,7 +231,7 @@ class ForkServer:
         if isinstance(request, Start):
             self._fork(request)
         elif isinstance(request, Look):
-            self._tell(self._facts(request))
+            self._send(self._facts(request))
         elif isinstance(request, Store) and self._store is not None:
             self._store(request)
         elif isinstance(request, Signal):
@@ -265,7 +265,7 @@ class ForkServer:
             os.close(writing)
             self._reports[reading] = (start.life, Channel(reading, writable=False))
         self._lives[pid] = start.life
-        self._tell(Started(start.life, pid))
+        self._send(Started(start.life, pid))
 
     def _relay(self, descriptor: int) -> None:
         life, pipe = self._reports[descriptor]
@@ -275,7 +275,7 @@ class ForkServer:
             del self._reports[descriptor]
             pipe.close()
         else:
-            self._tell(ProcessReport(life, text))
+            self._send(ProcessReport(life, text))
 
     def _collect(self) -> None:
         unit = 1 if sys.platform == "darwin" else 2**10  # bytes, of ru_maxrss
@@ -289,4 +289,4 @@ class ForkServer:
             for descriptor, (owner, pipe) in list(self._reports.items()):
                 while owner == life and descriptor in self._reports and pipe.poll():
                     self._relay(descriptor)
-            self._tell(Exited(life, code, cpu, usage.ru_maxrss * unit / 1e6))
+            self._send(Exited(life, code, cpu, usage.ru_maxrss * unit / 1e6))

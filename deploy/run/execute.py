@@ -55,7 +55,7 @@ def execute(
     web: bool = False,
     json_file: Path | None = None,
     quiet: bool,
-    tell: Callable[[RunResult], None] = lambda _: None,
+    on_result: Callable[[RunResult], None] = lambda _: None,
 ) -> RunResult:
     """Run `scenario` to its verdict. There is a result even after signals, at any time and repeatedly.
 
@@ -63,7 +63,7 @@ def execute(
         record, plot, json_file: files to write.
         web: whether to serve the live page.
         quiet: whether to show no progress.
-        tell: called with the result as soon as the fleet is down, before plotting.
+        on_result: called with the result as soon as the fleet is down, before plotting.
 
     Raises:
         UsageError: the options do not fit together, an optional library is missing, or an output file cannot
@@ -94,7 +94,7 @@ def execute(
                 report.update(verdict="interrupted", reason=INTERRUPTED)
                 result = complete(report, options, [])
                 write_json(result, json_file)
-                tell(result)
+                on_result(result)
                 return result
             report = fleet.execute()
             processes, recordings = fleet.processes(), fleet.recordings()
@@ -106,7 +106,7 @@ def execute(
                 unwritten = error
             fleet.record(result)
             running.close()
-        tell(result)
+        on_result(result)
         if unwritten is not None:
             raise unwritten
         if plot is not None and not STOP.requested:

@@ -104,7 +104,7 @@ class LocalFleet:
             info=LOG.info,
             checkpoint=checkpoint,
             clock=time.monotonic,  # looked up now: tests that skip waits replace it
-            tell=self.report.update,
+            on_report=self.report.update,
         )
 
     def turn(self, robot: int) -> Any:

@@ -193,12 +193,12 @@ class Heartbeat:
             if self._file is not None:
                 self._file.touch()
             if self._notify:
-                self._tell(b"WATCHDOG=1" if self._due > -inf else b"READY=1")
+                self._send(b"WATCHDOG=1" if self._due > -inf else b"READY=1")
         except OSError as error:
             raise ProcessError(f"no sign of life can be given: {error}") from error
         self._due = now + PERIOD
 
-    def _tell(self, text: bytes) -> None:
+    def _send(self, text: bytes) -> None:
         address = f"\0{self._notify[1:]}" if self._notify.startswith("@") else self._notify
         with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC) as sender:
             sender.sendto(text, address)

@@ -74,7 +74,7 @@ class LocalNetwork:
         """Keys of all liveliness tokens."""
         return [key for bus in self._buses for key in bus.announced]
 
-    def tell_presence(self, key: str, alive: bool, sender: LocalBus) -> None:
+    def publish_presence(self, key: str, alive: bool, sender: LocalBus) -> None:
         """Report that a token appeared or disappeared."""
         for bus in self._buses:
             if bus is not sender and _matches(bus.watched, key):
@@ -93,7 +93,7 @@ class LocalNetwork:
             for key in bus.keys:
                 self.routes[key].remove(bus)
             for key in bus.announced:
-                self.tell_presence(key, False, bus)
+                self.publish_presence(key, False, bus)
 
 
 class LocalBus:
@@ -165,7 +165,7 @@ class LocalBus:
 
     def announce(self, key: str) -> None:
         self.announced.append(key)
-        self.network.tell_presence(key, True, self)
+        self.network.publish_presence(key, True, self)
 
     def ask(self, key: str, payload: bytes, timeout: float, *, once: bool = False) -> list[bytes]:  # noqa: ARG002
         """In one thread no other node can act meanwhile: replies come at once or never."""

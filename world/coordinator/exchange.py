@@ -263,8 +263,7 @@ def blamed(
         if 2 * count > heard_by[robot] - 1
     }
     return (unheard | silent) or {
-        robot: f"lacks the State of {_names(missing[robot])}"
-        for robot in sorted(waiting)
+        robot: f"lacks the State of {_names(missing[robot])}" for robot in sorted(waiting)
     }
 
 

@@ -260,7 +260,9 @@ class Record:
         worst = self.segment.goals.deviations(plane).max(axis=0).tolist()
         for robot, deviation in zip(disks.ids, worst, strict=True):
             totals.deviation[robot] = max(totals.deviation[robot], deviation)
-        self._tell(aside[parts - 1 :: parts], during.min(axis=1).reshape(-1, parts).min(axis=1).tolist())
+        self._publish_truth(
+            aside[parts - 1 :: parts], during.min(axis=1).reshape(-1, parts).min(axis=1).tolist()
+        )
         self._plane = plane[-1:]
 
     def _touch(self, pair: DiskPair, begin: float, end: float, gap: float) -> None:
@@ -273,7 +275,7 @@ class Record:
         if len(totals.contacts) < LISTED:
             totals.contacts.append(contact)
 
-    def _tell(self, configurations: list[tuple[Vector, ...]], smallest: list[float]) -> None:
+    def _publish_truth(self, configurations: list[tuple[Vector, ...]], smallest: list[float]) -> None:
         """Add the configurations at the ends of ticks, with the smallest gap in each of these."""
         totals, begin = self._totals, self._totals.truth.tick + 1
         levels = levels_of(*self.segment[:3], as_plane(configurations))

@@ -33,7 +33,7 @@ class FailureDetector:
 
     Args:
         run, admissions, pacing: of the world.
-        tell: sends each robot its Tick.
+        send: sends each robot its Tick.
         gathering: time for robots to join, s.
         patience: time for a Command in lock-step, s.
         grace: time for which a token may be missing before its process is given up, s; 0 for none.
@@ -46,7 +46,7 @@ class FailureDetector:
         run: JudgedRun,
         admissions: Admissions,
         pacing: Pacing,
-        tell: Callable[[Mapping[int, Tick]], None],
+        send: Callable[[Mapping[int, Tick]], None],
         *,
         gathering: float = GATHERING,
         patience: float = PATIENCE,
@@ -55,7 +55,7 @@ class FailureDetector:
         warn: Callable[[str], None] = lambda _: None,
     ) -> None:
         self._run = run
-        self._admissions, self._pacing, self._tell, self._warn = admissions, pacing, tell, warn
+        self._admissions, self._pacing, self._send, self._warn = admissions, pacing, send, warn
         self._gathering, self._patience, self._grace = gathering, patience, grace
         self._restarts = restarts if pacing.lockstep else 0
 
@@ -67,7 +67,7 @@ class FailureDetector:
             return
         if self._run.opened and self._pacing.lockstep and not self._admissions.missing():
             self._pacing.begin_again()
-            self._tell(self._run.world.open_tick())
+            self._send(self._run.world.open_tick())
 
     def miss(self, robot: int, session: str) -> None:
         """A token disappeared: give its process up, unless its life may return within a grace period."""
@@ -115,7 +115,7 @@ class FailureDetector:
         if self._pacing.lockstep or world.tick == 0:
             # a fenced life that the scenario resumes must learn that it has to join again
             awaited = world.lives.awaited
-            self._tell({robot: tick for robot, tick in ticks.items() if robot in awaited})
+            self._send({robot: tick for robot, tick in ticks.items() if robot in awaited})
             return None
         for robot in world.lives.awaited:
             world.give_up_waiting(robot)
@@ -127,7 +127,7 @@ class FailureDetector:
             if now > self._pacing.since + self._patience and self._pacing.has_repeated:
                 self._lose_patience()
             elif self._pacing.repeats():
-                self._tell(self._run.world.open_tick())
+                self._send(self._run.world.open_tick())
         elif not self._absent():
             self._pacing.since = now  # paused by a viewer, not by a robot
         elif now > self._pacing.since + self._gathering:
@@ -158,17 +158,17 @@ class FailureDetector:
         reason = f"gave no sign within {self._gathering:g} s"
         for robot in absent:
             if world.give_up_waiting(robot, reason) or world.lost(robot, reason):
-                self._tell_person(robot, reason)
+                self._warn_operator(robot, reason)
 
     def _give_up(self, robots: Mapping[int, str]) -> None:
         """Exclude these robots, with reasons; repeat the open tick to robots that await their States."""
         world, running = self._run.world, self._run.phase is Phase.RUNNING
         for robot, reason in robots.items():
             if world.lost(robot, reason if running else "") and running:
-                self._tell_person(robot, reason)
+                self._warn_operator(robot, reason)
         if self._run.opened and self._pacing.lockstep:
             waiting = world.exchange.waiting
-            self._tell({r: m for r, m in world.open_tick().items() if r in waiting})
+            self._send({r: m for r, m in world.open_tick().items() if r in waiting})
 
     def _expect(self, robot: int) -> None:
         """Wait for the next life of a restarted robot."""
@@ -177,5 +177,5 @@ class FailureDetector:
         if running and so_far < self._restarts and self._run.world.lives.expect(robot):
             expected[robot] = so_far + 1
 
-    def _tell_person(self, robot: int, reason: str) -> None:
+    def _warn_operator(self, robot: int, reason: str) -> None:
         self._warn(f"tick {self._run.world.tick}: gives up robot {robot}, which {reason}")

@@ -53,7 +53,7 @@ class WorldNode:
         speed: simulated seconds per second in lock-step, 0 for no limit.
         restarts: number of restarts of a robot whose process ends; lock-step waits for them.
         clock: time, s; for tests.
-        warn, info, tell: take warnings for the operator, lines for the log, and the report.
+        warn, info, on_report: take warnings for the operator, lines for the log, and the report.
         checkpoint: state to continue from; changes are written to it before they are published. A missing
             robot may return within GRACE, unless another process takes its slot.
 
@@ -77,7 +77,7 @@ class WorldNode:
         warn: Callable[[str], None] = lambda _: None,
         info: Callable[[str], None] = lambda _: None,
         checkpoint: Checkpoint | None = None,
-        tell: Callable[[dict[str, Any]], None] = lambda _: None,
+        on_report: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> None:
         self.report: dict[str, Any] | None = None
         self.finished = self.refused = False
@@ -86,7 +86,7 @@ class WorldNode:
         self._lockstep = lockstep
         self._standing: set[int] = set()  # robots whose disks are obstacles, as reported
         self._checkpoint = checkpoint
-        self._tell, self._info, self._warn = tell, info, warn
+        self._on_report, self._info, self._warn = on_report, info, warn
         waits = returning(gathering, restarts, lockstep=lockstep)
         before = SavedRun() if checkpoint is None else checkpoint.progress
         self._run = JudgedRun(scenario, before.past, returning=waits)
@@ -105,7 +105,7 @@ class WorldNode:
             self._run,
             self._admissions,
             self._pacing,
-            self._tell_again,
+            self._send_again,
             gathering=gathering,
             patience=patience,
             grace=0.0 if checkpoint is None else GRACE,
@@ -309,7 +309,7 @@ class WorldNode:
         for robot in sorted(self._standing - before):
             self._warn(f"tick {tick}: robot {robot} takes no part; its disk is an obstacle")
 
-    def _tell_again(self, ticks: Mapping[int, Tick]) -> None:
+    def _send_again(self, ticks: Mapping[int, Tick]) -> None:
         """Repeat the Ticks and the summary, which may have been lost."""
         summary = self._run.world.exchange.summary
         if summary is not None:
@@ -358,6 +358,6 @@ class WorldNode:
         report = self._shutdown.report(self._publishers.published)
         self.report = report
         self._info(f"scenario {report['scenario']!r} ends: {report['verdict']} {report['reason']}".rstrip())
-        self._tell(report)
+        self._on_report(report)
         self._publishers.result(report)
         self._shutdown.close()

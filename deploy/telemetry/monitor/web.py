@@ -94,7 +94,7 @@ def application(source: Steerable, hosts: list[str], token: str) -> Starlette:
             return
         await socket.accept()
         may_steer = compare_digest(socket.query_params.get("token", "").encode(), token.encode())
-        await _tell(socket, "welcome", may_steer=may_steer)
+        await _send_event(socket, "welcome", may_steer=may_steer)
         try:
             async with asyncio.TaskGroup() as tasks:
                 tasks.create_task(_send(socket, stream))
@@ -138,13 +138,13 @@ async def _listen(socket: WebSocket, source: Steerable, tasks: asyncio.TaskGroup
             text = await socket.receive_text()
             asked = msgspec.json.decode(text)
             if not may_steer:
-                await _tell(socket, "refused", text=_ONLY_LOOKS)
+                await _send_event(socket, "refused", text=_ONLY_LOOKS)
             elif isinstance(asked, dict) and "steer" in asked:
                 source.steer(read_steer(asked["steer"]))
             else:
                 tasks.create_task(_operate(socket, source, read_operation(asked)))
         except (*DAMAGED, MessageError, KeyError) as error:
-            await _tell(socket, "refused", text=str(error))
+            await _send_event(socket, "refused", text=str(error))
 
 
 async def _operate(socket: WebSocket, source: Steerable, operation: Operation) -> None:
@@ -154,10 +154,10 @@ async def _operate(socket: WebSocket, source: Steerable, operation: Operation) -
     except TimeoutError:
         outcome = Outcome(False, text=_SILENCE)
     asked = {action: getattr(operation, action) for action in operation.asked}
-    await _tell(socket, "answer", asked=asked, accepted=outcome.accepted, text=outcome.text)
+    await _send_event(socket, "answer", asked=asked, accepted=outcome.accepted, text=outcome.text)
 
 
-async def _tell(socket: WebSocket, kind: str, **content: Any) -> None:
+async def _send_event(socket: WebSocket, kind: str, **content: Any) -> None:
     await socket.send_text(msgspec.json.encode({"kind": kind, **content}).decode())
 
 

@@ -175,14 +175,14 @@ def test_a_robot_does_not_go_back_to_a_coordinator_that_it_has_left(tmp_path: Pa
         look_for_others(bus, "local")  # with a copy of its checkpoint
     frozen, older.announced, older.served = (older.announced, older.served), [], []
     look_for_others(bus, "local")
-    network.tell_presence("disknav/local/world/alive/00000001", False, older)
+    network.publish_presence("disknav/local/world/alive/00000001", False, older)
     checkpoint.close()
     newer.node = WorldNode(newer, "local", SWAP, checkpoint=Checkpoint(path, "local", SWAP))
     bus.drain()
     robot.on_timer(robot.deadline)
     assert robot.core.epoch == 2
     older.announced, older.served = frozen
-    network.tell_presence("disknav/local/world/alive/00000001", True, older)
+    network.publish_presence("disknav/local/world/alive/00000001", True, older)
     newer.drain()
     assert newer.node.world.halted, "both have their robots stand"
     newer.close()
