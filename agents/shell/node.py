@@ -78,7 +78,7 @@ class RobotNode:
         self._noted = 0  # reported troubles of the robot
         self._ended = self._over = False  # this life; the run
         self._rejected: Counter[str] = Counter()
-        self._said_state = self._said_command = b""  # newest payloads
+        self._newest_state = self._newest_command = b""  # payloads
         self._published = self._received = 0
         self._due = time.monotonic()
         bus.watch(world_tokens(run))  # before the first request: the world that admits it may die at once
@@ -269,7 +269,7 @@ class RobotNode:
         elif core.has_ended(tick) or tick.incarnation > core.incarnation:
             self._rejoin(core)  # fenced, or replaced by another process
         elif tick.incarnation < core.incarnation:
-            return  # said to a life before this one, which others took part with
+            return  # of an earlier life
         elif tick.tick == core.tick:
             self._repeat(core, tick)
         elif tick.tick > core.tick:
@@ -282,11 +282,11 @@ class RobotNode:
             self._peers.attend({each.peer for each in tick.grants.bindings if each.peer > 0})
         sense = None if self._base is None else self._base.begin(core, tick)
         core.stopped = self._tools is not None and self._tools.stopped
-        self._said_state = encode(core.begin(tick, sense))
+        self._newest_state = encode(core.begin(tick, sense))
         if len(core.troubles) > self._noted:
             self._noted = len(core.troubles)
             self._warn(core.note)
-        self._publish_state(self._said_state)
+        self._publish_state(self._newest_state)
         self._published += 1
         self._command_if_complete(core)
 
@@ -298,8 +298,8 @@ class RobotNode:
         command = core.command()
         if self._base is not None:
             self._base.obey(command)
-        self._said_command = encode(command)
-        self._publish_command(self._said_command)
+        self._newest_command = encode(command)
+        self._publish_command(self._newest_command)
         if self._tools is not None:
             self._tools.publish(core, command, 0.0 if self._base is None else self._base.heading)
         self._published += 1
@@ -307,9 +307,9 @@ class RobotNode:
 
     def _repeat(self, core: Robot, tick: Tick) -> None:
         """Answer a repeated Tick, as the State may be lost; without a Command name the missing States."""
-        self._publish_state(self._said_state)
+        self._publish_state(self._newest_state)
         if not core.inbox.is_open:
-            self._publish_command(self._said_command)
+            self._publish_command(self._newest_command)
         core.inbox.reconsider(tick)
         self._command_if_complete(core)
         if core.inbox.is_open and core.inbox.missing:

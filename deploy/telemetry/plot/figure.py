@@ -65,11 +65,11 @@ def state_ages(recording: Recording) -> tuple[np.ndarray, np.ndarray, float]:
     newest: dict[int, dict[int, int]] = {robot: {} for robot in ids}
     ticks, rows = [], []
     for tick, states in groupby(recording.messages(State), attrgetter("tick")):
-        said = [state for state in states if state.robot in newest]
-        places = {state.robot: state.position for state in said}
+        found = [state for state in states if state.robot in newest]
+        places = {state.robot: state.position for state in found}
         for robot, link in links.items():
             link.locate(tick, places.get(robot))
-            for state in said:
+            for state in found:
                 if state.robot != robot:
                     link.put(addressed_to(robot, state, radii[state.robot]))
                     sent += 1
