@@ -48,12 +48,11 @@ def body_of(scenario: Scenario, robot: int) -> BodyModel:
 class PointBody:
     """A point: it follows every velocity at once, and stands at the end of the tick.
 
+    Its attributes are those of `InertialBody`.
+
     Args:
         noise: bound on the relative execution noise.
         longest: bound of any path, m.
-
-    Attributes:
-        reach, standoff, swept: as of `InertialBody`.
     """
 
     def __init__(self, speed: float, period: float, noise: float, longest: float) -> None:
@@ -77,11 +76,6 @@ class InertialBody:
         speed: speed limit of the control point, m/s.
         tolerance: largest deviation of the control point from its nominal path.
         longest: bound of any path, m.
-
-    Attributes:
-        reach: the longest path from the beginning of a tick to a stop, m.
-        standoff: distance from any edge at which it can still leave it, in any orientation, m.
-        swept: further sweep of its control point without messages; None if it stands.
     """
 
     def __init__(
@@ -91,9 +85,11 @@ class InertialBody:
         self._speed = min(speed, kinematics.top_speed)
         forth, back = Motion(0.0, self._speed), (-self._speed, 0.0)
         way = kinematics.reach(self._speed) * (1.0 + tolerance.error) + tolerance.slip(forth, back)
-        self.reach = min(way, longest)
+        self.reach = min(way, longest)  # the longest path from the beginning of a tick to a stop, m
+        # Further sweep of its control point without messages; None if it stands.
         self.swept: Sweep | None = None
         self._motion = Motion(0.0)
+        # Distance from any edge at which it can still leave it, in any orientation, m.
         self.standoff = self._least_room()
 
     def _least_room(self) -> float:

@@ -30,25 +30,20 @@ class Estimate:
         trusting: whether to reset to the newest measurement when two contradict each other.
         coasts: whether it may move on in ticks without a command, `max_step` in all.
         oldest: age of the oldest measurement that may come, ticks.
-
-    Attributes:
-        x, y: a centre of the set, m, once anything is known.
-        bound: radius of a disk around `position` that contains the set, m; infinite until anything is known.
-        shape: the set as seen from `position`; None for a point.
-        contradiction: names the first two contradicting measurements; "" if none.
     """
 
     def __init__(
         self, max_step: float, trusting: bool = False, oldest: int = 0, coasts: bool = False
     ) -> None:
+        # Radius of a disk around `position` that contains the set, m; infinite until anything is known.
         self.bound = math.inf
-        self.shape: Polygon | None = None
-        self.contradiction = ""
+        self.shape: Polygon | None = None  # the set as seen from `position`; None for a point
+        self.contradiction = ""  # names the first two contradicting measurements; "" if none
         self._max_step = max_step
         self._trusting = trusting
         self._coast = max_step if coasts else 0.0
         self._tick: int | None = None
-        self.x = self.y = 0.0
+        self.x = self.y = 0.0  # a centre of the set, m, once anything is known
         self._extents = [0.0] * SIDES  # of the shape, in the fixed directions
         self._sources = [""] * SIDES  # the constraint behind each
         self._newest = 0  # tick of the measurement behind the initial set

@@ -44,15 +44,9 @@ class Robot:
     """One life of one robot. It stands still until the ledger has granted it a region.
 
     Args:
-        scenario: the run; k already a number.
+        scenario: k already a number.
         lockstep: whether the world waits for it.
         epoch: of the coordinator that admitted it.
-
-    Attributes:
-        scenario: of the admission.
-        goal: m; stored only here, since every Tick may change it.
-        inbox: receives the States of peers.
-        stopped: whether it has to stand, apart from an emergency stop of all.
     """
 
     def __init__(
@@ -61,7 +55,7 @@ class Robot:
         spec = scenario.spec(robot)
         self.tick = -1
         self.robot, self.incarnation, self.epoch = robot, incarnation, epoch
-        self.goal = self._first_goal = spec.goal
+        self.goal = self._first_goal = spec.goal  # m; stored only here, since every Tick may change it
         self._ordered: Vector | None = None  # goal of the newest order
         self.scenario, self._spec = scenario, spec
         self._body, self._plausible = body_of(scenario, robot), plausible(scenario)
@@ -74,7 +68,8 @@ class Robot:
         self._period = period(scenario) if scenario.hears_near else 0  # ticks, of summaries
         self._desired = self._moved = STILL
         self._blind = True  # whether the displacement of the last tick is unknown
-        self._halted = self.stopped = False  # an emergency stop is in force
+        self._halted = False  # an emergency stop is in force
+        self.stopped = False  # it has to stand, apart from an emergency stop of all
 
     # -- phase 1: sense, follow the roster, accept late States, publish the State
 

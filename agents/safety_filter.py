@@ -23,17 +23,11 @@ CORNERS: Final = 4  # most cuts of the own set by workspace and region in a tick
 
 @final
 class SafetyFilter:
-    """All constraints of one life of one robot; with `filter = "none"` they are known, but not obeyed.
-
-    Attributes:
-        radius: of the own disk, m.
-        lines: with robots and obstacles.
-        obeyed: whether the scenario has robots obey.
-    """
+    """All constraints of one life of one robot; with `filter = "none"` they are known, but not obeyed."""
 
     def __init__(self, scenario: Scenario, robot: int, radius: float, body: BodyModel) -> None:
         self.obeyed = scenario.control.filter == "separating-lines"
-        self.radius = radius
+        self.radius = radius  # of the own disk, m
         self.lines = SeparatingLines(
             robot,
             radius,

@@ -112,16 +112,13 @@ class Cursor:
 
     It advances with every value, and creates objects only for values that the caller reads. Other valid
     encodings, and truncated payloads, raise IndexError, and are left to `decode`.
-
-    Attributes:
-        at: index of the next byte.
     """
 
     __slots__ = ("_payload", "at")
 
     def __init__(self, payload: bytes, at: i64) -> None:
         self._payload = payload
-        self.at: i64 = at
+        self.at: i64 = at  # index of the next byte
 
     def count(self) -> i64:
         """An integer from 0 to 2^32 - 1."""

@@ -84,12 +84,7 @@ class CertificateError(BusError):
 
 
 class JoinError(DisknavError):
-    """The world refused a robot: unknown id, or that id is already running.
-
-    Args:
-        text: the reason.
-        robot: id of the refused process, 0 if not stated.
-    """
+    """The world refused a robot: unknown id, or that id is already running. `robot` is 0 if not stated."""
 
     def __init__(self, text: str, robot: int = 0) -> None:
         super().__init__(text)

@@ -80,16 +80,7 @@ class Disk:
 @final
 @mypyc_attr(acyclic=True)
 class ConvexPolygon:
-    """The convex hull of its corners. Immutable.
-
-    Args:
-        points: corners in either sense of rotation, m, as `protocol.geometry` accepts them.
-
-    Attributes:
-        points: the same, counterclockwise.
-        sides: each as (nx, ny, offset), in the order of the corners that they begin at.
-        around: a disk that contains it.
-    """
+    """The convex hull of corners in either sense of rotation, m, that have no `defect`. Immutable."""
 
     __slots__ = ("around", "points", "sides")
 
@@ -97,9 +88,10 @@ class ConvexPolygon:
         corners = [(float(x), float(y)) for x, y in points]
         if signed_area(corners) < 0.0:
             corners.reverse()
-        self.points = tuple(corners)
+        self.points = tuple(corners)  # counterclockwise
+        # Each as (nx, ny, offset), in the order of the corners that they begin at.
         self.sides = tuple([_side(corners, index) for index in range(len(corners))])
-        self.around = _around(corners)
+        self.around = _around(corners)  # a disk that contains it
 
     def __repr__(self) -> str:
         return f"ConvexPolygon({self.points!r})"

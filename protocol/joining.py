@@ -74,14 +74,11 @@ class Finished(msgspec.Struct, frozen=True, tag="finished", tag_field="reply"):
 
 
 class Overview(msgspec.Struct, frozen=True, tag="scenario", tag_field="reply"):
-    """For monitors; only a lock-step run can be steered.
-
-    `goals`: present status of robots with orders; all others have the scenario's goals.
-    """
+    """For monitors; only a lock-step run can be steered."""
 
     scenario: Scenario
     lockstep: bool
-    goals: tuple[GoalStatus, ...] = ()
+    goals: tuple[GoalStatus, ...] = ()  # of robots with orders; all others have the scenario's
 
 
 JoinReply = Admission | Refusal | OtherRun | Wait | Finished | Overview

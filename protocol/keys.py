@@ -43,20 +43,18 @@ from protocol.messages import (
 
 
 class Stream(NamedTuple):
-    """One kind of published key.
-
-    Attributes:
-        reliable: a publisher waits for room rather than drop (congestion control BLOCK); the others are for
-            monitors, and a slow monitor loses samples instead of blocking the fleet.
-        heard_by: processes that may subscribe besides monitors, which receive everything; a robot receives
-            its own health, too, and the world its clock: a probe on its host uses the same certificate.
-    """
+    """One kind of published key."""
 
     name: str
     message: type[Message]
     publisher: str  # "world", "robot" or "operator"
-    heard_by: tuple[str, ...]  # of "itself", the robot in the key; "robots", all of them; "world"
+    # Processes that may subscribe besides monitors, which receive everything: of "itself", the robot in the
+    # key; "robots", all of them; "world". A robot receives its own health, too, and the world its clock: a
+    # probe on its host uses the same certificate.
+    heard_by: tuple[str, ...]
     rate: str
+    # A publisher waits for room rather than drop (congestion control BLOCK); the others are for monitors, and
+    # a slow monitor loses samples instead of blocking the fleet.
     reliable: bool
     recorded: bool
     limit: int  # largest payload accepted, bytes
@@ -112,18 +110,12 @@ _KEY = re.compile(
 
 
 class Address(NamedTuple):
-    """A parsed key.
-
-    Attributes:
-        robot: None for the world's.
-        stream: `TOKEN` for a liveliness token.
-        session: of the process of a token, otherwise empty.
-    """
+    """A parsed key."""
 
     run: str
-    robot: int | None
-    stream: str
-    session: str = ""
+    robot: int | None  # None for the world's
+    stream: str  # `TOKEN` for a liveliness token
+    session: str = ""  # of the process of a token, otherwise empty
 
 
 def checked_run(run: str) -> str:

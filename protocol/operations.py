@@ -52,37 +52,23 @@ T = TypeVar("T")
 
 
 class Outcome(msgspec.Struct, frozen=True):
-    """The outcome of an operation.
-
-    Attributes:
-        number: of the goal, as its status names it, or of the obstacle; 0 for other operations.
-        text: why it was refused, or a warning.
-    """
+    """The outcome of an operation."""
 
     accepted: bool
-    number: Count = 0
-    text: str = ""
+    number: Count = 0  # of the goal, as its status names it, or of the obstacle; 0 for other operations
+    text: str = ""  # why it was refused, or a warning
 
 
 class Reply(Outcome, frozen=True, kw_only=True):
-    """The outcome of an operation, and the state of the run after it.
+    """The outcome of an operation, and the state of the run after it."""
 
-    Attributes:
-        tick: the present one.
-        halted: whether all robots must stand.
-        stops: number of requests for an emergency stop so far, which `release` names.
-        moving: robots that do not stand yet; empty unless `halted`.
-        obstacles: all that are present or announced.
-        goals: of all robots, by increasing id.
-    """
-
-    tick: Count
-    halted: bool = False
-    stops: Count = 0
-    moving: tuple[Id, ...] = ()
+    tick: Count  # the present one
+    halted: bool = False  # whether all robots must stand
+    stops: Count = 0  # requests for an emergency stop so far, whose number `release` names
+    moving: tuple[Id, ...] = ()  # robots that do not stand yet; empty unless `halted`
     roster: Roster = Roster(0, ())
-    obstacles: tuple[PlacedObstacle, ...] = ()
-    goals: tuple[GoalStatus, ...] = ()
+    obstacles: tuple[PlacedObstacle, ...] = ()  # all that are present or announced
+    goals: tuple[GoalStatus, ...] = ()  # of all robots, by increasing id
 
     def goal(self, robot: int) -> GoalStatus | None:
         """The goal of one robot; None if there is no such robot."""

@@ -25,9 +25,7 @@ from protocol.line import ROUNDING, SURE, Line
 class Region:
     """A closed convex set that contains a whole disk. Immutable.
 
-    Args:
-        shape: the set.
-        obstacle: whether it is the place of an obstacle: two of these may overlap.
+    `obstacle`: whether it is the place of an obstacle: two of these may overlap.
     """
 
     __slots__ = ("obstacle", "shape")

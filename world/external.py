@@ -26,13 +26,6 @@ class External:
     Args:
         past: the robots at the end of an earlier world, if there was one.
         tick: opened first; an earlier world may have opened it, but no later one.
-
-    Attributes:
-        plant: the robots' disks by their reports.
-        bounds: errors of positions, m, by robot id.
-        unsettled: robots that stand without a report of that position, or with an inexact one.
-        founding_bounds: distances from their starts at the beginning of a run, or until they stand, m.
-        largest_bound: of all reports so far, m.
     """
 
     def __init__(self, scenario: Scenario, past: PastDisks | None = None, tick: int = 0) -> None:
@@ -41,12 +34,14 @@ class External:
         else:
             scenario = past.moved(scenario)
         self.plant = Reported(scenario, past)
-        self.bounds: dict[int, float] = {}
+        self.bounds: dict[int, float] = {}  # errors of positions, m, by robot id
+        # Robots that stand without a report of that position, or with an inexact one.
         self.unsettled: Set[int] = frozenset()
+        # Distances from their starts at the beginning of a run, or until they stand, m.
         self.founding_bounds = past.bounds or {
             robot: SHARE * room_at_start(scenario, robot)[0] for robot in scenario.ids
         }
-        self.largest_bound = past.largest_bound
+        self.largest_bound = past.largest_bound  # of all reports so far, m
         self._step, self._speed = (
             scenario.time.step,
             scenario.control.speed * (1.0 + scenario.actuation.bound),

@@ -20,20 +20,14 @@ class Sensor:
     """One robot's position sensor.
 
     With random delays a later measurement may overtake an earlier one, which then is never delivered.
-
-    Attributes:
-        bound: largest error of a measurement, m.
-        delayed: number of late measurements.
-        missing: number of ticks without a measurement.
-        dropped: number of measurements lost by dropout.
     """
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
-        self.delayed = 0
-        self.missing = 0
-        self.dropped = 0
+        self.delayed = 0  # late measurements
+        self.missing = 0  # ticks without a measurement
+        self.dropped = 0  # measurements lost by dropout
         sensing = self._sensing = scenario.sensing_of(robot)
-        self.bound = sensing.bound
+        self.bound = sensing.bound  # largest error of a measurement, m
         self.ideal = span_of(sensing.delay) == (0.0, 0.0) and sensing.bound == sensing.dropout == 0.0
         self._scenario = scenario
         self._draws = Uniforms(scenario.seed, Purpose.SENSING, robot, 4)
@@ -128,21 +122,17 @@ class SimulatedFleet:
 
     Args:
         past: the disks at the end of an earlier world, if there was one; they are static there.
-
-    Attributes:
-        plant: moves the disks.
-        sensors: of position, by robot id.
-        bounds, founding_bounds, unsettled, largest_bound: as of `External`; the places are the truth here.
     """
 
     def __init__(self, scenario: Scenario, past: PastDisks | None = None) -> None:
         scenario = scenario if past is None else past.moved(scenario)
+        # As of `External`; the places are the truth here.
         self.bounds: Mapping[int, float] = MappingProxyType({})
         self.founding_bounds = self.bounds
         self.unsettled: Set[int] = frozenset()
         self.largest_bound: float | None = None
         self.plant = plant_of(scenario, 1 if past is None else past.parts)
-        self.sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}
+        self.sensors = {robot: Sensor(scenario, robot) for robot in scenario.ids}  # of position
         self._odometers = {robot: OdometrySensor(scenario, robot, self.plant.slips) for robot in scenario.ids}
         # Path lengths in earlier worlds, and of removed robots, m.
         self._before = {} if past is None else past.ways

@@ -33,19 +33,12 @@ class WorldCore:
         past: of an earlier world that has ended. Its robots are static until their processes have joined this
             one; its open tick is opened again.
         returning: time for which a fenced robot may still return before the run ends without it, s.
-
-    Attributes:
-        exchange: Ticks and Commands.
-        lives, membership, missions, parts, schedule: of the robots, of parts, and of the scenario's orders.
-        simulation: positions of the disks and measurements of robots; of an external fleet, its reports.
-        referee: record of the run, and its verdict.
-        stopped: whether an emergency stop is in force.
-        stops: number of requests for an emergency stop so far.
-        contested: whether there is another coordinator of this run.
     """
 
     def __init__(self, scenario: Scenario, past: Past = Past(), *, returning: float = 0.0) -> None:
-        self.stopped, self.stops, self.contested = past.stopped, past.stops, False
+        self.stopped = past.stopped  # whether an emergency stop is in force
+        self.stops = past.stops  # requests for an emergency stop so far
+        self.contested = False  # whether there is another coordinator of this run
         self._scheduled = past.scheduled  # number of the scenario's latest stop
         self._misplaced = ""  # why the run ends with the open tick: a disk is not where the ledger has it
         lives = self.lives = Lives(scenario, returning, past.lives, past.tick)
@@ -56,7 +49,7 @@ class WorldCore:
         self.schedule = Schedule(scenario, past.orders)
         self.exchange = Exchange(scenario, lives, self.missions, past.tick)
         self.exchange.missed, self.exchange.refused = past.missed, Counter(past.refused)
-        self.simulation: External | SimulatedFleet
+        self.simulation: External | SimulatedFleet  # disks and measurements; of external robots, reports
         if fleet.is_external:
             self.simulation = External(fleet, past.disks, self.tick)
         else:

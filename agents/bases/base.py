@@ -23,8 +23,6 @@ def topics_of(scenario: Scenario, robot: int, namespace: str | None = None) -> B
     """Names of the topics and frames of a robot; None if it has none.
 
     Args:
-        scenario: the run.
-        robot: its id.
         namespace: of its topics, if it must have a base; if empty, as in the scenario.
 
     Raises:

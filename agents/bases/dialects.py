@@ -77,12 +77,7 @@ class Dialect:
 
 
 class RmwZenoh(Dialect):
-    """The dialect of rmw_zenoh_cpp.
-
-    Args:
-        domain: ROS_DOMAIN_ID.
-        namespace: of the robot's node.
-    """
+    """The dialect of rmw_zenoh_cpp; `domain` is ROS_DOMAIN_ID, `namespace` that of the robot's node."""
 
     def __init__(self, domain: int, namespace: str) -> None:
         self._domain, self._namespace = domain, _mangled(namespace.strip("/"))

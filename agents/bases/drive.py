@@ -28,21 +28,15 @@ OFTEN: Final = 3.0  # least number of velocities within the base's own timeout
 
 
 class Lease:
-    """The time for which one life of a robot may move without a Tick of the coordinator.
+    """The time, `duration` s, for which one life of a robot may move without a Tick of the coordinator.
 
     Each Tick names the newest of the robot's Commands that the coordinator has received; the coordinator
     declares no robot static before its lease has certainly ended. The lease begins when that Command is sent,
     by the robot's own clock: clocks have to agree in rate, not in time.
-
-    Args:
-        duration: s.
-
-    Attributes:
-        until: its end, s, by the clock of this process.
     """
 
     def __init__(self, duration: float) -> None:
-        self.until = -math.inf
+        self.until = -math.inf  # its end, s, by the clock of this process
         self._duration = duration
         self._sent: dict[int, float] = {}
 
@@ -63,15 +57,11 @@ class Drive:
 
     Args:
         body: with all delays.
-        base: its times.
         period: of a tick, s.
-
-    Attributes:
-        velocity: present velocity for the base.
     """
 
     def __init__(self, body: Body, base: Base, period: float) -> None:
-        self.velocity: Vector = STILL
+        self.velocity: Vector = STILL  # the present one
         self._base, self._kinematics = base, Kinematics(body, period)
         self._grace = period + base.patience
         self._part = period / self._kinematics.steps

@@ -18,19 +18,7 @@ from protocol.scenario.model import Scenario
 
 
 class Ros2Base:
-    """An external base and localisation. Sans-I/O: takes received payloads, returns payloads to publish.
-
-    Args:
-        scenario: the run.
-        robot: own id.
-        base: its table.
-
-    Attributes:
-        topics: to subscribe to.
-        drives: topic of velocities, which it publishes.
-        due: time of the next `on_timer`, s.
-        senses: its odometry and poses.
-    """
+    """An external base and localisation. Sans-I/O: takes received payloads, returns payloads to publish."""
 
     def __init__(self, scenario: Scenario, robot: int, base: Base) -> None:
         body, base = scenario.body_of(robot), base.of(robot)
@@ -38,9 +26,9 @@ class Ros2Base:
         self._odometry = Topic(base.topic(base.odometry), ros.ODOMETRY)
         self._pose = Topic(base.topic(base.pose), ros.STAMPED_POSE)
         wishes = [Topic(base.topic(base.desired), twist)] if scenario.control.law == "external" else []
-        self.topics: tuple[Topic, ...] = (self._odometry, self._pose, *wishes)
-        self.drives = Topic(base.topic(base.velocity), twist)
-        self.due = 0.0
+        self.topics: tuple[Topic, ...] = (self._odometry, self._pose, *wishes)  # to subscribe to
+        self.drives = Topic(base.topic(base.velocity), twist)  # of velocities, which it publishes
+        self.due = 0.0  # s, time of the next `on_timer`
         self._base, self._offset = base, body.offset
         self._every = base.timeout / OFTEN
         self.senses = Senses(scenario, robot, base)

@@ -49,13 +49,12 @@ class LinkDelay:
     least delay. It may rise by `DRIFT`, since clocks drift apart; so after some minutes a lasting delay
     becomes the least one. A stamp before the last one raises it by the difference: the clock was set back, or
     one message of a late link has overtaken another, which makes none of them young.
-
-    Attributes:
-        ahead: how much less the newest message was delayed than all before, s; infinite for the first.
     """
 
     def __init__(self) -> None:
-        self._least = self.ahead = math.inf  # s
+        self._least = math.inf  # s
+        # How much less the newest message was delayed than all before, s; infinite for the first.
+        self.ahead = math.inf
         self._stamp = self._arrived = -math.inf
 
     def take(self, stamp: float, now: float) -> None:
@@ -73,25 +72,15 @@ class LinkDelay:
 
 
 class Odometer:
-    """Checks and keeps odometry, a stream of poses in its own frame.
-
-    Args:
-        base: frames that messages must name.
-        body: its top speed, and its control point.
-
-    Attributes:
-        newest: the newest place, None before any.
-        oldest: greatest age with which a tick may begin, s.
-        arrived: arrival of the last message, s, by the clock of this process.
-        timely: arrival of the last one that was young enough to begin a tick.
-    """
+    """Checks and keeps odometry, a stream of poses in its own frame."""
 
     def __init__(self, base: Base, body: Body) -> None:
         self.newest: OdometryPlace | None = None
-        self.arrived = self.timely = -math.inf
+        self.arrived = -math.inf  # s, by the clock of this process, of the last message
+        self.timely = -math.inf  # the same of the last one that was young enough to begin a tick
         self._frames = base.odometry_frame, base.base_frame
         self._link, self._least, self._latency = LinkDelay(), base.delay, base.latency
-        self.oldest = base.age + base.latency
+        self.oldest = base.age + base.latency  # greatest age with which a tick may begin, s
         self._offset = body.offset
         self._share, self._drift = body.odometry, body.drift
         self._speed, self._rate = body.speed, 0.0
@@ -219,15 +208,11 @@ class Fix(NamedTuple):
 
 
 class Senses:
-    """Odometry and poses of one robot.
-
-    Attributes:
-        fault: the one for which the position is unknown, and the robot stands; "" if none.
-    """
+    """Odometry and poses of one robot."""
 
     def __init__(self, scenario: Scenario, robot: int, base: Base) -> None:
         body, sensing = scenario.body_of(robot), scenario.sensing_of(robot)
-        self.fault = "waits for odometry and a pose"
+        self.fault = "waits for odometry and a pose"  # why the robot stands, its position unknown; "" if none
         self._anew = False
         self._odometer, self._base, self._offset = Odometer(base, body), base, body.offset
         self._period = scenario.time.step

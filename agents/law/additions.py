@@ -28,14 +28,7 @@ from protocol.scenario.model import Scenario, gain_for_fleet
 
 
 class AugmentedLaw:
-    """One robot's slice of the gradient with the additions of the scenario: a `Law`.
-
-    Attributes:
-        aim: point of attraction, m, as of the last `look`.
-        straight: length of the straight first part of the path there, m; infinite if it does not turn.
-        obstacles: static obstacles then, as disks.
-        disks: peers as received, and static disks.
-    """
+    """One robot's slice of the gradient with the additions of the scenario: a `Law`."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         spec, control, additions = scenario.spec(robot), scenario.control, scenario.control.additions
@@ -62,10 +55,11 @@ class AugmentedLaw:
         self._wanted: Vector = (0.0, 0.0)
         self._slice = Slice(spec.goal, spec.radius, self._workspace, math.inf, [])  # the attraction alone
         # Of the present tick, set by `look`.
-        self.aim = self._goal = spec.goal
+        self.aim = self._goal = spec.goal  # point of attraction, m
+        # Length of the straight first part of the path there, m; infinite if it does not turn.
         self.straight = math.inf
-        self.obstacles: list[Peer] = []
-        self.disks: list[Peer] = []
+        self.obstacles: list[Peer] = []  # static ones, as disks
+        self.disks: list[Peer] = []  # peers as received, and static disks
         self._peers: list[Peer] = []
         self._moving: list[PeerState] = []
         self._far = NOTHING

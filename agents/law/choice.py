@@ -74,15 +74,12 @@ class GuardedLaw:
     The slice sent to peers is bounded: a squeezed disk, or a peer with an absurd gamma, may exceed any number
     that a State may hold. The common pace limits slices to the largest attraction, which is below this bound.
 
-    Attributes:
-        failure: names the law and its first failure; "" if it has not failed.
-
     Raises:
         UsageError: as `choose`.
     """
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
-        self.failure = ""
+        self.failure = ""  # names the law and its first failure; "" if it has not failed
         self._name, self._speed = scenario.control.law, scenario.control.speed
         self._most = MOST * scenario.workspace.shape.around.radius
         self._from_outside = ":" in self._name

@@ -46,18 +46,12 @@ class Progress:
     its goal and moves along its desired velocity at less than a tenth of the free speed. If the desired
     velocity is that small, it may only wait for gamma to decrease: then it stalls if a disk blocks the
     straight line to its goal, or if gamma does not decrease.
-
-    Args:
-        period: control period, s.
-        lap: time for the fleet's largest disk to move by its radius at full speed, s.
-
-    Attributes:
-        strength: of the escape, 0 (none) to 1, continuous in time. The drift in the flow is strength * free
-            speed * `circling`: never more than the attraction, so that no robot orbits its goal.
     """
 
-    period: float
-    lap: float = 0.0
+    period: float  # control period, s
+    lap: float = 0.0  # time for the fleet's largest disk to move by its radius at full speed, s
+    # Of the escape, 0 (none) to 1, continuous in time. The drift in the flow is strength * free speed *
+    # `circling`: never more than the attraction, so that no robot orbits its goal.
     strength: float = 0.0
     _moved: Mean = MOTIONLESS
     _wanted: Mean = MOTIONLESS

@@ -34,21 +34,16 @@ _INFINITE: Final = math.inf
 
 
 class Clearances:
-    """Distances of points of a grid from obstacles and walls, for robots of one radius, m. Immutable.
-
-    Attributes:
-        step: between neighbouring points, m.
-        width: points in a row.
-        clear: at each point, m, row by row; at most `reach`; zero or less outside of the workspace.
-    """
+    """Distances of points of a grid from obstacles and walls, for robots of one radius, m. Immutable."""
 
     def __init__(self, room: Shape, shapes: Sequence[Shape], radius: float) -> None:
         (left, low), (right, high) = room.box
         most = _POINTS[len(shapes) > MANY]
+        # Between neighbouring points, m.
         self.step = max(_STEP * radius, math.sqrt((right - left) * (high - low) / most))
         self._left, self._low = left - self.step, low - self.step
         self.reach = max(REACH * radius, 2.0 * self.step)
-        self.width, self._height = (
+        self.width, self._height = (  # points in a row, and rows
             math.ceil((right - left) / self.step) + 3,
             math.ceil((high - low) / self.step) + 3,
         )
@@ -67,6 +62,7 @@ class Clearances:
         clear[[0, -1], :] = clear[:, [0, -1]] = -self.step  # a rim, so that all others have 8 neighbours
         self._is_coarse = self.step > 2.0 * radius  # walls may lie between two points that are clear of them
         self._sides = _sides(shapes if self._is_coarse else ())
+        # At each point, m, row by row; at most `reach`; zero or less outside of the workspace.
         self.clear: list[float] = clear.ravel().tolist()
 
     def _register(self, shape: Shape) -> None:
@@ -151,8 +147,6 @@ class FieldRoute:
     """Short paths to one goal after the other, for disks of radius `clear`, m.
 
     Args:
-        map_: of the obstacles.
-        clear: distance to keep from obstacles and walls, m.
         closed: all gaps that such a disk does not pass, so that paths may use all others; without them paths
             use passages that are wider by a step of the grid.
     """

@@ -34,11 +34,7 @@ FAST_AT_ALL: Final = 6.0  # radii from the goal without effect
 
 
 def foreseen(me: Peer, peers: Sequence[Peer], tick: int, period: float, lap: float) -> list[Peer]:
-    """All peers as last received, some extrapolated by their wishes.
-
-    Args:
-        period, lap: durations, s.
-    """
+    """All peers as last received, some extrapolated by their wishes; `period` and `lap` in s."""
     found: list[Peer] = []
     for peer in peers:
         if isinstance(peer, PeerState) and peer.gamma > FIRST * me.gamma:

@@ -52,11 +52,6 @@ class Attraction:
 
     Two robots that meet in a passage with room for one block each other. So unless a robot is alone, it uses
     passages in which two can pass, if these lead to its goal without a long detour.
-
-    Attributes:
-        winds: whether paths lead around obstacles, as of the last `aim`.
-        straight: length of the straight first part of the path of the last `aim`, m; infinite if it does
-            not turn.
     """
 
     def __init__(self, room: Shape, radius: float, alone: bool = False) -> None:
@@ -67,7 +62,8 @@ class Attraction:
         self._clearances: Clearances | None = None
         self._goal: Vector | None = None
         self._choice = self._first  # index of the route for this goal
-        self.winds = False
+        self.winds = False  # whether paths lead around obstacles, as of the last `aim`
+        # Length of the straight first part of the path of the last `aim`, m; infinite if it does not turn.
         self.straight = math.inf
 
     @property

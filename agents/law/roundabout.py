@@ -120,13 +120,9 @@ def together(encounters: Sequence[Encounter], within: float) -> list[Encounter]:
 
 
 def roundabout(position: Vector, way: Vector, met: Sequence[Encounter]) -> Roundabout:
-    """The roundabout for these encounters, with room for all.
+    """The roundabout for at least one encounter, with room for all; `way`: velocity straight on, m/s.
 
     Only few of many peers may be known: unknown ones are assumed to come from as densely spaced directions.
-
-    Args:
-        way: velocity straight on, m/s.
-        met: at least one.
     """
     ahead = math.fsum(each.time for each in met) / len(met)
     x, y = position[0] + ahead * way[0], position[1] + ahead * way[1]

@@ -26,12 +26,7 @@ _WORTH: Final = 0.05  # least depth of a cut, radii of the set
 @final
 @mypyc_attr(acyclic=True)
 class RoundBoundary:
-    """A round boundary.
-
-    Args:
-        radius: the largest distance W of the own centre from that of the circle, m.
-        x, y: centre of the circle, m.
-    """
+    """A round boundary; `radius`: the largest distance W of the own centre from its centre (x, y), m."""
 
     def __init__(self, radius: float, x: float = 0.0, y: float = 0.0) -> None:
         self.radius, self.cx, self.cy = radius, x, y

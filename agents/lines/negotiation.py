@@ -190,25 +190,15 @@ def deficit(shape: Shape, x: float, y: float, room: float) -> Vector:
 
 @final
 class Bond:
-    """One binding: the kernel's own end, and what follows from it.
-
-    Args:
-        end: the kernel's own end.
-        own_radius: of the disk that keeps to it, m.
-        state: newest State of the peer.
-
-    Attributes:
-        half_planes: constraints on the own centre.
-        first: the first line, found and not in the ledger yet.
-        answers_left: number of States that still have to carry the answer.
-    """
+    """One binding: the kernel's own end, and what follows from it."""
 
     def __init__(self, end: OwnEnd[Region, Line], own_radius: float, state: PeerState | None) -> None:
         self.end, self.peer = end, end.peer
-        self.own_radius, self.state = own_radius, state
-        self.answers_left = 0
-        self.first: FirstLine | None = None
-        self.half_planes: list[HalfPlane] = []
+        self.own_radius = own_radius  # of the disk that keeps to it, m
+        self.state = state  # newest one of the peer
+        self.answers_left = 0  # States that still have to carry the answer
+        self.first: FirstLine | None = None  # found, and not in the ledger yet
+        self.half_planes: list[HalfPlane] = []  # constraints on the own centre
         self.renew()
 
     def renew(self) -> None:

@@ -36,11 +36,6 @@ class SeparatingLines:
         period: of one tick, s.
         reach: longest path from the beginning of a tick to a stop, m; 0 for that of a tick at full speed.
         standoff: room that own lines leave on either side, m, if there is enough.
-
-    Attributes:
-        kernel: the robot's end of all bindings; None before the first grants.
-        wanted: radius of the disk for which own lines leave room, if that is larger, m.
-        part: the disk that only a smaller own disk keeps clear of, as it is taken up; NO for none.
     """
 
     def __init__(
@@ -53,9 +48,9 @@ class SeparatingLines:
         reach: float = 0.0,
         standoff: float = 0.0,
     ) -> None:
-        self.kernel: Kernel | None = None
-        self.wanted = 0.0
-        self.part = NO
+        self.kernel: Kernel | None = None  # its end of all bindings; None before the first grants
+        self.wanted = 0.0  # radius of the disk for which own lines leave room, if that is larger, m
+        self.part = NO  # disk that only a smaller own disk keeps clear of, as it is taken up; NO for none
         self._robot, self._radius, self._small = robot, radius, radius
         self._period, self._max_step = period, speed * period
         self._reach = reach if reach > 0.0 else self._max_step

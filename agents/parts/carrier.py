@@ -24,25 +24,17 @@ MOVED: Final = 0.3  # least motion, own radii
 
 
 class PartCarrier:
-    """Fetches and delivers parts for one robot.
-
-    Attributes:
-        goal: of the robot, m.
-        aim: next waypoint, m, approached in a straight line; None: the law leads to the goal.
-        claim: published in the robot's State.
-        radius: of the disk that must be kept clear, m.
-        handles: the request to publish once the disk is kept clear.
-        held: the obstacle that is about to be taken up, which constrains only the smaller disk; 0 for none.
-    """
+    """Fetches and delivers parts for one robot."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
         spec = scenario.spec(robot)
-        self.goal = self._home = spec.goal
-        self.claim: Claim | None = None
-        self.radius = self._small = spec.radius
-        self.handles: Handling | None = None
+        self.goal = self._home = spec.goal  # of the robot, m
+        self.claim: Claim | None = None  # published in the robot's State
+        self.radius = self._small = spec.radius  # of the disk that must be kept clear, m
+        self.handles: Handling | None = None  # the request to publish once the disk is kept clear
+        # The obstacle that is about to be taken up, which constrains only the smaller disk; 0 for none.
         self.held = 0
-        self.aim: Vector | None = None
+        self.aim: Vector | None = None  # next waypoint, m, straight ahead; None: the law leads to the goal
         self._planner = Planner(scenario, spec.radius)
         self._traffic = Traffic(self._planner.grid)
         self._robot, self._scenario = robot, scenario

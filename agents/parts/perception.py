@@ -128,22 +128,15 @@ class Traffic:
 
 
 class Perception:
-    """Parts and peers in one tick.
-
-    Attributes:
-        carriers: part carried by each live robot, by robot.
-        obstacles: number of the obstacle of each part on the floor, by part.
-        layout: obstacles and parts.
-        peers: States of live peers.
-        claims: robot and claim of each live peer that claims a part of the scenario.
-    """
+    """Parts and peers in one tick."""
 
     def __init__(self, scenario: Scenario, neighbours: Neighbours) -> None:
         self._scenario = scenario
         stand = neighbours.standing
         carried = {each.carrier: each.part for each in neighbours.parts if each.carrier}
-        self.peers = neighbours.moving()
-        self.claims = self._claims()
+        self.peers = neighbours.moving()  # States of live peers
+        self.claims = self._claims()  # robot and claim of each live peer that claims a part of the scenario
+        # By live robot, the part that it carries; by part on the floor, the number of its obstacle.
         self.carriers = {robot: part for robot, part in carried.items() if robot not in stand}
         self.obstacles = {each.part: each.obstacle for each in neighbours.parts if not each.carrier}
         shapes = {part: neighbours.numbered.get(number) for part, number in self.obstacles.items()}

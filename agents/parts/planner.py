@@ -142,12 +142,7 @@ class Errand(NamedTuple):
 
 
 class Planner:
-    """Plans for robots of one radius, m, without a part.
-
-    Attributes:
-        grid: of the room.
-        orders: search for orders of delivery.
-    """
+    """Plans for robots of one radius, m, without a part."""
 
     def __init__(self, scenario: Scenario, radius: float) -> None:
         smallest = min([radius, *(part.radius for part in scenario.parts)])

@@ -21,19 +21,11 @@ from protocol.scenario.model import Scenario
 @final
 @mypyc_attr(acyclic=True)
 class SummaryPlaces:
-    """One summary; raises MessageError if it is malformed. Immutable.
-
-    Attributes:
-        tick, epoch: as in the summary.
-        runs: ids of its robots, encoded as there.
-        robots: the same ids, ascending.
-        index: position of each id in the arrays.
-        x, y: positions, m; shape (n,).
-        gammas, slices: as there, m^2 and m.
-    """
+    """One summary; raises MessageError if it is malformed. Immutable."""
 
     def __init__(self, summary: Summary) -> None:
-        self.tick, self.epoch, self.runs = summary.tick, summary.epoch, summary.robots
+        self.tick, self.epoch = summary.tick, summary.epoch
+        self.runs = summary.robots  # ids, encoded as there
         count = len(summary.gammas) // 4
         sizes_fit = len(summary.gammas) == len(summary.slices) == 4 * count
         if not sizes_fit or len(summary.positions) != 8 * count:
@@ -42,15 +34,15 @@ class SummaryPlaces:
             )
         places = np.ascontiguousarray(_numbers(summary.positions).reshape(-1, 2).T)
         places.setflags(write=False)
-        self.x, self.y = places
-        self.gammas: Reals = _numbers(summary.gammas)
-        self.slices: Reals = _numbers(summary.slices)
+        self.x, self.y = places  # m, shape (n,)
+        self.gammas: Reals = _numbers(summary.gammas)  # m^2
+        self.slices: Reals = _numbers(summary.slices)  # m
         sizes = np.concatenate((np.abs(places).ravel(), self.gammas, self.slices))
         if not ((sizes >= 0.0) & (sizes <= LARGEST**2)).all():
             raise MessageError("shape", "summary: holds a number that is infinite, absurd or none")
         robots, index = _ids(summary.robots, count)
-        self.robots: NDArray[np.int64] = robots
-        self.index: Mapping[int, int] = index
+        self.robots: NDArray[np.int64] = robots  # ids, ascending
+        self.index: Mapping[int, int] = index  # position of each id in the arrays
 
 
 # Robots of one process share what follows from the newest summaries: among 1000 a tick takes a fifth less.
@@ -83,23 +75,16 @@ def _sizes(known: tuple[Mapping[int, int], Mapping[int, float]]) -> Reals:
 @final
 @mypyc_attr(acyclic=True)
 class FarField:
-    """Terms of far disks in the slice, to first order around (x, y), m.
-
-    Attributes:
-        log_x, log_y: half the gradient of log beta there, 1/m.
-        xx, xy, yy: its derivative, symmetric, 1/m^2.
-        gamma, largest: sum of the disks' squared distances to their goals and the largest of them, m^2.
-        slice: the largest norm of the disks' own slices, m.
-        count: number of disks.
-        tick: of their positions.
-    """
+    """Terms of far disks in the slice, to first order around (x, y), m."""
 
     def __init__(self, tick: int = 0, x: float = 0.0, y: float = 0.0) -> None:
-        self.tick = tick
+        self.tick = tick  # of their positions
         self.x, self.y = x, y
-        self.log_x = self.log_y = self.xx = self.xy = self.yy = 0.0
-        self.gamma = self.largest = self.slice = 0.0
-        self.count = 0
+        self.log_x = self.log_y = 0.0  # half the gradient of log beta there, 1/m
+        self.xx = self.xy = self.yy = 0.0  # its derivative, symmetric, 1/m^2
+        self.gamma = self.largest = 0.0  # sum and maximum of their squared distances to their goals, m^2
+        self.slice = 0.0  # the largest norm of their own slices, m
+        self.count = 0  # number of disks
 
 
 NOTHING = FarField()
@@ -110,12 +95,8 @@ class FarPicture:
     """One summary, with the radii that one robot knows.
 
     Args:
-        places: of the summary.
         radii: of all robots, m, by id; 0 for ids that it lacks.
         before: the picture before, from which robots moved.
-
-    Attributes:
-        places: of the summary.
     """
 
     def __init__(

@@ -79,19 +79,14 @@ _DRAWS = 6  # per State; twice as many in a wireless network
 
 
 class StateLink:
-    """Delivery of States to one robot.
-
-    Attributes:
-        ideal: whether there are no faults: every State is delivered in its own tick.
-        lost: number of States lost so far.
-    """
+    """Delivery of States to one robot."""
 
     def __init__(self, scenario: Scenario, robot: int) -> None:
-        self.lost = 0
+        self.lost = 0  # States lost so far
         self._scenario = scenario
         self._faults = scenario.link
         self._robot = robot
-        self.ideal = scenario.link == LinkFaults()
+        self.ideal = scenario.link == LinkFaults()  # no faults: every State is delivered in its own tick
         drawn = () if self.ideal else scenario.ids
         self._column = {peer: column for column, peer in enumerate(drawn)}
         self._draws: dict[int, np.ndarray] = {}

@@ -40,22 +40,8 @@ class Neighbours:
 
     Args:
         radii: of all robots, m, by id; not modified.
-        robot: the own id.
         listed: shapes of the scenario's obstacles, by number; not modified.
         hears_all: whether this robot receives the States of all peers, not of near ones only.
-
-    Attributes:
-        version: of the roster; 0 before the first.
-        members: its entries, by id, in its order.
-        lives: incarnation of each live robot, by id; -1 if the disk is not live.
-        obstacles: its added and removed obstacles.
-        parts: the place of each part.
-        shapes: of all obstacles that are present or appearing.
-        numbered: the same shapes, by number.
-        standing: roster entries of disks that are static or appearing, by id.
-        picture: the newest summary of all positions, if there is any.
-        far: terms in the slice of the peers whose States are not received.
-        radii: newest known, m, by id.
     """
 
     def __init__(
@@ -66,18 +52,19 @@ class Neighbours:
         listed: Mapping[int, Shape] | None = None,
         hears_all: bool = True,
     ) -> None:
-        self.version = 0
-        self.members: dict[int, Member] = {}
-        self.obstacles: tuple[PlacedObstacle, ...] = ()
-        self.parts: tuple[PartPlace, ...] = ()
+        self.version = 0  # of the roster; 0 before the first
+        self.members: dict[int, Member] = {}  # its entries, by id, in its order
+        self.obstacles: tuple[PlacedObstacle, ...] = ()  # its added and removed ones
+        self.parts: tuple[PartPlace, ...] = ()  # the place of each part
         self._listed = {} if listed is None else listed
-        self.numbered = self._listed
-        self.shapes = tuple(self._listed.values())
-        self.standing: dict[int, Member] = {}
-        self.picture: FarPicture | None = None
-        self.far = NOTHING
-        self.radii = radii
+        self.numbered = self._listed  # shapes of all obstacles that are present or appearing, by number
+        self.shapes = tuple(self._listed.values())  # the same shapes
+        self.standing: dict[int, Member] = {}  # entries of disks that are static or appearing, by id
+        self.picture: FarPicture | None = None  # the newest summary of all positions, if there is any
+        self.far = NOTHING  # terms in the slice of the peers whose States are not received
+        self.radii = radii  # newest known, m, by id
         self._robot, self._hears_all = robot, hears_all
+        # Incarnation of each live robot, by id; -1 if the disk is not live.
         self.lives: dict[int, int] = {}  # not Mapping, nor are `radii`: compiled, looked up thrice as fast
         self._states: dict[int, PeerState | None] = {}
 
@@ -185,10 +172,6 @@ class PeerInbox:
     Args:
         accepted: takes each accepted State, with its proposals and answers.
         lockstep: whether the world waits for this robot. If not, States of missed ticks are accepted.
-
-    Attributes:
-        neighbours: peers, by their newest States and the roster.
-        is_open: whether the tick's State is out and its Command is not.
     """
 
     def __init__(
@@ -207,7 +190,7 @@ class PeerInbox:
         self._since: dict[int, int] = {}  # tick of the first State that may be accepted, by peer
         self._active: tuple[int, ...] = ()  # as the tick before named them
         self._awaited: set[int] = set()
-        self.is_open = False
+        self.is_open = False  # whether the tick's State is out and its Command is not
 
     def open(self, tick: Tick, place: Vector | None = None) -> None:
         """Begin a tick at `place`, m: await the States of the peers that it names, and accept late ones."""

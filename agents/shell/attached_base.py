@@ -29,22 +29,12 @@ class AttachedBase:
     """One base, for one life of its robot after another.
 
     Its lease and the age of odometry use time that includes suspension; deadlines use monotonic time.
-
-    Args:
-        base: the base.
-        link: carries its topics.
-        warn: takes warnings for the operator.
-
-    Attributes:
-        topics: to subscribe to.
-        trouble: the fault reported last; "" if none.
-        in_place: whether the base was free of faults, with the robot at a valid start, at least once.
     """
 
     def __init__(self, base: Ros2Base, link: RosLink, warn: Callable[[str], None]) -> None:
         self.topics = base.topics
-        self.trouble = ""
-        self.in_place = False
+        self.trouble = ""  # the fault reported last; "" if none
+        self.in_place = False  # whether it was free of faults, with the robot at a valid start, at least once
         self._base, self._warn = base, warn
         link.subscribe(*base.topics)
         self._publish = link.publisher(base.drives)
@@ -94,7 +84,6 @@ class AttachedBase:
         """Publish the velocity that is due, and report faults of the base.
 
         Args:
-            core: the robot that it moves.
             founded: whether the run had begun when the robot was admitted: then it starts at its disk.
         """
         self._publish(self._base.on_timer(since_boot()))

@@ -40,9 +40,8 @@ class RobotNode:
 
     Args:
         bus: a connection of its own.
-        wait, warn, read: as of `WorldSession`.
+        wait, read: as of `WorldSession`.
         namespace: as of `topics_of`.
-        info: takes lines for the log.
 
     Raises:
         JoinError: the world refuses this id.

@@ -9,12 +9,7 @@ from protocol.scenario.body import Base
 
 
 class RosLink:
-    """The topics of one robot.
-
-    Args:
-        bus: the process's own connection.
-        base: the scenario's settings of these topics, for this robot.
-    """
+    """The topics of one robot, by its settings `base`, on the connection of its process."""
 
     def __init__(self, bus: Bus, base: Base) -> None:
         self._bus, self._dialect = bus, dialect_of(base)

@@ -45,24 +45,14 @@ _LIFETIME: Final = 2  # s, lifetime of drawings
 class RosTools:
     """The topics of one robot for tools, on the bus.
 
-    The frame `<namespace>/disk` is its disk's; its only parent is the map.
-
-    Args:
-        base: names of frames and topics, for this robot.
-        robot: own id.
-        link: carries its topics.
-        bus: the process's own connection.
-        operations: the key under which the world takes operations.
-        warn: takes warnings for the operator.
-
-    Attributes:
-        stopped: whether a message stopped the robot, and none has released it.
+    The frame `<namespace>/disk` is its disk's; its only parent is the map. `operations` is the key under
+    which the world takes operations.
     """
 
     def __init__(
         self, base: Base, robot: int, link: RosLink, bus: Bus, operations: str, warn: Callable[[str], None]
     ) -> None:
-        self.stopped = False
+        self.stopped = False  # a message stopped the robot, and none has released it
         self._base, self._robot = base, robot
         self._bus, self._operations, self._warn = bus, operations, warn
         self._frame = f"{base.namespace.strip('/')}/disk".lstrip("/")

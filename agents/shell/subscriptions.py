@@ -15,14 +15,10 @@ _TURNS: Final = 4  # ticks over which robots spread the end of subscriptions, wh
 
 @final
 class Subscriptions:
-    """Subscriptions to the States of all peers, or of near ones.
-
-    Attributes:
-        readers: by the key of the State.
-    """
+    """Subscriptions to the States of all peers, or of near ones."""
 
     def __init__(self, bus: Bus, run: str, robot: int) -> None:
-        self.readers: dict[str, PeerReader] = {}
+        self.readers: dict[str, PeerReader] = {}  # by the key of the State
         self._bus, self._run, self._robot = bus, run, robot
         self._epoch = 0  # of the coordinator
         self._near: frozenset[int] = frozenset()  # peers near now or soon; empty before the first `attend`

@@ -30,27 +30,18 @@ class WorldSession:
     """Requests to join, and the world's token.
 
     Args:
-        bus: the process's own connection.
         wait: longest time without a world at the start, s.
-        warn: takes warnings for the operator.
         read: decodes an answer to a request to join; its result is never changed.
-
-    Attributes:
-        session: of this process.
-        epoch: of the coordinator that admitted this process last, 0 for none.
-        grace: s after which the world may still return, as it announced; 0 if it never does.
-        heard: when the last message of the world arrived, s, monotonic.
-        back: whether a world has come back, so that this life may have ended meanwhile.
     """
 
     def __init__(
         self, bus: Bus, run: str, robot: int, wait: float, warn: Emit, read: Read = joining.decode_reply
     ) -> None:
-        self.session = os.urandom(8).hex()
-        self.epoch = 0
-        self.grace = 0.0
-        self.heard = time.monotonic()
-        self.back = False
+        self.session = os.urandom(8).hex()  # of this process
+        self.epoch = 0  # of the coordinator that admitted this process last, 0 for none
+        self.grace = 0.0  # s after which the world may still return, as it announced; 0 if it never does
+        self.heard = time.monotonic()  # s, monotonic: when the last message of the world arrived
+        self.back = False  # whether a world has come back, so that this life may have ended meanwhile
         self._bus, self._run, self._robot, self._warn, self._read = bus, run, robot, warn, read
         self._present: set[str] = set()  # sessions of the worlds whose tokens are there
         self._bearable, self._timeout = wait, _TIMEOUT  # s without an answer; s, timeout of a request

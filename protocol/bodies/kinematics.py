@@ -81,16 +81,7 @@ def steps_of(period: float) -> int:
 @final
 @mypyc_attr(acyclic=True)
 class Kinematics:
-    """The kinematics of one body.
-
-    Args:
-        body: that moves.
-        period: of one tick, s.
-
-    Attributes:
-        steps: arcs in a tick.
-        top_speed: of the control point, m/s.
-    """
+    """The kinematics of one body; `period` is that of a tick, s."""
 
     def __init__(self, body: Body, period: float) -> None:
         wheeled = body.kind == "differential-drive"
@@ -99,7 +90,8 @@ class Kinematics:
         self._offset = body.offset if wheeled else 0.0
         self._half_track = 0.5 * body.track
         self._speed, self._acceleration, self._hold = body.speed, body.acceleration, body.hold
-        self.steps = steps_of(period)
+        self.steps = steps_of(period)  # arcs in a tick
+        # Of the control point, m/s.
         self.top_speed = self._speed * max(1.0, self._offset / self._half_track if wheeled else 1.0)
 
     def turn(self, arc: Arc) -> float:
@@ -226,11 +218,7 @@ class Kinematics:
         return 2.0 * lead[0] / (time + root), 2.0 * lead[1] / (time + root)
 
     def reach(self, speed: float) -> float:
-        """The longest path from the beginning of a tick to a stop, m.
-
-        Args:
-            speed: largest commanded speed, m/s.
-        """
+        """The longest path from the beginning of a tick to a stop, m, for commands up to `speed`, m/s."""
         speed = min(speed, self.top_speed)
         if self._instant:
             return speed * self.period

@@ -64,14 +64,9 @@ class Tolerance:
     """Largest deviation of a control point from its nominal path.
 
     Args:
-        body: with its errors.
-        noise: added to its `error`, per length.
+        noise: added to the `error` of `body`, per length.
         heading: error of the direction of the nominal path, rad.
         late: delays of an external base; None for any other.
-
-    Attributes:
-        error: per length.
-        alone: time for which a base may hold a velocity of the tick's middle, s; negative if never.
     """
 
     __slots__ = ("_age", "_lag", "_latency", "_offset", "_play", "_spread", "alone", "error")
@@ -79,9 +74,10 @@ class Tolerance:
     def __init__(
         self, body: Body, noise: float = 0.0, heading: float = 0.0, late: Lateness | None = None
     ) -> None:
-        self.error = body.error + noise + 2.0 * math.sin(0.5 * heading)
+        self.error = body.error + noise + 2.0 * math.sin(0.5 * heading)  # per length
         self._lag, self._play = body.lag, body.play
         self._offset = body.offset if body.kind == "differential-drive" else 0.0
+        # alone: time for which a base may hold a velocity of the tick's middle, s; negative if never.
         self._age, self._latency, self.alone, self._spread = (0.0, 0.0, -1.0, 0.0) if late is None else late
 
     def share(self, motion: Motion, to: Vector) -> float:
@@ -116,11 +112,6 @@ class Tolerance:
 class Sweep:
     """The convex hull of disks around points (xs[i], ys[i]), m, of radius `margins[i]`, relative to the
     first, the origin.
-
-    Attributes:
-        radius: of a disk around the origin that contains it, m.
-        middle: halfway to the last point, m.
-        spread: radius of a disk around that which contains it, m.
     """
 
     __slots__ = ("margins", "middle", "radius", "spread", "xs", "ys")
@@ -128,8 +119,9 @@ class Sweep:
     def __init__(self, xs: list[float], ys: list[float], margins: list[float]) -> None:
         self.xs, self.ys, self.margins = xs, ys, margins
         mx, my = 0.5 * xs[-1], 0.5 * ys[-1]
-        self.middle = mx, my
-        self.radius = self.spread = 0.0
+        self.middle = mx, my  # halfway to the last point, m
+        self.radius = 0.0  # of a disk around the origin that contains it, m
+        self.spread = 0.0  # radius of a disk around `middle` that contains it, m
         for index, x in enumerate(xs):
             y, margin = ys[index], margins[index]
             self.radius = max(self.radius, math.hypot(x, y) + margin)
@@ -147,9 +139,7 @@ def sweep(kinematics: Kinematics, motion: Motion, tolerance: Tolerance, to: Vect
     """Positions of the control point from the beginning of a tick to its stop without another command.
 
     Args:
-        kinematics: of the body.
         motion: at the beginning of the tick.
-        tolerance: of the body.
         to: reachable velocity at the end of the tick, ahead and aside; None without a command in this tick.
     """
     if to is None:

@@ -50,11 +50,7 @@ class ZenohBus:
     """One zenoh session behind the `protocol.bus.bus.Bus` interface.
 
     Args:
-        connection: its endpoints and role.
         capacity: most waiting events; of more, only the newest half of this number are kept.
-
-    Attributes:
-        dropped: events lost to a full queue.
 
     Raises:
         ListenError: an endpoint of `connection.listen` is in use (EndpointTakenError), or not of this host.
@@ -79,7 +75,7 @@ class ZenohBus:
         self._session = _open(connection)
         STOP.call(self._wake)
         self._capacity = capacity
-        self.dropped = 0
+        self.dropped = 0  # events lost to a full queue
 
     def publisher(self, stream: Stream, key: str) -> Publish:
         # Express messages would prevent batching, on which the rate depends.

@@ -115,7 +115,6 @@ def begin(
 
     Args:
         name: of the process, such as `robot-3`.
-        run: name of the run.
         folder: of its file, `robot-3.jsonl`; none by default.
         wired: whether a launcher on another host reads standard error.
         alone: whether a user started it by itself, and reads there what it does, too.

@@ -32,14 +32,11 @@ class StopSignal:
 
     If a signal is not checked for two seconds, the next one has its original effect, since other code may
     hang, such as a law of the user.
-
-    Attributes:
-        number: of the first signal, 0 without one.
-        count: number of signals.
     """
 
     def __init__(self) -> None:
-        self.number = self.count = 0
+        self.number = 0  # of the first signal, 0 without one
+        self.count = 0  # of signals
         self._unseen: float | None = None  # s, monotonic: time of an unchecked signal
         self._before: dict[int, Any] = {}  # handlers
         self._calls: list[Callable[[], object]] = []

@@ -111,19 +111,12 @@ DECISION: Final = 0.05  # s from the beginning of a tick to its Command at most,
 
 
 class Lateness(NamedTuple):
-    """Delays of an external base, s.
+    """Delays of an external base, s."""
 
-    Attributes:
-        age: greatest true age of the odometry with which a velocity is decided.
-        latency: longest time from when a velocity is due to its execution by the base.
-        alone: longest time for which a base holds its last velocity after the death of its robot's process.
-        spread: error of the time for which the heading is predicted.
-    """
-
-    age: float
-    latency: float
-    alone: float
-    spread: float
+    age: float  # greatest true age of the odometry with which a velocity is decided
+    latency: float  # longest time from when a velocity is due to its execution by the base
+    alone: float  # longest time for which a base holds its last velocity once its robot's process is dead
+    spread: float  # error of the time for which the heading is predicted
 
     @property
     def window(self) -> float:

@@ -27,16 +27,11 @@ from world.coordinator.missions import Missions
 
 
 class Interest:
-    """Interest management of a run in which robots receive the States of the peers in their bindings.
-
-    Attributes:
-        summary: the newest to publish; None before the first.
-        places: last measured positions, m, by id.
-    """
+    """Interest management of a run in which robots receive the States of the peers in their bindings."""
 
     def __init__(self, scenario: Scenario) -> None:
-        self.summary: Summary | None = None
-        self.places: dict[int, Vector] = {spec.id: spec.start for spec in scenario.robots}
+        self.summary: Summary | None = None  # the newest to publish; None before the first
+        self.places: dict[int, Vector] = {spec.id: spec.start for spec in scenario.robots}  # m, last measured
         self._period = period(scenario)
         self._slices: dict[int, float] = {}  # m, of the newest Command
         # By robot: its life, and the first tick in which it receives each peer's State.
@@ -99,31 +94,19 @@ def runs(ids: Iterable[int]) -> bytes:
 
 class Exchange:
     """Ticks and Commands. One Command is accepted for the open tick, from an active life; a late one is still
-    a sign of life of a robot that executes its own Commands.
-
-    Args:
-        scenario: the run.
-        lives, missions: of its robots.
-        tick: opened first.
-
-    Attributes:
-        tick: the open tick, or the next one.
-        active: ids of the robots in the tick opened last.
-        ticks: the Tick for each robot that may listen; None while no tick is open.
-        taken: Commands in this tick, by robot.
-        waiting: active robots that still owe one.
-        missed: number of missing Commands, over all active robots and ticks.
-        refused: number of refused Commands, by reason: late, early, incarnation (of another life), fenced,
-            inactive, duplicate, unknown, ledger (it refers to a roster or grants that were never made).
+    a sign of life of a robot that executes its own Commands. `tick` is opened first.
     """
 
     def __init__(self, scenario: Scenario, lives: Lives, missions: Missions, tick: int = 0) -> None:
-        self.tick = tick
-        self.active: tuple[int, ...] = ()
-        self.ticks: dict[int, Tick] | None = None
-        self.taken: dict[int, Command] = {}
-        self.waiting: set[int] = set()
-        self.missed, self.refused = 0, Counter[str]()
+        self.tick = tick  # the open tick, or the next one
+        self.active: tuple[int, ...] = ()  # ids of the robots in the tick opened last
+        self.ticks: dict[int, Tick] | None = None  # by robot that may listen; None while no tick is open
+        self.taken: dict[int, Command] = {}  # in this tick, by robot
+        self.waiting: set[int] = set()  # active robots that still owe a Command
+        self.missed = 0  # Commands, over all active robots and ticks
+        # Commands refused, by reason: late, early, incarnation (of another life), fenced, inactive,
+        # duplicate, unknown, ledger (it refers to a roster or grants that were never made).
+        self.refused = Counter[str]()
         self._missing: dict[int, tuple[int, ...]] = {}  # ids of missing States, by the robot that lacks them
         self._lives, self._missions, self._is_external = lives, missions, scenario.is_external
         self._interest = Interest(scenario) if scenario.hears_near else None

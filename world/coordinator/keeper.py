@@ -32,11 +32,8 @@ _PARTED: Final = 0.5  # distance of the regions of two robots, in slacks, at whi
 class Keeper:
     """The ledger of one run, from its first tick on.
 
-    Disks have the ids of robots; obstacles have their numbers, less than 0.
-
-    Args:
-        scenario: the run.
-        version: newest version of an earlier ledger of the same coordinator.
+    Disks have the ids of robots; obstacles have their numbers, less than 0. `version` is the newest of an
+    earlier ledger of the same coordinator.
     """
 
     def __init__(self, scenario: Scenario, version: int = 0) -> None:

@@ -29,7 +29,6 @@ class Lives:
     """The lives of all robots of a scenario.
 
     Args:
-        scenario: the run.
         returning: time for which a fenced robot may still return, s.
         past: of an earlier coordinator of this run: all its lives are over; numbers continue.
         tick: opened first.

@@ -33,17 +33,11 @@ class FleetChange(msgspec.Struct):
 
 
 class Membership:
-    """Changes of the fleet between two ticks.
-
-    Args:
-        fleet: state of an earlier coordinator.
-
-    Attributes:
-        scenario: with the present robots.
-    """
+    """Changes of the fleet between two ticks; `fleet` is the state of an earlier coordinator."""
 
     def __init__(self, scenario: Scenario, lives: Lives, fleet: FleetChange | None = None) -> None:
         self._first, self.fleet = scenario, FleetChange() if fleet is None else fleet
+        # With the present robots.
         self.scenario = scenario if self.fleet.robots is None else self._with(self.fleet.robots)
         self._lives = lives
 

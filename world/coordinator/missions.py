@@ -24,15 +24,12 @@ class Missions:
     Args:
         past: of an earlier world; the ordered ones, by robot.
         numbered: number of orders before.
-
-    Attributes:
-        numbered: number of orders so far.
     """
 
     def __init__(
         self, scenario: Scenario, past: Mapping[int, Mission] = MappingProxyType({}), numbered: int = 0
     ) -> None:
-        self.numbered = numbered
+        self.numbered = numbered  # orders so far
         self._missions = dict(past)
         self._news: list[GoalStatus] = []
         self.set_fleet(scenario)
@@ -202,16 +199,13 @@ class Operated(Protocol):
 class Schedule:
     """The orders of a scenario, each executed as its tick opens.
 
-    Args:
-        past: reasons of refusals, or "", of executed orders.
-
-    Attributes:
-        done: tick, order, and the reason of a refusal or "", in order of execution.
+    `past`: reasons of refusals, or "", of executed orders.
     """
 
     def __init__(self, scenario: Scenario, past: Sequence[str] = ()) -> None:
         due = [(scenario.ticks(order.at), order) for order in scenario.orders]
         self._due = deque(sorted(due, key=lambda entry: entry[0]))  # stable: as written within a tick
+        # Tick, order, and the reason of a refusal or "", in order of execution.
         self.done = [(*self._due.popleft(), refused) for refused in past]
 
     @property

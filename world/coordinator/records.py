@@ -111,9 +111,9 @@ class PastLives(msgspec.Struct, frozen=True):
 
 @dataclass(slots=True)
 class Mission:
-    """The mission of one robot: `points` are those ahead, the present one first, m."""
+    """The mission of one robot."""
 
-    points: tuple[Vector, ...]
+    points: tuple[Vector, ...]  # those ahead, the present one first, m
     number: int = 0  # of the order, 0 for the scenario's goal
     patrol: bool = False
     deadline: int | None = None  # tick

@@ -24,21 +24,15 @@ MOST_CORNERS = 4096  # of all of these together
 class Surroundings:
     """The obstacles of one run: those of the scenario, and added or removed ones.
 
-    Attributes:
-        standing: shapes, by number.
-        appearing: announced shapes, by number; none is present yet.
-        numbered: number of all obstacles so far.
-
-    Args:
-        changes: so far, as in a roster.
+    `changes` are those so far, as in a roster.
     """
 
     def __init__(self, scenario: Scenario, changes: Iterable[PlacedObstacle] = (), numbered: int = 0) -> None:
         self._room = scenario.workspace.shape
         self._listed = scenario.shapes
-        self.standing: dict[int, Shape] = dict(self._listed)
-        self.appearing: dict[int, Shape] = {}
-        self.numbered = max(numbered, len(self._listed))
+        self.standing: dict[int, Shape] = dict(self._listed)  # by number
+        self.appearing: dict[int, Shape] = {}  # announced, by number; none is present yet
+        self.numbered = max(numbered, len(self._listed))  # all obstacles so far
         for change in changes:
             if change.status == "gone":
                 self.standing.pop(change.number, None)
@@ -101,22 +95,12 @@ class Surroundings:
 
 
 class RosterDirectory:
-    """The coordinator's roster.
-
-    Args:
-        scenario: the run.
-        past: the newest of an earlier coordinator of the same run.
-
-    Attributes:
-        version: of the present one; 0 before anything is in it.
-        members: by robot.
-        obstacles: recorded in it.
-    """
+    """The coordinator's roster; `past` is the newest of an earlier coordinator of the same run."""
 
     def __init__(
         self, scenario: Scenario, past: messages.Roster = messages.Roster(0, ()), numbered: int = 0
     ) -> None:
-        self.version = past.version
+        self.version = past.version  # of the present one; 0 before anything is in it
         self.members = {each.robot: each for each in past.members}
         self.obstacles = Surroundings(scenario, past.obstacles, numbered)
         self._changes, self._parts = past.obstacles, past.parts

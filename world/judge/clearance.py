@@ -31,34 +31,22 @@ _THIRDS: Final = 80  # bisections of an interval, down to the resolution of a do
 
 
 class Disks:
-    """A fleet's disks, with boundary and obstacles. Immutable.
-
-    Args:
-        radii: by robot id, m.
-        room: the workspace.
-        obstacles: by number.
-
-    Attributes:
-        ids: robot ids in increasing order, p of them.
-        radii: in that order, m.
-        first, second: index of either robot of each pair.
-        contact: distance at which each pair touches, rho_ij, m.
-        robot, obstacle: index of either of each pair of a robot and an obstacle.
-        wall: distance from the origin at which each robot touches the boundary of a round room, rho_0i, m.
-        shapes: the obstacles in the order of their numbers.
-        centres, sizes: of the disks around these, m.
-    """
+    """A fleet's disks (`radii` by robot id, m), with boundary and obstacles, by number. Immutable."""
 
     def __init__(self, radii: Mapping[int, float], room: Shape, obstacles: Mapping[int, Shape]) -> None:
-        self.ids = tuple(sorted(radii))
-        self.radii: Reals = np.array([radii[robot] for robot in self.ids])
-        self.first, self.second = np.triu_indices(len(self.ids), 1)
+        self.ids = tuple(sorted(radii))  # robot ids in increasing order, p of them
+        self.radii: Reals = np.array([radii[robot] for robot in self.ids])  # in that order, m
+        self.first, self.second = np.triu_indices(len(self.ids), 1)  # index of either robot of each pair
+        # Distance at which each pair touches, rho_ij, m.
         self.contact: Reals = self.radii[self.first] + self.radii[self.second]
         self.room = room
+        # Distance from the origin at which each robot touches the boundary of a round room, rho_0i, m.
         self.wall: Reals = (room.radius if isinstance(room, Disk) else np.inf) - self.radii
-        self.numbers, self.shapes = tuple(obstacles), tuple(obstacles.values())
+        self.numbers, self.shapes = tuple(obstacles), tuple(obstacles.values())  # in the same order
+        # Index of either of each pair of a robot and an obstacle.
         self.obstacle, self.robot = np.divmod(np.arange(len(self.shapes) * len(self.ids)), len(self.ids))
         around = [shape.around for shape in self.shapes]
+        # Centres and radii of the disks around these, m.
         self.centres: Complexes = np.array([complex(each.x, each.y) for each in around], dtype=np.complex128)
         self.sizes: Reals = np.array([each.radius for each in around])
         self._is_round = np.array([isinstance(shape, Disk) for shape in self.shapes], dtype=np.bool_)

@@ -28,15 +28,11 @@ _TWICE = np.tri(_ROWS, dtype=np.bool_)
 
 
 class Goals(msgspec.Struct, frozen=True, dict=True):
-    """Straight paths of robots to their goals. Immutable.
+    """Straight paths of robots to their goals. Immutable."""
 
-    Attributes:
-        ways: start of the straight path to the present goal, and the goal, m, by id, ascending.
-        behind: length of straight paths to earlier goals, m.
-    """
-
+    # Start of the straight path to the present goal, and the goal, m, by id, ascending.
     ways: dict[Id, tuple[Vector, Vector]]
-    behind: float = 0.0
+    behind: float = 0.0  # length of straight paths to earlier goals, m
 
     @classmethod
     def of(cls, scenario: Scenario) -> Goals:
@@ -108,15 +104,11 @@ def normalised_length(goals: Goals, lengths: dict[int, float]) -> float | None:
 
 
 class Level(NamedTuple):
-    """Distance of a configuration from the goal, by phi.
+    """Distance of a configuration from the goal, by phi."""
 
-    Attributes:
-        phi: the navigation function; 1.0 to all digits in a large fleet, until the end.
-        log_potential: log10(gamma^k / beta) / k, which increases with phi; -300 at the goal, and 300 in
-            contact, where it is infinite.
-    """
-
-    phi: float
+    phi: float  # the navigation function; 1.0 to all digits in a large fleet, until the end
+    # log10(gamma^k / beta) / k, which increases with phi; -300 at the goal, and 300 in contact, where it is
+    # infinite.
     log_potential: float
 
 

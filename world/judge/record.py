@@ -49,39 +49,27 @@ def segment_of(scenario: Scenario, goals: Goals, obstacles: Mapping[int, Shape] 
 
 
 class Contact(msgspec.Struct, array_like=True):
-    """An overlap of `pair` (0: the boundary, -n: obstacle n); times in ticks, `deepest` in m, negative."""
+    """An overlap; times in ticks."""
 
-    pair: DiskPair
+    pair: DiskPair  # 0: the boundary, -n: obstacle n
     begin: float
     end: float
-    deepest: float
+    deepest: float  # m, negative
 
 
 class Totals(msgspec.Struct):
-    """Measures of all segments so far.
+    """Measures of all segments so far."""
 
-    Attributes:
-        truth: the newest configuration.
-        clearance: smallest gap, over continuous time, m.
-        first: phi and its logarithm in the first configuration.
-        deviation: largest distance of each present robot from its straight path, m.
-        increases: number of ticks in which phi increased.
-        collisions, contacts: number of overlaps, and the first `LISTED` of them, by their beginning.
-        touched, touches: number of contacts reported by the plant, each once, and the first `LISTED` of them,
-            as tick and pair of ids.
-        touching: pairs that were in such a contact in the last tick.
-    """
-
-    truth: Truth
-    clearance: float
-    first: Level
-    deviation: dict[Id, float]
-    increases: Count = 0
-    collisions: Count = 0
-    contacts: list[Contact] = []
-    touched: Count = 0
-    touches: list[tuple[Count, DiskPair]] = []
-    touching: frozenset[DiskPair] = frozenset()
+    truth: Truth  # the newest configuration
+    clearance: float  # smallest gap, over continuous time, m
+    first: Level  # of the first configuration
+    deviation: dict[Id, float]  # largest distance of each present robot from its straight path, m
+    increases: Count = 0  # ticks in which phi increased
+    collisions: Count = 0  # overlaps
+    contacts: list[Contact] = []  # the first `LISTED` of these, by their beginning
+    touched: Count = 0  # contacts reported by the plant, each once
+    touches: list[tuple[Count, DiskPair]] = []  # the first `LISTED` of these: tick and pair of ids
+    touching: frozenset[DiskPair] = frozenset()  # pairs that were in such a contact in the last tick
 
 
 class PastRecord(msgspec.Struct, frozen=True):
@@ -93,14 +81,10 @@ class PastRecord(msgspec.Struct, frozen=True):
 
 
 class PastReferee(msgspec.Struct, frozen=True):
-    """A referee's record of a run; a successor restarts the time without motion.
-
-    Attributes:
-        worlds: first ticks of the worlds that continued from others.
-    """
+    """A referee's record of a run; a successor restarts the time without motion."""
 
     record: PastRecord
-    worlds: tuple[Count, ...] = ()
+    worlds: tuple[Count, ...] = ()  # first ticks of the worlds that continued from others
     verdict: str = ""
     reason: str = ""
 
@@ -124,9 +108,6 @@ class Record:
         parts: straight motions per tick.
         past: of an earlier record; the digest begins with its newest configuration.
         obstacles: shapes by number; by default those of the scenario.
-
-    Attributes:
-        segment: the present one.
     """
 
     def __init__(

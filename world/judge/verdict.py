@@ -28,11 +28,6 @@ class Referee:
         parts: straight motions per tick.
         past: of an earlier world.
         obstacles: shapes by number; by default those of the scenario.
-
-    Attributes:
-        verdict, reason: empty while the run continues.
-        worlds: first ticks of the worlds that continued from others.
-        record: of the truth.
     """
 
     def __init__(
@@ -44,8 +39,8 @@ class Referee:
         obstacles: Mapping[int, Shape] | None = None,
     ) -> None:
         time = scenario.time
-        self.verdict = self.reason = ""
-        self.worlds: tuple[int, ...] = ()
+        self.verdict = self.reason = ""  # while the run continues
+        self.worlds: tuple[int, ...] = ()  # first ticks of the worlds that continued from others
         self.record = Record(scenario, positions, parts, None if past is None else past.record, obstacles)
         self._carries = bool(scenario.parts)
         self._anchors = {spec.id: spec.start for spec in scenario.robots}

@@ -65,15 +65,13 @@ class SimulatedPoint:
 class SimulatedBase:
     """One robot's base. From a command on, and from the first part of its tick, its error is one vector of
     the unit disk (`errors`) times its tolerance.
-
-    Attributes:
-        motion: at the start of the next tick.
     """
 
     def __init__(
         self, kinematics: Kinematics, tolerance: Tolerance, motion: Motion, errors: UnitDisk
     ) -> None:
-        self.motion, self._gone = motion, 0.0  # m, in the last tick
+        self.motion = motion  # at the start of the next tick
+        self._gone = 0.0  # m, in the last tick
         self._kinematics, self._tolerance, self._errors = kinematics, tolerance, errors
         self._error = self._off = STILL  # vector of the unit disk, and the resulting error, m
         self._way = self._slip = 0.0  # m, since the last command
@@ -130,11 +128,7 @@ def simulated_base(scenario: Scenario, robot: int) -> SimulatedPoint | Simulated
 
 
 class Integrator:
-    """True positions of all disks, by formulas: a `world.plants.plant.Plant`.
-
-    Attributes:
-        displacements: of each disk during the last tick, m.
-    """
+    """True positions of all disks, by formulas: a `world.plants.plant.Plant`."""
 
     slips = False
     fixed = ""
@@ -143,7 +137,7 @@ class Integrator:
         self._default = scenario.body
         self.ids: tuple[int, ...] = ()
         self.positions: list[Vector] = []
-        self.displacements: list[Vector] = []
+        self.displacements: list[Vector] = []  # of each disk during the last tick, m
         self.lengths: list[float] = []
         self.between: list[tuple[Vector, ...]] = []
         self._bases: dict[int, SimulatedPoint | SimulatedBase] = {}  # by robot

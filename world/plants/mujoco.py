@@ -124,12 +124,7 @@ class Physics:
 
 
 class _Wheeled:
-    """One robot: actuators and sensors of its base.
-
-    Attributes:
-        motion: at the beginning of the tick: the nominal motion in the true direction, or after its end the
-            remaining motion of the wheels.
-    """
+    """One robot: actuators and sensors of its base."""
 
     def __init__(self, model: Any, data: Any, robot: int, body: Body, period: float) -> None:
         self._kinematics, self._body, self._radius = Kinematics(body, period), body, _WHEEL * body.track
@@ -140,6 +135,8 @@ class _Wheeled:
             (model.actuator(f"{side} {robot}").id, model.actuator(f"{side} {robot} integral").id)
             for side in ("left", "right")
         ]
+        # At the beginning of the tick: the nominal motion in the true direction, or after its end the
+        # remaining motion of the wheels.
         self.motion = self._next = Motion(0.0)
         self._arcs: list[Arc] = []
         self._angles = [0.0, 0.0]

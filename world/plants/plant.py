@@ -27,25 +27,15 @@ class BaseReport(NamedTuple):
 
 
 class PastDisks(msgspec.Struct, frozen=True):
-    """The disks at the end of a world, at the end of a tick, by robot id.
+    """The disks at the end of a world, at the end of a tick, by robot id."""
 
-    Attributes:
-        places: of the centres of present robots, m.
-        headings: rad; empty for bodies without heading.
-        ways: path length of every present or past robot, m; of all robots with the same id together.
-        bounds: errors of places until all bases stand, m, where there are any.
-        moving: external robots that may still move.
-        largest_bound: of all reports so far, m; None if the truth is known.
-        parts: straight motions per tick, which a run keeps when its last body with inertia has left.
-    """
-
-    places: dict[Id, Vector] = {}
-    headings: dict[Id, float] = {}
-    ways: dict[Id, float] = {}
-    bounds: dict[Id, float] = {}
-    moving: tuple[Id, ...] = ()
-    largest_bound: float | None = None
-    parts: Count = 1
+    places: dict[Id, Vector] = {}  # of the centres of present robots, m
+    headings: dict[Id, float] = {}  # rad; empty for bodies without heading
+    ways: dict[Id, float] = {}  # path lengths of present and past robots, m; of all with one id together
+    bounds: dict[Id, float] = {}  # errors of places until all bases stand, m, where there are any
+    moving: tuple[Id, ...] = ()  # external robots that may still move
+    largest_bound: float | None = None  # of all reports so far, m; None if the truth is known
+    parts: Count = 1  # straight motions per tick, which a run keeps when its last body with inertia has left
 
     def moved(self, scenario: Scenario) -> Scenario:
         """The scenario with these places as starts."""
@@ -57,25 +47,15 @@ class PastDisks(msgspec.Struct, frozen=True):
 
 
 class Plant(Protocol):
-    """Every robot's disk and its base.
+    """Every robot's disk and its base."""
 
-    Attributes:
-        ids: robot ids in increasing order, that of all lists below.
-        positions: true positions of the disks' centres, m.
-        lengths: path length of each so far, m.
-        parts: straight motions per tick, the chords of arcs: at most 0.03 mm off with the presets' wheels.
-        between: positions at the ends of all parts of the last tick but the last.
-        fixed: the reason why robots cannot be added or removed; "" if they can.
-        slips: whether odometry is inexact by itself; otherwise the stated errors are added to it.
-    """
-
-    ids: tuple[int, ...]
-    positions: list[Vector]
-    lengths: list[float]
-    parts: int
-    between: list[tuple[Vector, ...]]
-    slips: bool
-    fixed: str
+    ids: tuple[int, ...]  # of robots, in increasing order, that of all lists below
+    positions: list[Vector]  # true positions of the disks' centres, m
+    lengths: list[float]  # path length of each so far, m
+    parts: int  # straight motions per tick, the chords of arcs: at most 0.03 mm off with the presets' wheels
+    between: list[tuple[Vector, ...]]  # positions at the ends of all parts of the last tick but the last
+    slips: bool  # whether odometry is inexact by itself; otherwise the stated errors are added to it
+    fixed: str  # the reason why robots cannot be added or removed; "" if they can
 
     def refusal(self, spec: RobotSpec) -> str:
         """The reason why this robot cannot be added; "" if it can."""

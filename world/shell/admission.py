@@ -44,17 +44,10 @@ class Admissions:
     """All slots of a fleet, and their processes: only ids with a life in the run have a slot.
 
     Args:
-        run: its name.
-        world: of the run.
-        lockstep: part of each admission.
         epochs: of the coordinators of this run, this world's last.
         clock: time, s.
         checkpoint: of the world, if it keeps one: then robots wait for another world.
         processes: admitted by an earlier world; a robot's newest keeps its slot while it is present.
-
-    Attributes:
-        slots: by robot id.
-        processes: all that were admitted.
     """
 
     def __init__(
@@ -68,9 +61,9 @@ class Admissions:
         processes: Processes | None = None,
     ) -> None:
         self._world = world
-        self.processes = Processes() if processes is None else processes
+        self.processes = Processes() if processes is None else processes  # all that were admitted
         newest, lives = self.processes.newest, world.lives.of
-        self.slots = {robot: Slot(newest.get(robot, "")) for robot in lives}
+        self.slots = {robot: Slot(newest.get(robot, "")) for robot in lives}  # by robot id
         self._tokens: set[tuple[int, str]] = set()  # robots and sessions of present processes
         # Newest request of each robot that waits for its disk, s, by the clock; -inf afterwards.
         self._early: dict[int, float] = {}

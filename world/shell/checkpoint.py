@@ -107,10 +107,6 @@ class Checkpoint:
         run, scenario: those that it must belong to.
         warn: receives a warning if it cannot be written any longer.
 
-    Attributes:
-        progress: of earlier worlds.
-        kept: whether it can be written; otherwise it is emptied, and no world continues from it.
-
     Raises:
         CheckpointError: the file is missing, damaged, in use, or of another run; it is left unchanged.
     """
@@ -118,7 +114,8 @@ class Checkpoint:
     def __init__(
         self, path: Path, run: str, scenario: Scenario, warn: Callable[[str], None] = lambda _: None
     ) -> None:
-        self.path, self.kept = path, True
+        self.path = path
+        self.kept = True  # whether it can be written; otherwise it is emptied, and no world continues from it
         self._of, self._warn, self._buffer = (run, _digest(scenario), boot()), warn, bytearray()
         try:
             self._file = FileIO(os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW), "r+")
@@ -132,7 +129,7 @@ class Checkpoint:
             if not os.path.samestat(self._opened, path.stat()):
                 raise BlockingIOError  # removed, and perhaps created anew, since it was opened
             self._number, state = _newest(path, self._file.fileno())
-            self.progress = SavedRun() if state is None else self._checked(state)
+            self.progress = SavedRun() if state is None else self._checked(state)  # of earlier worlds
         except BaseException as error:
             self._file.close()
             if isinstance(error, BlockingIOError | FileNotFoundError):

@@ -32,13 +32,11 @@ class FailureDetector:
     """Handles missing robots of the present run.
 
     Args:
-        run, admissions, pacing: of the world.
         send: sends each robot its Tick.
         gathering: time for robots to join, s.
         patience: time for a Command in lock-step, s.
         grace: time for which a token may be missing before its process is given up, s; 0 for none.
         restarts: number of next lives of each robot that a lock-step run waits for.
-        warn: takes warnings for the operator.
     """
 
     def __init__(

@@ -45,7 +45,6 @@ class WorldNode:
 
     Args:
         bus: a connection of its own.
-        run: name of the run.
         scenario: k already a number.
         lockstep: whether ticks wait for the robots; they never wait for external ones.
         gathering: time for robots to join, s.
@@ -56,10 +55,6 @@ class WorldNode:
         warn, info, on_report: take warnings for the operator, lines for the log, and the report.
         checkpoint: state to continue from; changes are written to it before they are published. A missing
             robot may return within GRACE, unless another process takes its slot.
-
-    Attributes:
-        report: of the run once it has ended.
-        refused: whether it has left the run to another world.
     """
 
     def __init__(
@@ -79,8 +74,9 @@ class WorldNode:
         checkpoint: Checkpoint | None = None,
         on_report: Callable[[dict[str, Any]], None] = lambda _: None,
     ) -> None:
-        self.report: dict[str, Any] | None = None
-        self.finished = self.refused = False
+        self.report: dict[str, Any] | None = None  # of the run once it has ended
+        self.finished = False
+        self.refused = False  # whether it has left the run to another world
         lockstep = lockstep and not scenario.is_external
         self._pacing = Pacing(lockstep, speed, clock)
         self._lockstep = lockstep

@@ -20,12 +20,7 @@ OTHER_WORLD = "another world of this run is on the network: all robots stand unt
 
 
 class Operations:
-    """Answers operators, and keeps the emergency stop.
-
-    Args:
-        bus, name, run, publishers, pacing: of the world.
-        warn, info: take warnings for the operator, and lines for the log.
-    """
+    """Answers operators, and keeps the emergency stop."""
 
     def __init__(
         self,

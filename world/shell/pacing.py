@@ -20,16 +20,11 @@ class Pacing:
         lockstep: whether ticks wait for the robots, or end after their time.
         speed: simulated seconds per second in lock-step, 0 for no limit.
         clock: time, s.
-
-    Attributes:
-        steering: viewers' settings of a lock-step clock.
-        since: beginning of the present tick or wait, s, by the clock.
-        deadline: latest time of the next look, s, by the clock.
     """
 
     def __init__(self, lockstep: bool, speed: float, clock: Callable[[], float] = time.monotonic) -> None:
         self.lockstep = lockstep
-        self.steering = Steering(speed=speed)
+        self.steering = Steering(speed=speed)  # viewers' settings of a lock-step clock
         self._clock = clock
         self._repeat = REPEAT
         self.wait()
@@ -40,12 +35,12 @@ class Pacing:
 
     def wait(self) -> None:
         """Begin a wait."""
-        self.since = self._clock()
+        self.since = self._clock()  # beginning of the present tick or wait, s, by the clock
         self.look_again(self.since)
 
     def look_again(self, now: float) -> None:
         """Schedule another look."""
-        self.deadline = now + BEAT
+        self.deadline = now + BEAT  # latest time of the next look, s, by the clock
 
     def waited(self) -> float:
         """Duration of the wait, s."""

@@ -18,14 +18,10 @@ CLOCK_PERIOD = 0.05  # s between publications for monitors, unless one is due ea
 
 
 class Publishers:
-    """The world's publishers.
-
-    Attributes:
-        published: Ticks sent.
-    """
+    """The world's publishers."""
 
     def __init__(self, bus: Bus, run: str, robots: Iterable[int], epoch: int) -> None:
-        self.published = 0
+        self.published = 0  # Ticks sent
         self._epoch = epoch
         self._sent = -inf
         self._clock, self._truth, self._summary, self._result = (

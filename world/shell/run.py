@@ -39,21 +39,15 @@ class Phase(Enum):
 
 
 class JudgedRun:
-    """A run with its judge, from its beginning or continued from an earlier world.
-
-    Attributes:
-        opened: whether the present tick has begun.
-        began: beginning of its first tick, or of its preparation, s, monotonic.
-        received, rejected: Commands accepted, and payloads refused by reason.
-    """
+    """A run with its judge, from its beginning or continued from an earlier world."""
 
     def __init__(self, scenario: Scenario, past: Past = Past(), *, returning: float = 0.0) -> None:
         self.phase = Phase.RUNNING
         self.world = WorldCore(scenario, past, returning=returning)
-        self.opened = False
-        self.began = time.monotonic()
-        self.received = 0
-        self.rejected: Counter[str] = Counter()
+        self.opened = False  # whether the present tick has begun
+        self.began = time.monotonic()  # s, monotonic: beginning of its first tick, or of its preparation
+        self.received = 0  # Commands accepted
+        self.rejected: Counter[str] = Counter()  # payloads refused, by reason
         self._due = {scenario.ticks(fault.at) for fault in scenario.process}
 
     @property
