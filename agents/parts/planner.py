@@ -69,7 +69,8 @@ class PartOrders:
         return tuple(sorted(layout.parts.items())), (*layout.others, *sorted(layout.held)), regions
 
     def _search(self, layout: Layout, regions: _Regions, budget: list[int]) -> bool:
-        left = [part for part in sorted(layout.parts) if not self._is_done(part, layout)]
+        home, barred = self._places.is_home, self._places.is_barred
+        left = [part for part in sorted(layout.parts) if not (home(part, layout) or barred(part, layout))]
         if not left:
             return True
         state = self._state(layout, regions)
@@ -88,9 +89,6 @@ class PartOrders:
                 self._known.clear()
             self._known[state] = found
         return found
-
-    def _is_done(self, part: int, layout: Layout) -> bool:
-        return self._places.is_home(part, layout) or self._places.is_barred(part, layout)
 
     def _turns(self, part: int, layout: Layout, regions: _Regions) -> Iterator[_Regions]:
         """Cells that robots can reach after one of them has brought a part to its goal."""
