@@ -189,10 +189,6 @@ def planar_yaw(pose: Pose) -> float | None:
     return 2.0 * math.atan2(z, w)
 
 
-def _has_moved(rest: OdometryPlace, to: OdometryPlace) -> bool:
-    return math.hypot(to.x - rest.x, to.y - rest.y) > _MOVED
-
-
 def wrapped(angle: float) -> float:
     """The same angle between -pi and pi, rad."""
     return math.remainder(angle, math.tau)
@@ -243,7 +239,7 @@ class Senses:
         newest, rest = self._odometer.newest, self._rest
         if wrong:
             self.invalidate(wrong)
-        elif newest is None or rest is None or _has_moved(rest, newest):
+        elif newest is None or rest is None or math.hypot(newest.x - rest.x, newest.y - rest.y) > _MOVED:
             self._settled_from, self._rest = now, newest
 
     def on_pose(self, payload: bytes) -> None:
