@@ -200,14 +200,11 @@ class Robot:
             return STILL
         aim = None if self._mover is None else self._mover.aim
         if aim is None:
-            return self._law.velocity(self._view(position))
+            peers = self._peers
+            return self._law.velocity(View(self.tick, position, self.goal, self._moved, peers, peers.shapes))
         dx, dy = aim[0] - position[0], aim[1] - position[1]
         rate = min(self.scenario.control.speed / max(hypot(dx, dy), 1e-12), 1.0 / self.scenario.time.step)
         return rate * dx, rate * dy
-
-    def _view(self, position: Vector) -> View:
-        peers = self._peers
-        return View(self.tick, position, self.goal, self._moved, peers, peers.shapes)
 
     def _report(self) -> Report | None:
         """The position as the tick began; None in a tick without odometry."""
