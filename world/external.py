@@ -135,8 +135,8 @@ class External:
 
     def _off(self, robot: int) -> float:
         """Error of that report after this time, m."""
-        bound, moved = self._reports[robot][1].bound, self._moved(robot)
-        return bound + self._farthest(robot, moved) if moved > 0.0 else bound
+        bound, moved, body = self._reports[robot][1].bound, self._moved(robot), self._bodies[robot]
+        return bound + (self._speed * moved * (1.0 + body.error) + body.play) if moved > 0.0 else bound
 
     def stop(self, tick: int) -> None:
         """Note that an emergency stop is in force from `tick` on."""
@@ -153,10 +153,6 @@ class External:
             if (self._tick - tick - _HURRIED) * self._step >= self._stops[robot]
         }
         return frozenset(self.plant.ids) - silent - still
-
-    def _farthest(self, robot: int, seconds: float) -> float:
-        body, speed = self._bodies[robot], self._speed
-        return speed * seconds * (1.0 + body.error) + body.play
 
     def set_fleet(self, scenario: Scenario) -> None:  # noqa: ARG002
         """The set of robots is fixed."""
