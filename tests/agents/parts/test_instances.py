@@ -3,6 +3,7 @@
 import pytest
 
 from deploy.library.load import load
+from protocol.scenario.model import Carrying, Control, Obstacle, Part, RobotSpec, Scenario, Workspace
 from tests.campaigns.movers import SECONDS, run
 
 pytestmark = pytest.mark.slow
@@ -28,3 +29,22 @@ def test_all_parts_get_in_place(seed: int, kill: bool) -> None:
     outcome = run(load("parts-8", [f"time.limit={SECONDS}"], seed), kill)
     assert (outcome.left, outcome.contacts) == ((), 0)
     assert outcome.clearance > 0.0
+
+
+def test_a_part_in_place_that_bars_the_way_of_another_is_carried_aside_and_back() -> None:
+    room = Workspace(points=((-0.4, -0.25), (0.4, -0.25), (0.4, 0.25), (-0.4, 0.25)))
+    walls = (
+        Obstacle(points=((-0.01, low), (0.01, low), (0.01, high), (-0.01, high)))
+        for low, high in ((-0.25, -0.06), (0.06, 0.25))
+    )
+    robot, door = RobotSpec(1, 0.03, (-0.33, 0.15), (-0.33, 0.15)), (0.0, 0.0)
+    scenario = Scenario(
+        (robot,),
+        workspace=room,
+        obstacles=tuple(walls),
+        control=Control(k=3.0),
+        parts=(Part(0.04, door, door), Part(0.04, (-0.2, 0.0), (0.25, 0.0))),
+        carrying=Carrying(0.03),
+    )
+    outcome = run(scenario)
+    assert (outcome.left, outcome.contacts) == ((), 0)
