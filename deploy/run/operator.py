@@ -77,8 +77,8 @@ class Operator:
 
     @cached_property
     def _others(self) -> str:
-        """As `_others`, looked up once, as it delays the next request."""
-        return _others(self._bus, self._run)
+        """As `_other_runs`, looked up once, as it delays the next request."""
+        return _other_runs(self._bus, self._run)
 
     def _in_force(self) -> int:
         """Number of stops so far; BusError if the answer is late: later stops may be among them."""
@@ -207,7 +207,7 @@ def operating(
         yield Operator(bus, name)
 
 
-def _others(bus: Bus, run: str) -> str:
+def _other_runs(bus: Bus, run: str) -> str:
     """The runs that have a world on this network, if `run` has none, for a message; otherwise empty."""
     runs = {token.split("/")[1] for token in bus.tokens(world_tokens("*"))}
     return f" (runs with a world: {', '.join(sorted(runs))})" if runs and run not in runs else ""
@@ -236,4 +236,4 @@ def probe(connection: Connection, run: str, role: str, within: float) -> None:
             if isinstance(event, Sample):
                 decode(event.key, event.payload)
                 return
-        raise BusError(f"nothing received from {role} under {key} for {within:g} s{_others(bus, run)}")
+        raise BusError(f"nothing received from {role} under {key} for {within:g} s{_other_runs(bus, run)}")
