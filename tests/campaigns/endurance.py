@@ -2,8 +2,9 @@
 
 One run is 16 robots on real processes at 20 Hz, which change places over and over for ten minutes. In every
 other run a process is killed each half minute, by lot a robot, the router or the world. Judged: nothing
-touches; without kills no command is missed; with them every process is started again, and no robot is down at
-the end; memory that no file backs, file handles and threads of a process that lives for long do not grow.
+touches; without kills no command is missed; with them every process is started again, all robots command
+again within 3 s of every death, and none is down at the end; memory that no file backs, file handles and
+threads of a process that lives for long do not grow.
 """
 
 import os
@@ -20,13 +21,16 @@ import psutil
 
 from deploy.library.encounters import swap
 from deploy.library.load import resolved
+from deploy.processes.supervisor import Supervisor
 from deploy.run.fleet import ENOUGH, Fleet
 from deploy.run.options import RunOptions
+from protocol.messages import Clock
 from protocol.scenario.model import Scenario
 from tests.benchmarks.crowds import patrols
 from tests.campaigns.campaign import Campaign, Dice, Outcome
 
 ROBOTS, SECONDS, KILL_EVERY = 16, 600.0, 30.0
+AGAIN = 3.0  # s
 RISE = 0.5  # MB (2^20 bytes) in the second half of a life
 FEWEST = 60  # samples of a life that is judged
 _PERIOD = 2.0  # s between samples
@@ -51,14 +55,42 @@ def patrol(robots: int) -> Scenario:
     )
 
 
+class Deaths:
+    """Processes of a fleet that were killed, and how long all robots then took until they commanded again."""
+
+    def __init__(self, robots: int) -> None:
+        self.names: list[str] = []
+        self.longest = 0.0  # s, from a death until a later tick with all robots
+        self._robots, self._tick, self._began = robots, 0, 0.0
+        self._all_command = True
+
+    def kill(self, supervisor: Supervisor, name: str) -> None:
+        supervisor.signal(name, signal.SIGKILL)
+        self.names.append(name)
+        self._all_command, self._began = False, time.monotonic()
+
+    def follow(self, clock: Clock, restarts: int) -> None:
+        """Note a Clock, after so many restarts."""
+        again = clock.tick > self._tick and len(clock.active) == self._robots and restarts >= len(self.names)
+        self._tick = max(self._tick, clock.tick)
+        if not self._all_command:
+            self.longest = max(self.longest, time.monotonic() - self._began)
+            self._all_command = again
+
+
 def run(
     dice: Dice, robots: int = ROBOTS, seconds: float = SECONDS, kill_every: float = KILL_EVERY
 ) -> Outcome:
     """One run; the violation is the first claim that does not hold."""
     kills = dice.seed % 2 == 1
     lives: defaultdict[tuple[str, int], list[Sample]] = defaultdict(list)
-    killed: list[str] = []
-    with Fleet(patrol(robots), RunOptions(mode="realtime", restarts=9999)) as fleet:
+    deaths, options = Deaths(robots), RunOptions(mode="realtime", restarts=9999)
+    fleet: Fleet
+
+    def restarts() -> int:
+        return sum(row.restarts for row in fleet.supervisor.usage())
+
+    with Fleet(patrol(robots), options, watch=lambda clock: deaths.follow(clock, restarts())) as fleet:
         began, random = time.monotonic(), Random(dice.seed)
 
         def enough() -> bool:
@@ -68,23 +100,27 @@ def run(
             if now >= _PERIOD * sum(len(life) for (name, _), life in lives.items() if name == _LAUNCHER):
                 for name, pid in pids.items():
                     lives[name, pid] += _sampled(pid, now)
-            if kills and now >= kill_every * (len(killed) + 1) and now < seconds - kill_every:
-                killed.append(random.choice(sorted(pids.keys() - {_LAUNCHER})))
-                fleet.supervisor.signal(killed[-1], signal.SIGKILL)
+            if kills and now >= kill_every * (len(deaths.names) + 1) and now < seconds - kill_every:
+                deaths.kill(fleet.supervisor, random.choice(sorted(pids.keys() - {_LAUNCHER})))
             return now >= seconds
 
         report = fleet.execute(enough)
-        restarts = sum(usage["restarts"] for usage in fleet.processes())
     faults = (
         (report["collisions"] > 0, f"{report['collisions']} collisions"),
         (report["reason"] != ENOUGH, f"ended early: {report['verdict']}, {report['reason']}"),
         (not kills and report["missed_commands"] > 0, f"{report['missed_commands']} missed commands"),
-        (restarts < len(killed), f"{restarts} restarts after {len(killed)} kills"),
+        (restarts() < len(deaths.names), f"{restarts()} restarts after {len(deaths.names)} kills"),
+        (deaths.longest > AGAIN, f"all robots command only {deaths.longest:.1f} s after a death"),
         (bool(report["down"]), f"robots {report['down']} are down at the end"),
         *((True, f"{name}: {growth}") for (name, _), life in lives.items() if (growth := grown(life))),
     )
     memory = sum(life[-1].memory for life in lives.values() if life)
-    figures = {"ticks": report["ticks"], "kills": len(killed), "memory, MB": memory}
+    figures = {
+        "ticks": report["ticks"],
+        "kills": len(deaths.names),
+        "until all command again, s": deaths.longest,
+        "memory, MB": memory,
+    }
     said = "killed" if kills else "undisturbed"
     return Outcome(said, next((text for fault, text in faults if fault), ""), figures=figures)
 
