@@ -107,20 +107,20 @@ def replay(
 
     Exit status: 0 same trajectory, or no result to compare with; 3 another trajectory.
     """
-    from deploy.telemetry.recording.replay import verify
+    from deploy.telemetry.recording.replay import export, verify
 
     if not (zenoh or router is not None or web):
         options.refuse({"--run": run, "--speed": speed}, "nothing is replayed: add --zenoh or --web")
     pace = 1.0 if speed is None else speed
     found = _read(recording)
+    if ros2 is not None and ros2.exists() and ros2.samefile(recording):
+        options.refuse({"--ros2": ros2}, "it would replace the recording: name another file")
     trajectory = verify(found)
     if trajectory is not None:
         typer.echo(f"trajectory {trajectory.sha256}, as in the result{trajectory.remark}")
     else:
         typer.echo("trajectory not compared: this file lacks the world's result or the beginning of the run")
     if ros2 is not None:
-        from deploy.telemetry.recording.replay import export
-
         export(found, ros2)
     if zenoh or router is not None:
         _publish(found, router, run, pace)
@@ -141,9 +141,7 @@ def _summary(recording: Recording) -> dict[str, str]:
     return {
         "scenario": f"{scenario.name}, {len(scenario.robots)} robots, seed {scenario.seed}",
         "run": recording.run,
-        "verdict": f"{result['verdict']}  {result.get('reason', '')}"
-        if result
-        else "none: no result was recorded",
+        "verdict": f"{result.get('verdict', 'none: no result was recorded')}  {result.get('reason', '')}",
         "ticks": f"{ticks}, {ticks * scenario.time.step:g} s simulated",
         "messages": f"{recording.counts.total()}",
         "file": "cut short: the messages after the cut are lost" if recording.cut else "complete",

@@ -93,6 +93,7 @@ def run(
     clock: Mode = mode or ("realtime" if keep else "lockstep")
     if record is None:
         options.refuse({"--rotate": rotate}, "nothing is recorded: add --record")
+    options.refuse({"--json": json_file if json_file == record else None}, "--record names the same file")
     if clock == "realtime":
         options.refuse({"--speed": speed}, "real time has one speed: use --mode lockstep")
     if hosts is None:

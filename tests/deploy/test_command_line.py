@@ -76,6 +76,7 @@ CANNOT_APPLY = [
     ("run figure-1 --keep --transport mesh", "--keep"),
     ("run figure-1 --keep --plot a.png", "--plot"),
     ("run figure-1 --rotate 1h", "--rotate"),
+    ("run figure-1 --record a.mcap --json a.mcap", "--json"),
     ("fleet goal yard 3 --wait", "--wait"),
     ("node router --host left --print-config", "--host"),
     ("monitor x --port 8000", "--port"),
