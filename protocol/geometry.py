@@ -194,7 +194,7 @@ def defect(points: Sequence[Point]) -> str:
     """Why corners form no convex polygon, "" if they do; they may run in either sense."""
     count = len(points)
     if count < 3:
-        return "needs three points at least"
+        return "needs at least three points"
     edges = []
     for n, (x, y) in enumerate(points):
         end = points[(n + 1) % count]

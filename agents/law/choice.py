@@ -154,7 +154,7 @@ def found(name: str) -> tuple[Any, dict[str, Any]]:
             owner = _from_file(Path(module)) if module.endswith(".py") else import_module(module)
             law = getattr(owner, attribute)
     except Exception as error:
-        raise UsageError(f"control.law: there is no law {name!r}: {error!r}") from error
+        raise UsageError(f"control.law: there is no law {name!r}: {type(error).__name__}: {error}") from error
     if not callable(getattr(law, "velocity", None)):
         raise UsageError(f"control.law: {name!r} has no method velocity(view), as agents.law.api.Law has")
     return law, _arguments(name, arguments or "")

@@ -115,8 +115,8 @@ def build(name: str, seed: int | None = None) -> Scenario:
     if found := _NUMBERED.fullmatch(name):
         return validated(_COUNTED[found[1]].build(_in_range(found[1], int(found[2])), seed=seed))
     known = [*_FIXED, *(f"{each}-N" for each in _COUNTED)]
-    near = get_close_matches(name, known, 3, 0.5)
-    help_ = f"did you mean {' or '.join(near)}?" if near else f"the library has {', '.join(known)}"
+    near = " or ".join(get_close_matches(name, known, 3, 0.5)).replace("-N", "-4")
+    help_ = f"did you mean {near}?" if near else f"the library has {', '.join(known)}"
     raise UsageError(f"no scenario {name!r}; {help_}")
 
 

@@ -71,7 +71,7 @@ def fits(room: Shape | None, radius: float, steps: Steps, **points: Position) ->
     if room is None or not isfinite(radius):
         return
     if isinstance(room, Disk) and radius >= room.radius:
-        text = f"a disk of radius {radius:g} m does not fit into the workspace of {room.radius:g} m"
+        text = f"a disk of radius {radius:g} m does not fit into the workspace, of radius {room.radius:g} m"
         yield (*steps, "radius"), text
         return
     for key, point in points.items():

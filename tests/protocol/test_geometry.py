@@ -62,7 +62,7 @@ def test_convex_polygons_have_no_defect_in_either_sense(polygon):
 @pytest.mark.parametrize(
     ("points", "words"),
     [
-        ([(0, 0), (1, 0)], "needs three points at least"),
+        ([(0, 0), (1, 0)], "needs at least three points"),
         ([(0, 0), (1, 0), (1, 0), (0, 1)], "points 1 and 2 are the same, or nearly"),
         ([(0, 0), (1, 0), (0, 1), (0, 0)], "points 3 and 0 are the same, or nearly"),
         ([(0, 0), (1e-170, 0), (0, 1e-170)], "points 0 and 1 are the same, or nearly"),

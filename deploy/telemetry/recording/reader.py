@@ -308,8 +308,9 @@ def _scenario(path: Path, found: Contents) -> Scenario:
         _ = scenario.k  # a number in every recording
         return scenario
     except KeyError:
-        what = "was cut before the run began" if found.cut else "holds no scenario: disknav did not write it"
-        raise RecordingError(f"{path} {what}; nothing was recorded") from None
+        cut = "was cut before the run began; nothing was recorded"
+        what = cut if found.cut else "holds no scenario: disknav did not write it"
+        raise RecordingError(f"{path} {what}") from None
     except (*DAMAGED, ScenarioError) as error:
         raise RecordingError(f"{path}: its scenario cannot be read by this version: {error}") from error
 

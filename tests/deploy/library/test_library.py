@@ -99,7 +99,13 @@ def test_what_cannot_be_made_is_refused(call: Callable[[], object]) -> None:
 
 @pytest.mark.parametrize(
     ("name", "near"),
-    [("figure1", "figure-1"), ("figure-3f", "figure-3"), ("headon", "head-on"), ("?", "swap-N")],
+    [
+        ("figure1", "figure-1"),
+        ("figure-3f", "figure-3"),
+        ("headon", "head-on"),
+        ("?", "swap-N"),
+        ("swap-N", "swap-4"),
+    ],
 )
 def test_an_unknown_name_is_answered_with_near_ones(name: str, near: str) -> None:
     with pytest.raises(UsageError, match=near):
