@@ -83,9 +83,7 @@ _SCRATCH = "/tmp"  # the only folder that a container may write to, in memory
 _ALIVE = f"{_SCRATCH}/alive"
 # Whether the main loop runs; with two tools of the system, without interpreter or connection.
 PROBE = f"test $(($(date +%s) - $(stat -c %Y {_ALIVE}))) -lt {STALE}"
-_BUILD = (
-    "docker build -t {image} -f Containerfile .     in a checkout of disknav: compiled, from nothing else"
-)
+_BUILD = "In a checkout of disknav: docker build -t {image} -f Containerfile ."
 _ACCOUNT = 65532  # user id of containers in a cluster
 _PICK = 'set -- $ROBOTS; shift "$INDEX"; exec disknav '  # selects the id of this pod's index
 _HOMES = ("/home/", "/root/", "/run/user/")

@@ -76,6 +76,7 @@ def import_(
     file: Annotated[
         Path,
         typer.Argument(
+            metavar="FILE",
             help="Map of map_server (.yaml), or benchmark: db-CBS (.yaml), LSC-DR (.json), MovingAI (.scen), "
             "SMGLib (.xml).",
             exists=True,
