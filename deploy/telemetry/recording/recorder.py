@@ -8,8 +8,8 @@ from __future__ import annotations
 import os
 import sys
 import time
-from collections.abc import Callable
-from contextlib import closing
+from collections.abc import Callable, Sequence
+from contextlib import closing, suppress
 from math import inf
 from pathlib import Path
 
@@ -26,9 +26,8 @@ from protocol.process.signals import STOP
 from protocol.scenario.model import Scenario
 
 PATIENCE = 30.0  # s to wait for the world
-_BATCH = 512  # buffered messages
-_WRITE_PERIOD = 0.1  # s between batches
-_TAKE_PERIOD = 0.01  # s; samples left longer would block the network's buffers
+_BATCH = 512  # messages
+_PERIOD = 0.01  # s between batches; samples left longer would block the network's buffers
 _FLUSH_PERIOD = 0.4  # s between chunks
 _LAST_WORDS = 0.2  # s after the result, for late messages of robots
 _RESULT = 3.0  # s to wait for the result after a signal
@@ -63,28 +62,28 @@ class Recorder:
         run: str,
         file: RecordingWriter,
         *,
-        take: Callable[[], list[tuple[str, bytes]]] | None = None,
+        take: Callable[[], Sequence[tuple[str, bytes]]] = tuple,
         grace: float = 0.0,
     ) -> None:
         self.finished = False
         self.result: str | None = None  # published result of the run (JSON), once received
         self._bus, self._grace, self._back_by = bus, grace, inf
         self._file, self._take = file, take
-        self._buffer: list[tuple[str, bytes]] = []
+        self._arrived: list[tuple[str, bytes]] = []
         self._worlds: set[str] = set()  # tokens
         self._result_key = world_key(run, "result")
         self._result_due = inf
-        self._written = self._flushed = self.deadline = time.monotonic()
+        self._flush_at = self.deadline = time.monotonic()
         bus.watch(world_tokens(run))
 
     def handle(self, event: Event) -> None:
         if isinstance(event, Sample):
             if event.key == self._result_key:
                 self._on_result(event)
-                return
-            self._buffer.append((event.key, event.payload))
-            if len(self._buffer) >= _BATCH:
-                self._write(time.monotonic())
+            else:
+                self._arrived.append((event.key, event.payload))
+                if len(self._arrived) >= _BATCH:
+                    self._write()
         elif isinstance(event, Presence):
             (self._worlds.add if event.alive else self._worlds.discard)(event.key)
             self._back_by = inf if self._worlds else time.monotonic() + self._grace
@@ -95,10 +94,11 @@ class Recorder:
         if now >= min(self._result_due, self._back_by):
             self.close()
             return
-        self._take_all()
-        if now >= self._written + _WRITE_PERIOD:
-            self._write(now)
-        self.deadline = now + (_WRITE_PERIOD if self._take is None else _TAKE_PERIOD)
+        self._write()
+        if now >= self._flush_at:
+            self._flush_at = now + _FLUSH_PERIOD
+            self._file.flush()
+        self.deadline = now + _PERIOD
 
     def close(self) -> None:
         """Write all messages that have arrived, and stop."""
@@ -106,8 +106,8 @@ class Recorder:
             self.handle(event)
         if not self.finished:
             self.finished, self.deadline = True, inf
-            self._take_all()
-            self._write(time.monotonic(), last=True)
+            self._write()
+            self._file.flush()
 
     def finish(self, result: str | None = None) -> None:
         """Close the file with the complete result (JSON), or the published one."""
@@ -122,27 +122,15 @@ class Recorder:
                 self.handle(event)
         self.close()
 
-    def _on_result(self, sample: Sample) -> None:
-        try:
-            message = decode(sample.key, sample.payload)
-        except MessageError:
-            if self._take is None:
-                self._buffer.append((sample.key, sample.payload))  # counted as rejected
-            return
-        if isinstance(message, Result) and self.result is None:
-            self.result, self._result_due = message.report, time.monotonic() + _LAST_WORDS
-
-    def _take_all(self) -> None:
-        if self._take is not None:
-            self._buffer += self._take()
-
-    def _write(self, now: float, *, last: bool = False) -> None:
-        self._written = now
-        batch, self._buffer = self._buffer, []
+    def _write(self) -> None:
+        batch, self._arrived = [*self._arrived, *self._take()], []
         self._file.write(batch)
-        if last or now >= self._flushed + _FLUSH_PERIOD:
-            self._flushed = now
-            self._file.flush()
+
+    def _on_result(self, sample: Sample) -> None:
+        with suppress(MessageError):  # of another sender
+            message = decode(sample.key, sample.payload)
+            if isinstance(message, Result) and self.result is None:
+                self.result, self._result_due = message.report, time.monotonic() + _LAST_WORDS
 
 
 def main(
