@@ -9,7 +9,6 @@ the straight way from one to the other an odd number of times.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -93,10 +92,10 @@ def separating(obstacles: Sequence[Shape], closed: Sequence[Gap], start: Vector,
     """
     outside = len(obstacles)
     halves = DisjointSet(range(2 * outside + 2))  # of each obstacle; a crossing joins unlike ones
-    centres = [_point_of(shape) for shape in obstacles]
+    inside = [shape.nearest(0.0, 0.0) for shape in obstacles]  # a point of each
     for gap in closed:
-        chain = [centres[gap.one], gap.begin, gap.end]
-        chain += [centres[gap.other]] if gap.other != OUTSIDE else []
+        chain = [inside[gap.one], gap.begin, gap.end]
+        chain += [inside[gap.other]] if gap.other != OUTSIDE else []
         crossed = sum(crosses(a, b, start, goal) for a, b in pairwise(chain))
         other = outside if gap.other == OUTSIDE else gap.other
         for half in (0, 1):
@@ -104,14 +103,6 @@ def separating(obstacles: Sequence[Shape], closed: Sequence[Gap], start: Vector,
         if halves.connected(2 * gap.one, 2 * gap.one + 1):
             return gap
     return None
-
-
-def _point_of(shape: Shape) -> Vector:
-    """A point of an obstacle, m."""
-    if isinstance(shape, Disk):
-        return shape.x, shape.y
-    count = len(shape.points)
-    return math.fsum(x for x, _ in shape.points) / count, math.fsum(y for _, y in shape.points) / count
 
 
 class BlockedPath(NamedTuple):
