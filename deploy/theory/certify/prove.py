@@ -22,30 +22,16 @@ from protocol.errors import UsageError
 from protocol.process.signals import STOP, Stopped
 from protocol.scenario.model import Scenario
 
-LADDER = (1000.0, 300.0, 100.0, 50.0, 30.0, 20.0, 15.0, 12.0, 10.0, 8.0, 6.0, 5.0, 4.0)
-_FINER = 0.9  # ratio below the ladder
-_LOWEST = 1.0
+_FINER = tuple(float(f"{4.0 * 0.9**n:.3g}") for n in range(14))  # 4 to 1.02
+LADDER = (1000.0, 300.0, 100.0, 50.0, 30.0, 20.0, 15.0, 12.0, 10.0, 8.0, 6.0, 5.0, *_FINER)
 _TRIAL = 1e-3
 _PORTION = 200  # nodes between checks of the clock, 0.1 s for seven robots
 
 
-def ladder(above: float | None, target: float | None) -> Iterator[float]:
+def ladder(above: float | None, target: float | None) -> list[float]:
     """The values of k to prove in turn: below `above`, down to `target`, if given."""
-    for k in _steps():
-        if above is not None and k >= above:
-            continue
-        if target is not None and k <= target:
-            yield target
-            return
-        yield k
-
-
-def _steps() -> Iterator[float]:
-    yield from LADDER
-    k = LADDER[-1] * _FINER
-    while k > _LOWEST:
-        yield float(f"{k:.3g}")
-        k *= _FINER
+    rungs = [k for k in LADDER if (above is None or k < above) and (target is None or k > target)]
+    return rungs if target is None else [*rungs, target]
 
 
 def prove(certificate: Certificate, target: float | None) -> Iterator[Certificate]:
