@@ -6,12 +6,13 @@ import math
 from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import replace
+from itertools import pairwise
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.bases.drive import OFTEN, Drive
+from agents.bases.drive import OFTEN, Drive, Lease
 from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, turned
 from protocol.bodies.sweep import Sweep, Tolerance, sweep
 from protocol.scenario.body import DECISION, PRESETS, Base, Body
@@ -294,3 +295,85 @@ def test_a_process_that_goes_on_late_commands_rest_and_drives_when_its_base_stan
     drive.command((0.06, 0.0), 0.0, now, math.inf)
     drive.advance(now)
     assert drive.velocity[0] > 0.0
+
+
+def test_a_lease_begins_when_the_newest_confirmed_command_is_sent():
+    lease = Lease(0.5)
+    for tick in (1, 2, 3):
+        lease.sent(tick, 10.0 + 0.1 * tick)
+    for unknown in (None, 0, 4):
+        lease.heard(unknown)
+        assert lease.until == -math.inf
+    for tick, until in ((2, 10.7), (1, 10.7), (2, 10.7), (3, 10.8)):
+        lease.heard(tick)
+        assert lease.until == pytest.approx(until)
+
+
+def published(drive: Drive, until: float):
+    """Times and velocities that are published before a time, s."""
+    found = []
+    while (due := drive.due) < until:
+        drive.advance(due)
+        found.append((due, drive.velocity))
+    return found
+
+
+def test_a_lease_that_ends_within_a_tick_ends_the_motion_then():
+    base = Base()
+    drive = Drive(base.carries(WHEELLESS), base, PERIOD)
+    drive.command((0.06, 0.0), 0.0, 0.0, 0.05)
+    speeds = {time: ahead for time, (ahead, _) in published(drive, 1.0)}
+    last = speeds.pop(0.04)
+    assert last == max(last, *speeds.values())
+    assert min(speeds) == 0.0
+    assert drive.velocity == STILL
+    assert max(speeds) < 0.05 + last / WHEELLESS.acceleration + 0.02
+
+
+def test_a_velocity_is_repeated_within_the_timeout_until_the_patience_is_over():
+    base = Base(timeout=0.09, patience=0.2)
+    drive = Drive(base.carries(WHEELLESS), base, PERIOD)
+    drive.command((0.06, 0.0), 0.0, 0.0, math.inf)
+    times = [time for time, _ in published(drive, 1.0)]
+    assert max(after - before for before, after in pairwise(times)) <= base.timeout / OFTEN + ROUNDING
+    assert times[-1] > PERIOD + base.patience
+
+
+def test_a_motion_lasts_until_braking_begins_and_for_as_long_as_a_base_is_alone():
+    base = Base(patience=0.07)
+    drive = Drive(base.carries(WHEELLESS), base, PERIOD)
+    drive.command((0.06, 0.0), 0.0, 0.0, math.inf)
+    published(drive, PERIOD + 0.001)
+    motion = drive.motion(0.0, PERIOD)
+    assert motion is not None
+    braking = 0.5 * 0.06**2 / WHEELLESS.acceleration
+    assert motion.stop[0] == pytest.approx(0.06 * (base.patience + base.lateness.alone) + braking)
+
+
+def test_a_velocity_may_act_for_a_window_after_the_next_one_is_published():
+    base = Base(patience=1.0)
+    drive = Drive(base.carries(WHEELLESS), base, PERIOD)
+    drive.command((0.06, 0.0), 0.0, 0.0, math.inf)
+    published(drive, PERIOD + 0.001)
+    for after, known in ((-0.01, 2), (0.01, 1)):
+        now = PERIOD + base.lateness.window + after
+        published(drive, now)
+        motion = drive.motion(0.0, now)
+        assert motion is not None
+        assert len(motion.before) == known
+        assert motion.before[-1] == drive.velocity
+
+
+@pytest.mark.parametrize("age", [0, 40, 95])
+def test_a_base_turns_by_all_velocities_since_its_odometry_and_by_half_a_decision(age):
+    base = Base(latency=0.06, delay=0.02)
+    process = Process(base.carries(SPINNING), base, [])
+    process.command((0.05, 0.08), 0, 0)
+    process.run(85)
+    since, turn = 85 - age - 20, 0.0
+    for (begin, velocity), end in zip(
+        zip(process.times, process.velocities, strict=True), [*process.times[1:], 85], strict=True
+    ):
+        turn += velocity[1] * max(0.0, end - max(begin, since)) / 1000 / SPINNING.offset
+    turn += process.velocities[-1][1] * 0.5 * DECISION / SPINNING.offset
+    assert process.drive.turning(age / 1000, 0.085) == pytest.approx(turn, abs=1e-6)
