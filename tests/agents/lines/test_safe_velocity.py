@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from agents.lines.boundary import RoundBoundary, StraightBoundary
+from agents.lines.own_set import around
 from agents.lines.safe_velocity import Limits, safe_velocity, wedge
 from protocol.bodies.sweep import Sweep
 from protocol.line import ROUNDING, HalfPlane
@@ -127,15 +128,19 @@ def candidates(problem) -> list[tuple[float, float]]:
     st.floats(0.0, 0.95),
     st.sampled_from([0.0, 1e-11, 1e-3]),
     st.floats(-1.0, 1.0),
+    angles,
 )
-def test_a_wedge_holds_whatever_the_noise(slack: float, noise: float, size: float, turn: float) -> None:
+def test_a_wedge_holds_whatever_the_noise(
+    slack: float, noise: float, size: float, turn: float, facing: float
+) -> None:
     """Also where a displacement has to lead away by what rounding may lose."""
-    one, other = wedge(HalfPlane(1.0, 0.0, slack), noise)
-    apex, angle = one.limit / one.nx, math.pi + turn * math.acos(noise)
-    dx, dy = apex + size * math.cos(angle), size * math.sin(angle)
-    tiny = 1e-15 * (abs(dx) + abs(dy))
+    nx, ny = math.cos(facing), math.sin(facing)
+    one, other = wedge(HalfPlane(nx, ny, slack), noise)
+    apex, angle = one.limit / (one.nx * nx + one.ny * ny), facing + math.pi + turn * math.acos(noise)
+    dx, dy = apex * nx + size * math.cos(angle), apex * ny + size * math.sin(angle)
+    tiny = 2e-15 * (abs(dx) + abs(dy))
     assert all(side.nx * dx + side.ny * dy <= side.limit + tiny for side in (one, other))
-    assert dx + noise * math.hypot(dx, dy) <= slack + 4.0 * tiny
+    assert nx * dx + ny * dy + noise * math.hypot(dx, dy) <= slack + 4.0 * tiny
 
 
 def test_noise_keeps_the_apex_in_front_of_a_line() -> None:
@@ -143,7 +148,21 @@ def test_noise_keeps_the_apex_in_front_of_a_line() -> None:
     assert vx * 1.25 * PERIOD == pytest.approx(0.001)
 
 
+def test_noise_does_not_lead_across_a_line_that_is_out_of_reach_without_it() -> None:
+    vx, _ = solved((0.1, 0.0), (0.0, 0.0), [HalfPlane(1.0, 0.0, 1.2 * REACH)], noise=0.5)
+    assert vx * 1.5 * PERIOD == pytest.approx(1.2 * REACH)
+
+
+@pytest.mark.parametrize(("slack", "towards"), [(0.001, 0.001), (-0.001, 0.0)])
+def test_a_robot_of_uncertain_position_uses_the_room_there_is_and_may_move_along_a_line(
+    slack: float, towards: float
+) -> None:
+    limits = Limits((0.0, 0.0), [HalfPlane(1.0, 0.0, slack)], [], around(0.002))
+    vx, vy = safe_velocity((0.05, 0.05), limits, speed=SPEED, period=PERIOD)
+    assert (vx * PERIOD, vy) == pytest.approx((towards, 0.05))
+
+
 def test_a_sweep_that_leaves_the_room_on_its_way_violates_something_wherever_it_ends() -> None:
     limits, margins = Limits((0.2, 0.0), (), [RoundBoundary(ROOM)], None), [0.0, 0.01, 0.01]
     assert limits.cut(Sweep([0.0, 0.04, 0.0], [0.0] * 3, margins)) is None
-    assert limits.cut(Sweep([0.0, 0.06, 0.0], [0.0] * 3, margins)) is not None
+    assert limits.cut(Sweep([0.0, 0.055, 0.0], [0.0] * 3, margins)) is not None
