@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec import structs
 
-from agents.lines.own_set import DIRECTIONS, SIDES, OwnSet, around
+from agents.lines.own_set import DIRECTIONS, SIDES, OwnSet, Polygon, around
 from deploy.run.local import LocalFleet
 from protocol.bodies.sweep import Sweep
 from protocol.bus.bus import Event, Sample
@@ -120,3 +120,24 @@ def test_it_goes_on_from_the_newest_measurement_where_it_may(caplog) -> None:
     report, note = lied_to("newest", caplog)
     assert report["positions"]["1"] == pytest.approx([0.18, 0.0], abs=0.005)
     assert note.endswith("starts over from the newest measurement")
+
+
+def test_radius_supports_and_cuts_count_the_margin() -> None:
+    polygon = Polygon([0.0, 3.0, 0.0], [-1.0, 4.0, 2.0], 0.5)
+    assert polygon.radius == 5.5
+    assert (polygon.extent(0.0, 1.0), polygon.extent(-1.0, 0.0)) == (4.5, 0.5)
+    assert polygon.extents() == [polygon.extent(nx, ny) for nx, ny in DIRECTIONS]
+    left = polygon.cut(0.0, 1.0, 3.0)
+    assert left is not None
+    assert left.extent(0.0, 1.0) == 4.0  # a place at 3.0 may be within the margin of a corner at 3.5
+    assert polygon.cut(0.0, 1.0, -1.6) is None
+
+
+def test_the_support_of_an_own_set_is_that_of_its_shape_and_its_sweep() -> None:
+    shape, swept = Polygon([0.0, 3.0, 0.0], [-1.0, 4.0, 2.0]), Sweep([0.0, 0.5], [0.0, 0.25], [0.0, 0.0])
+    own = OwnSet(10.0, 20.0, shape.radius, shape, swept)
+    for nx, ny, extent, passed in ((1.0, 0.0, 3.0, 3.5), (0.0, 1.0, 4.0, 4.25), (0.0, -1.0, 1.0, 1.0)):
+        assert (own.extent(nx, ny), own.passed(nx, ny)) == pytest.approx((extent, passed))
+        limit = nx * own.x + ny * own.y + passed
+        assert own.satisfies(HalfPlane(nx, ny, limit + 1e-6))
+        assert not own.satisfies(HalfPlane(nx, ny, limit - 1e-6))

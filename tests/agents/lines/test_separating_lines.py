@@ -111,16 +111,26 @@ def test_an_owner_obeys_what_it_proposes_at_once_and_drops_it_when_it_is_answere
     assert len(owner.obeyed_lines()) == 2
     owner.on_state(addressed_to(1, said(2, 1, 0.1, Answer(1, 4, offer.number, offer.number)), 0.04))
     assert len(owner.obeyed_lines()) == 2  # of another binding
-    owner.on_state(addressed_to(1, said(2, 2, 0.1, Answer(1, 5, offer.number, offer.number)), 0.04))
-    assert len(owner.obeyed_lines()) == 1
+    for tick in (2, 3):  # the second time it is known
+        owner.on_state(addressed_to(1, said(2, tick, 0.1, Answer(1, 5, offer.number, offer.number)), 0.04))
+        ((_, _, _, limit),) = owner.obeyed_lines()
+        assert limit == pytest.approx(offer.offset)
+
+
+def test_an_owner_whose_proposal_is_rejected_obeys_the_line_before() -> None:
+    owner = robot(1, ListedBinding(5, 2, HALFWAY))
+    owner.on_state(addressed_to(1, said(2, 0, 0.1), 0.04))
+    (offer,) = owner.entries((0.1, 0.0))[0]
+    owner.on_state(addressed_to(1, said(2, 1, 0.1, Answer(1, 5, 0, offer.number)), 0.04))
+    assert owner.obeyed_lines() == ((2, *HALFWAY),)
 
 
 def test_a_follower_adopts_what_fits_once_and_says_so() -> None:
     follower = robot(2, ListedBinding(5, 1, HALFWAY), at=(0.1, 0.0))
-    for binding, number, offset in ((4, 9, 0.054), (5, 1, 0.055), (5, 2, 0.07), (5, 1, 0.052)):
+    for binding, number, offset in ((4, 9, 0.054), (5, 1, 0.055), (5, 2, 0.07), (5, 2, 0.056), (5, 1, 0.052)):
         offer = Proposal(2, binding, number, 1.0, 0.0, offset)
         follower.on_state(addressed_to(2, said(1, number, 0.0, offer), 0.04))
-    assert [answer.seen for answer in follower.entries(STILL)[1]] == [2]
+    assert [(answer.held, answer.seen) for answer in follower.entries(STILL)[1]] == [(1, 2)]
     ((_, nx, _, limit),) = follower.obeyed_lines()
     assert (nx, limit) == (-1.0, pytest.approx(-0.055))
     follower.on_state(addressed_to(2, said(1, 9, 0.0, Proposal(2, 5, 3, 2.0, 0.0, 0.0)), 0.04))
