@@ -31,7 +31,6 @@ class DrawnNetwork(LocalNetwork):
 
 class DrawnBus(LocalBus):
     def drain(self) -> None:
-        assert isinstance(self.network, DrawnNetwork)
         if self.node is not None and self.inbox:
             self.node.handle(_drawn(self.inbox, self.network.order))
         if self.node is not None and self.inbox:

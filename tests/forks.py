@@ -34,7 +34,6 @@ class Forks:
     def __call__(self, *words: object, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
         """Run a command to its end, in a folder."""
         call = [str(word) for word in words]
-        assert self._process.stdin is not None
         with TemporaryDirectory() as folder:
             said = [Path(folder, name) for name in ("stdout", "stderr")]
             print(json.dumps([call, str(cwd), *map(str, said)]), file=self._process.stdin, flush=True)

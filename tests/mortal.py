@@ -5,7 +5,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 from unittest.mock import patch
 
 from deploy.run.local import LocalFleet
@@ -105,7 +105,7 @@ class DoomedFleet(MortalFleet):
 
             return doomed
 
-        return super()._world(cast(Bus, Proxy(bus, publisher=publisher)), checkpoint)
+        return super()._world(Proxy(bus, publisher=publisher), checkpoint)
 
     def _mortal(self, act: Callable[..., None]) -> Callable[..., None]:
         def live(*told: Any) -> None:

@@ -1,7 +1,5 @@
 """What a campaign is: one run from one seed, from which alone everything in the run is drawn by dice."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -85,7 +85,6 @@ def run(
     kills = dice.seed % 2 == 1
     lives: defaultdict[tuple[str, int], list[Sample]] = defaultdict(list)
     deaths, options = Deaths(robots), RunOptions(mode="realtime", restarts=9999)
-    fleet: Fleet
 
     def restarts() -> int:
         return sum(row.restarts for row in fleet.supervisor.usage())

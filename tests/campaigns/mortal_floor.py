@@ -131,10 +131,8 @@ class MortalFloor(Floor):
 
     def _is_born(self, crew: Crew) -> None:
         robot = crew.core.robot
-        table = self.scenario.base_of(robot)
-        assert table is not None
         crew.frozen, crew.alive, crew.swept = [], True, None
-        crew.base = Ros2Base(self.scenario, robot, table)
+        crew.base = Ros2Base(self.scenario, robot, self.scenario.base_of(robot))
         self._come(crew)
 
     def _come(self, crew: Crew) -> None:

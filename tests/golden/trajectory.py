@@ -11,7 +11,7 @@ import numpy as np
 from deploy.run.local import LocalFleet
 from protocol.codec import decode
 from protocol.keys import world_key
-from protocol.messages import Truth, Vector
+from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 from tests.listening import overhear
 
@@ -37,7 +37,6 @@ def run(scenario: Scenario) -> Trajectory:
 
     def note(key: str, payload: bytes) -> None:
         truth = decode(key, payload)
-        assert isinstance(truth, Truth)
         positions[truth.tick] = truth.positions
 
     overhear(fleet.network, note, world_key(fleet.run, "truth"))

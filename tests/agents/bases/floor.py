@@ -15,7 +15,6 @@ from itertools import count
 
 from agents.bases.ros2 import Ros2Base
 from agents.bases.ros_messages import NANO, Odometry, StampedPose
-from agents.bodies import InertialBody
 from agents.lines.own_set import DIRECTIONS
 from agents.peers.state import addressed_to
 from agents.robot import Robot
@@ -82,12 +81,8 @@ class Floor:
         self._arrives = dict.fromkeys(scenario.ids, 0.0)  # s, when the last message of each base does
         self.crews: dict[int, Crew] = {}
         for robot in scenario.ids:
-            table = scenario.base_of(robot)
-            assert table is not None
-            core = Robot(scenario, robot, self.world.join(robot))
-            self.crews[robot] = Crew(
-                core, Ros2Base(scenario, robot, table), Wheels(scenario, robot, self.rng)
-            )
+            core, base = Robot(scenario, robot, self.world.join(robot)), scenario.base_of(robot)
+            self.crews[robot] = Crew(core, Ros2Base(scenario, robot, base), Wheels(scenario, robot, self.rng))
             self._wake(robot)
             self._later(self.rng.randrange(20) * 1e-3, lambda robot=robot: self._speak(robot))
             self._later(self.rng.randrange(50) * 1e-3, lambda robot=robot: self._locate(robot))
@@ -163,10 +158,8 @@ class Floor:
         crew.base.on_message(crew.base.topics[number], payload, self.now)
 
     def _to_robot(self, crew: Crew, event: Event) -> None:
-        table = self.scenario.base_of(crew.core.robot)
-        assert table is not None
         robot = crew.core.robot
-        arrives = self.now + 0.5 * table.latency + self._held_up(robot, self.now)
+        arrives = self.now + 0.5 * self.scenario.base_of(robot).latency + self._held_up(robot, self.now)
         self._arrives[robot] = max(self._arrives[robot], arrives)  # in order, as a link has it
         self._later(self._arrives[robot] - self.now, lambda: self._if_alive(crew, event))
 
@@ -192,9 +185,8 @@ class Floor:
         self._later(0.005, lambda: self._wake(robot))
 
     def _publish(self, crew: Crew, payload: bytes) -> None:
-        table = self.scenario.base_of(crew.core.robot)
-        assert table is not None
-        self._later(self.rng.uniform(0.0, table.latency), lambda: crew.wheels.on_message(payload, self.now))
+        latency = self.scenario.base_of(crew.core.robot).latency
+        self._later(self.rng.uniform(0.0, latency), lambda: crew.wheels.on_message(payload, self.now))
 
     # -- the fleet
 
@@ -251,8 +243,6 @@ class Floor:
     def _swept(self, crew: Crew, command: Command) -> tuple[Vector, Sweep | None]:
         """From where the newest odometry is, what its filter takes the base to pass."""
         newest, body = crew.base.senses._odometer.newest, crew.core._body
-        assert newest is not None
-        assert isinstance(body, InertialBody)
         moves = command.velocity != (0.0, 0.0) or body.swept is not None
         truth = crew.truths[round((newest.stamp - EPOCH / NANO) * 1000)]
         return truth, body._passed(command.velocity) if moves else None
@@ -268,7 +258,5 @@ class Floor:
     def _check(self, crew: Crew, state: State) -> None:
         """The truth of when the newest odometry was said is in the set that the robot knows."""
         newest = crew.base.senses._odometer.newest
-        assert newest is not None
-        assert state.position is not None
         truth = crew.truths[round((newest.stamp - EPOCH / NANO) * 1000)]
         self.excess = max(self.excess, math.dist(state.position, truth) - state.bound)

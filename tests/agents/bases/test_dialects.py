@@ -1,7 +1,5 @@
 """How ROS 2 topics cross zenoh, against implementations that others wrote: pamoja-ros2 and rosbags."""
 
-from __future__ import annotations
-
 import struct
 import time
 

@@ -1,7 +1,5 @@
 """Whenever each velocity takes effect, and whenever its robot's process dies: a base stays in its sweep."""
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_right
 from collections.abc import Iterable

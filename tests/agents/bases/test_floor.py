@@ -1,7 +1,5 @@
 """Robots with external bases, in virtual time: whatever is late, lost, wrong or dead, nothing touches."""
 
-from __future__ import annotations
-
 import math
 import re
 from itertools import count

@@ -1,7 +1,5 @@
 """The product without each rule that keeps a base safe when something fails: a test of `test_floor` fails."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Robots' nodes with external bases, on the in-process bus; what they would wait for is skipped."""
 
-from __future__ import annotations
-
 import math
 import random
 import time

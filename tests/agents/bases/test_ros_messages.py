@@ -1,7 +1,5 @@
 """ROS 2 messages against a second implementation, rosbags', whatever the numbers and the names."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Iterator
 from typing import Any

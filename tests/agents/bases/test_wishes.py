@@ -1,7 +1,5 @@
 """Planners of ROS 2 drive straight at their goals, through each other; the filter keeps them apart."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

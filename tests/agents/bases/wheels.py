@@ -4,8 +4,6 @@ They follow what they are told with a lag, within their acceleration, and slip; 
 its timeout brakes.
 """
 
-from __future__ import annotations
-
 import math
 import random
 
@@ -27,7 +25,6 @@ class Wheels:
 
     def __init__(self, scenario: Scenario, robot: int, rng: random.Random) -> None:
         spec, self.body, self.table = scenario.spec(robot), scenario.body_of(robot), scenario.base_of(robot)
-        assert self.table is not None
         self.sensing = scenario.sensing_of(robot)
         self.rng = rng
         self.yaw = spec.heading
@@ -53,7 +50,6 @@ class Wheels:
 
     def roll(self, now: float) -> None:
         """Go on for a step."""
-        assert self.table is not None
         if self.dead:
             return
         if now - self.heard > self.table.timeout:

@@ -35,7 +35,6 @@ def followed(route: FieldRoute, start: Vector, goal: Vector) -> list[Vector]:
     corners = [start]
     while corners[-1] != goal:
         found = route.ahead(corners[-1], goal)
-        assert found is not None
         corners.append(found[0])
         assert len(corners) < 200
     return corners
@@ -80,7 +79,6 @@ def test_the_path_around_a_disk_is_nearly_the_shortest(turn: float) -> None:
     shortest = 2.0 * math.sqrt(away**2 - round_**2) + round_ * (math.pi - 2.0 * math.acos(round_ / away))
     route = FieldRoute(Clearances(ROOM, [Disk(0.0, 0.0, 1.0)], RADIUS), RADIUS)
     found = route.ahead(start, goal)
-    assert found is not None
     corners = followed(route, start, goal)
     assert shortest < sum(map(math.dist, corners[1:], corners)) < 1.05 * shortest
     assert found[1] == pytest.approx(shortest, rel=0.08)

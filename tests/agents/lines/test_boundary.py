@@ -143,5 +143,4 @@ def test_the_outermost_part_of_a_set_is_cut_off_and_does_not_go_on(boundary: Bou
     assert boundary.beyond(0.8, 0.0, diamond) is None
     beyond, left = boundary.beyond(0.95, 0.0, diamond), boundary.cut((0.85, 0.0), diamond, (0.1, 0.0))
     for edge in (beyond, left):
-        assert edge is not None
         assert (edge.nx, edge.ny) == (1.0, 0.0)

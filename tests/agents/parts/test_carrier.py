@@ -127,5 +127,4 @@ def test_a_peer_is_on_the_way_to_what_it_fetches_or_to_where_it_puts_down_what_i
         perception = Perception(setting, known)
         (peer,) = perception.peers
         found = perception.traveller(peer)
-        assert found is not None
         assert (found.to, found.radius, found.leaves) == (to, LARGE, leaves)

@@ -67,7 +67,6 @@ def test_damage_is_seen_as_by_anybody_else(
 
     def whole() -> PeerState:
         message = decode(key, bytes(payload))
-        assert isinstance(message, State)
         if message.epoch != EPOCH:
             raise MessageError("epoch", "it is of another coordinator")
         return addressed_to(robot, message)

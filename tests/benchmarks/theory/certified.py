@@ -52,7 +52,6 @@ def rows(sets: int, boxes: int, seed: int = 0) -> Iterator[Row]:
         draw = generator(number, Purpose.SCENARIO)
         radii = np.full(ROBOTS[number % len(ROBOTS)], RADIUS)
         goals, *starts = (random_configuration(draw, radii, WORKSPACE) for _ in range(1 + STARTS))
-        assert goals is not None
         problem = FleetProblem(goals, radii, WORKSPACE, automatic_k(radii, WORKSPACE))
         found = _certified(problem, boxes)
         fails = _fails(problem, [start for start in starts if start is not None])

@@ -237,7 +237,6 @@ def _take_part(drawn: list[_Drawn]) -> None:
     launcher._assembly = Mock(spec=Assembly)
     handlers: list[Callable[[Event], object]] = [robot.handle, watcher.handle, launcher._take, world.handle]
     for happens, key, payload in drawn:
-        event: Event
         if happens == "published":
             event = Sample(key, payload)
         elif happens == "asked":

@@ -12,16 +12,13 @@ SIZES = (2, 3, 6)
 
 def free(problem: FleetProblem, seed: int) -> Reals:
     """A random configuration in the interior of free space."""
-    b = random_configuration(generator(seed, Purpose.STUDY), problem.radii, problem.workspace)
-    assert b is not None
-    return b
+    return random_configuration(generator(seed, Purpose.STUDY), problem.radii, problem.workspace)
 
 
 def crowded(p: int, unequal: bool, k: float) -> FleetProblem:
     """Random goals for p robots of radius 4, or 3 to 5, in a workspace of radius 30."""
     radii = np.linspace(3.0, 5.0, p) if unequal else np.full(p, 4.0)
     goals = random_configuration(generator(0, Purpose.SCENARIO), radii, 30.0)
-    assert goals is not None
     return FleetProblem(goals, radii, 30.0, k)
 
 

@@ -33,7 +33,6 @@ def test_a_wheel_is_named_by_where_it_came_from(
 
 def test_only_libraries_of_extras_are_explained() -> None:
     error = installation.explained(ModuleNotFoundError("no", name="scipy.optimize"))
-    assert error is not None
     assert "scipy" in str(error)
     assert "[theory]" in str(error)
     assert installation.explained(ModuleNotFoundError("no", name="agents.typo")) is None

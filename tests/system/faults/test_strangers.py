@@ -35,7 +35,6 @@ class Disturbed(Fleet):
 
     def _listen(self, stack: ExitStack) -> None:
         super()._listen(stack)
-        assert self._options.router is not None
         stranger = ZenohBus(Connection(connect=(self._options.router,)))
         self.close = stranger.close
         prefix = f"disknav/{self._options.run}"

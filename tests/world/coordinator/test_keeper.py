@@ -28,12 +28,6 @@ def founded(setting: Scenario, *, live: tuple[int, ...] = (1, 2, 3)) -> Keeper:
     return keeper
 
 
-def news(keeper: Keeper, robot: int) -> Grants:
-    told = keeper.news(robot)
-    assert told is not None
-    return told
-
-
 def obey(keeper: Keeper, robot: int, told: Grants, *firsts: FirstLine) -> None:
     """With a first line wherever one is asked for."""
     asked = (each.number for each in told.bindings if each.first is None)
@@ -53,7 +47,7 @@ def obey_all(keeper: Keeper) -> None:
 def test_in_a_small_fleet_all_are_bound_as_the_run_begins_and_may_be_anywhere() -> None:
     keeper = founded(fleet())
     keeper.advance({})
-    told = news(keeper, 1)
+    told = keeper.news(1)
     assert told.region is None
     assert sorted(each.peer for each in told.bindings) == [-1, 2, 3]
     assert all(each.first is not None for each in told.bindings)
@@ -70,23 +64,23 @@ def test_a_life_that_is_over_stands_for_the_others_until_the_next_has_a_line_wit
     obey_all(keeper)
     keeper.fence(2, Disk(0.05, 0.0, 0.04))
     assert keeper.news(2) is None
-    (peer,) = (each for each in news(keeper, 1).bindings if each.peer == 2)
+    (peer,) = (each for each in keeper.news(1).bindings if each.peer == 2)
     assert (peer.static, peer.points) == (True, ((0.05, 0.0),))
     obey_all(keeper)
     keeper.rejoin(2)
     keeper.advance({})
-    assert news(keeper, 2).number < news(keeper, 2).life  # no region of its own yet
+    assert keeper.news(2).number < keeper.news(2).life  # no region of its own yet
     for robot in (1, 3):
-        told = news(keeper, robot)
+        told = keeper.news(robot)
         (asked,) = (each for each in told.bindings if each.first is None)
         assert (asked.peer, asked.static) == (2, False)
         obey(keeper, robot, told)
-        assert all(each.first is not None for each in news(keeper, robot).bindings)
+        assert all(each.first is not None for each in keeper.news(robot).bindings)
     keeper.advance({})
-    told = news(keeper, 2)
+    told = keeper.news(2)
     assert told.number > told.life
     assert sorted(each.peer for each in told.bindings) == [-1, 1, 3]
-    assert not any(each.static for each in news(keeper, 1).bindings if each.peer == 2)
+    assert not any(each.static for each in keeper.news(1).bindings if each.peer == 2)
 
 
 def test_a_disk_appears_once_every_life_keeps_clear_of_its_place() -> None:
@@ -96,11 +90,11 @@ def test_a_disk_appears_once_every_life_keeps_clear_of_its_place() -> None:
     keeper.announce(-2, Disk(0.0, 0.0, 0.01))
     keeper.advance({})
     for robot in (1, 2):
-        obey(keeper, robot, news(keeper, robot))
+        obey(keeper, robot, keeper.news(robot))
         assert keeper.appear(-2) == (robot == 2)
     keeper.rejoin(3)
     keeper.advance({})
-    assert -2 in {each.peer for each in news(keeper, 3).bindings}
+    assert -2 in {each.peer for each in keeper.news(3).bindings}
 
 
 def test_a_disk_does_not_appear_where_one_stands() -> None:
@@ -116,10 +110,10 @@ def test_a_disk_does_not_appear_where_one_stands() -> None:
 def test_in_a_large_fleet_only_robots_whose_regions_meet_are_bound() -> None:
     keeper = founded(fleet(0.2))  # slack 0.1
     keeper.advance(PLACES)
-    assert sorted(each.peer for each in news(keeper, 1).bindings) == [-1, 2, 3]
+    assert sorted(each.peer for each in keeper.news(1).bindings) == [-1, 2, 3]
     keeper = founded(fleet(0.1))  # a gap of 0.12 between 1 and 2
     keeper.advance(PLACES)
-    told = news(keeper, 1)
+    told = keeper.news(1)
     assert told.region == pytest.approx((-0.1, 0.0, 0.09))
     assert 2 not in {each.peer for each in told.bindings}
 
@@ -132,7 +126,7 @@ def test_on_a_large_map_a_robot_is_bound_to_the_obstacles_near_it_only() -> None
     keeper.found({1: Disk(*PLACES[1], 0.04)}, {n: each.shape for n, each in enumerate(many.obstacles, 1)})
     keeper.rejoin(1)
     keeper.advance(PLACES)
-    told = news(keeper, 1)
+    told = keeper.news(1)
     assert told.region is not None
     assert len(told.bindings) < 201
     assert not replace(many, obstacles=many.obstacles[:200]).hears_near
@@ -151,7 +145,7 @@ def test_robots_that_part_are_bound_no_more() -> None:
 def test_what_was_never_granted_cannot_be_obeyed() -> None:
     keeper = founded(fleet())
     keeper.advance({})
-    told = news(keeper, 1)
+    told = keeper.news(1)
     lies = ((told.version + 1, told.number), (told.version, told.number + 1), (0, told.number))
     for version, region in lies:
         assert keeper.refuses(Command(1, 1, 0, (0.0, 0.0), version=version, region=region))
@@ -160,7 +154,7 @@ def test_what_was_never_granted_cannot_be_obeyed() -> None:
 def test_a_number_from_before_the_life_is_no_region_that_it_obeys() -> None:
     keeper = founded(fleet(0.05), live=(1,))
     keeper.advance({})
-    told, held = news(keeper, 1), keeper._ledger.disks[1].held
+    told, held = keeper.news(1), keeper._ledger.disks[1].held
     before = held.regions
     keeper.acknowledge(Command(1, 1, 0, (0.0, 0.0), version=told.version, region=told.life))
     assert held.regions == before, "its place is held until it obeys another region"
@@ -173,11 +167,11 @@ def test_a_first_line_that_was_not_asked_for_changes_nothing() -> None:
     keeper.fence(2, Disk(0.05, 0.0, 0.04))
     keeper.rejoin(2)
     keeper.advance({})
-    told = news(keeper, 1)
+    told = keeper.news(1)
     (asked,) = (each.number for each in told.bindings if each.first is None)  # not 2
     version = keeper.version
     firsts = (FirstLine(number, 1.0, 0.0, 0.0) for number in (1, asked, 10**6))
-    obey(keeper, 2, news(keeper, 2), *firsts)
+    obey(keeper, 2, keeper.news(2), *firsts)
     assert keeper.version == version
     for _ in range(2):  # repeated, until it is told
         obey(keeper, 1, told)
@@ -195,8 +189,8 @@ def test_a_robot_waits_for_one_that_holds_regions_on_both_sides_of_it() -> None:
     assert keeper.news(2) is None
     obey_all(keeper)
     keeper.advance(PLACES | {1: (0.3, 0.0), 2: (0.14, 0.0)})
-    assert news(keeper, 2).region == pytest.approx((0.14, 0.0, 0.09))
-    assert 2 in {each.peer for each in news(keeper, 1).bindings}
+    assert keeper.news(2).region == pytest.approx((0.14, 0.0, 0.09))
+    assert 2 in {each.peer for each in keeper.news(1).bindings}
 
 
 def test_a_static_disk_is_restricted_to_a_smaller_place_inside_its_own() -> None:
@@ -208,5 +202,5 @@ def test_a_static_disk_is_restricted_to_a_smaller_place_inside_its_own() -> None
         keeper.settle(2, place)
         assert keeper.version == version
     keeper.settle(2, Disk(0.11, 0.0, 0.03))
-    (peer,) = (each for each in news(keeper, 1).bindings if each.peer == 2)
+    (peer,) = (each for each in keeper.news(1).bindings if each.peer == 2)
     assert (peer.points, peer.radius) == (((0.11, 0.0),), 0.03)

@@ -6,7 +6,6 @@ from itertools import cycle
 
 import pytest
 
-from protocol.scenario.body import Body
 from tests.world.plants.fleet import BODIES, PERIODS, drive, hostile
 
 
@@ -33,7 +32,6 @@ def test_in_mujoco(body: str, period: float) -> None:
 
 def test_but_has_one_where_a_body_states_less_than_its_errors() -> None:
     stated = BODIES["omnidirectional"]
-    assert isinstance(stated, Body)
     less = replace(stated, lag=0.2 * stated.lag, play=0.0)
     setting = hostile("omnidirectional", 0.05, "integrator", seed=1, ticks=80)
     assert drive(setting)["min_clearance"] > 0.0

@@ -1,7 +1,5 @@
 """A real ROS 2 for tests, from the package registry: an environment of its own, kept in `build/`."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -3,8 +3,6 @@
 Between them is an adapter that does what zenoh-bridge-ros2dds does. The bases note where they really are.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import time

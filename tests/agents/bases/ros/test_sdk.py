@@ -3,8 +3,6 @@
 zenoh-ros2-sdk opens its sessions as rmw_zenoh does by default; it stands in for nodes on rmw_zenoh_cpp.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import subprocess
@@ -45,7 +43,6 @@ def sdk_nodes(fleet: Yard) -> None:
 def tell(fleet: Yard, *words: object) -> None:
     """A line for the tools."""
     tools = fleet.processes.of["tools"]
-    assert tools.stdin is not None
     tools.stdin.write((" ".join(map(str, words)) + "\n").encode())
     tools.stdin.flush()
 

@@ -1,7 +1,5 @@
 """Fleets whose bases are processes of others, which note where they really are."""
 
-from __future__ import annotations
-
 import math
 import signal
 import subprocess

@@ -45,7 +45,6 @@ def random_problem(seed: int) -> FleetProblem:
     radii = np.full(p, 0.04) if draw.random() < 0.5 else draw.uniform(0.03, 0.05, p)
     crowded = seed % 3 == 1 or draw.random() < 0.3
     goals = random_configuration(draw, radii, (0.13 + 0.02 * p) if crowded else WORKSPACE)
-    assert goals is not None
     k = draw.uniform(1.5, 4.0) if crowded else np.exp(draw.uniform(np.log(1.5), np.log(300.0)))
     return FleetProblem(goals, radii, WORKSPACE, float(k))
 
