@@ -9,6 +9,8 @@ from random import Random
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from deploy.run.local import LocalFleet
 from protocol.bus.local import LocalNetwork
 from protocol.codec import decode
@@ -72,7 +74,6 @@ def observe(
     doom = Doom(deaths)
     with skipped_waits(), doom.in_force(), TemporaryDirectory() as folder:
         network = DrawnNetwork(Random(busy)) if busy else LocalNetwork()
-        fleet: LocalFleet
         if joining:
             fleet = ReorderedFleet(scenario, joining, network=network)
         elif deaths:
@@ -92,17 +93,13 @@ def violations(report: Mapping[str, Any]) -> list[Violation]:
     found = [
         _deepest(kind, contacts)
         for sign, kind in _CONTACTS.items()
-        if (contacts := [each for each in report["contacts"] if _sign(each["pair"][0]) == sign])
+        if (contacts := [each for each in report["contacts"] if np.sign(each["pair"][0]) == sign])
     ]
     if report["verdict"] == "aborted" and _EXPECTED not in report["reason"]:
         found.append(Violation("aborted", report["reason"]))
     if report["verdict"] == _CUT:
         found.append(Violation("endless", report["reason"]))
     return found
-
-
-def _sign(number: int) -> int:
-    return (number > 0) - (number < 0)
 
 
 def _deepest(kind: str, contacts: Sequence[Mapping[str, Any]]) -> Violation:

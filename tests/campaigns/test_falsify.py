@@ -49,44 +49,34 @@ def test_another_trajectory_on_real_processes_is_a_violation() -> None:
     assert found.kind == "bus"
 
 
-def _lossy() -> Scenario:
-    return load("swap-4", ["link.loss=0.9", "time.limit=10"], 18)
-
-
-def _crowd() -> Scenario:
-    near = ["network.interest=near", "network.reach=0.1"]
-    return load("random-14", [*near, "link.delay=[0.0, 0.2]", "link.loss=0.1", "time.limit=4"])
-
-
-def _fenced() -> Scenario:
-    scenario = load("swap-4", ["time.limit=2", "time.fence=0.2", "link.loss=0.3", "link.delay=[0.0, 0.2]"], 1)
-    faults = (ProcessFault(2, 0.4, "pause"), ProcessFault(2, 0.9, "resume"))
-    return replace(scenario, process=faults)
-
-
-BUSY = {
-    "fenced": (_fenced, planted.HEARING),
-    "parts": (lambda: resolved(parts(2, 3, robots=5, density=0.33)), planted.SIZING),
+LATE = "link.delay=[0.0, 0.2]"
+FREEZE = ProcessFault(2, 0.4, "pause"), ProcessFault(2, 0.9, "resume")
+MADE: dict[str, Callable[[], Scenario]] = {
+    "lossy": lambda: load("swap-4", ["link.loss=0.9", "time.limit=10"], 18),
+    "near": lambda: load(
+        "random-14",
+        ["network.interest=near", "network.reach=0.1", LATE, "link.loss=0.1", "time.limit=4"],
+    ),
+    "fenced": lambda: replace(
+        load("swap-4", ["time.limit=2", "time.fence=0.2", "link.loss=0.3", LATE], 1), process=FREEZE
+    ),
+    "parts": lambda: resolved(parts(2, 3, robots=5, density=0.33)),
 }
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "made", [_lossy, _crowd, *(made for made, _ in BUSY.values())], ids=["lossy", "near", *BUSY]
-)
-def test_nothing_follows_from_what_is_heard_first_or_again_or_who_joins_first(
-    made: Callable[[], Scenario],
-) -> None:
-    scenario = made()
+@pytest.mark.parametrize("made", MADE)
+def test_nothing_follows_from_what_is_heard_first_or_again_or_who_joins_first(made: str) -> None:
+    scenario = MADE[made]()
     calm = observe(scenario).trajectory
     assert {observe(scenario, scenario.ids[::-1], busy=seed).trajectory for seed in (0, 1)} == {calm}
 
 
 @pytest.mark.slow
 @pytest.mark.campaign
-@pytest.mark.parametrize("kind", BUSY)
-def test_what_is_heard_first_shows_where_a_fault_lets_it(kind: str) -> None:
-    scenario, fault = BUSY[kind][0](), BUSY[kind][1]
+@pytest.mark.parametrize(("made", "fault"), [("fenced", planted.HEARING), ("parts", planted.SIZING)])
+def test_what_is_heard_first_shows_where_a_fault_lets_it(made: str, fault: Mutant) -> None:
+    scenario = MADE[made]()
     calm = observe(scenario).trajectory
     with planted.plant(fault):
         assert any(observe(scenario, busy=seed).trajectory != calm for seed in range(1, 40))

@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 import pytest
 from gymnasium.utils.passive_env_checker import check_space
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pettingzoo.test import parallel_api_test, parallel_seed_test
 
@@ -121,7 +121,6 @@ def test_an_episode_that_takes_too_long_is_truncated() -> None:
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(2, 7), st.integers(1, 6))
-@settings(max_examples=30, deadline=None)
 def test_nearest_disks_are_observed_by_their_gaps(seed: int, count: int, neighbours: int) -> None:
     random, neighbours = np.random.default_rng(seed), min(neighbours, count - 1)
     robots = [

@@ -1,7 +1,5 @@
 """Odometry and poses: how old they are by clocks that were never set, and what is wrong with them."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace
@@ -117,10 +115,6 @@ def fleet(count, *settings):
 PAIR = fleet(2)
 
 
-def turned_over(message):
-    return replace_pose(message, orientation=[1.0, 0.0, 0.0, 0.0])
-
-
 def replace_pose(message, **changes):
     return replace(message, pose=replace(message.pose, **changes))
 
@@ -148,7 +142,7 @@ ODOMETRY = {
         lambda m: replace(m, velocity=replace(m.velocity, linear=[math.inf, 0.0, 0.0])),
         "odometry that is no number",
     ),
-    "is upside down": (turned_over, "not in the plane"),
+    "is upside down": (lambda m: replace_pose(m, orientation=[1.0, 0.0, 0.0, 0.0]), "not in the plane"),
     "is on its nose": (lambda m: replace_pose(m, orientation=[0.0, 1.0, 0.0, 0.0]), "not in the plane"),
     "has no direction": (lambda m: replace_pose(m, orientation=[0.0] * 4), "not in the plane"),
     "is in another frame": (lambda m: framed(m, "map"), "odometry of 'base_link' in 'map'"),

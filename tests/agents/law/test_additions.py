@@ -14,11 +14,7 @@ from agents.peers.state import PeerState
 from deploy.library.instances import random_instance
 from deploy.library.load import load
 from deploy.run.local import LocalFleet
-from protocol.scenario.model import Control, Scenario
-
-
-def with_additions(name: str, *additions: str) -> Scenario:
-    return load(name, [f"control.additions={json.dumps(additions)}", "time.limit=20.0", "time.deadlock=5.0"])
+from protocol.scenario.model import Control
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -57,8 +53,8 @@ def test_symmetric_swaps_arrive_on_short_ways(count: int, without: str) -> None:
 @pytest.mark.parametrize("filter_", ["separating-lines", "none"])
 def test_on_a_saddle_only_the_escape_gets_away(filter_: str) -> None:
     def verdict(*additions: str) -> str:
-        scenario = with_additions("head-on", *additions)
-        control = replace(scenario.control, filter=filter_)  # type: ignore[arg-type]
-        return str(LocalFleet(replace(scenario, control=control)).execute()["verdict"])
+        settings = [f"control.additions={json.dumps(additions)}", f"control.filter={filter_}"]
+        scenario = load("head-on", [*settings, "time.limit=20.0", "time.deadlock=5.0"])
+        return str(LocalFleet(scenario).execute()["verdict"])
 
     assert [verdict("pace", "escape"), verdict("pace"), verdict()] == ["arrived", "deadlock", "deadlock"]

@@ -4,7 +4,7 @@ Run `python -m tests.benchmarks.theory.auto_k` to print the tables of docs/resul
 """
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -59,12 +59,6 @@ class Row:
     nrl: float
     unreachable: int
     failed: tuple[int, ...]  # numbers of the instances that did not arrive
-
-
-def auto_k_study(runs: int) -> Iterator[Row]:
-    """Rows of the study, cell by cell."""
-    for p, density, ratio, factor in product(ROBOTS, DENSITIES, RATIOS, FACTORS):
-        yield _cell(p, density, ratio, factor, range(runs))
 
 
 def _cell(p: int, density: float, ratio: float, factor: float, instances: range) -> Row:
@@ -123,7 +117,8 @@ def summary(rows: Sequence[Row]) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.theory.auto_k", description=__doc__)
     parser.add_argument("--runs", type=int, default=40, help="instances per cell")
-    print(summary(list(auto_k_study(parser.parse_args().runs))))
+    runs = range(parser.parse_args().runs)
+    print(summary([_cell(*cell, runs) for cell in product(ROBOTS, DENSITIES, RATIOS, FACTORS)]))
 
 
 if __name__ == "__main__":

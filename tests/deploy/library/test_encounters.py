@@ -82,18 +82,12 @@ def run(disturbed: tuple[int, ...]) -> tuple[LocalFleet, list[set[int]], list[fl
         )
         turn, over = divmod(world.tick, TICKS)
         if over == 0 and turn in disturbed:
-            mover = (turn - 1) % len(SCENARIO.ids)
-            _push(fleet, (mover + 1) % len(SCENARIO.ids))
+            positions, index = world.simulation.plant.positions, turn % len(SCENARIO.ids)
+            x, y = positions[index]
+            away = math.hypot(x, y)
+            positions[index] = x - 0.003 * x / away, y - 0.003 * y / away
 
 
-def _push(fleet: LocalFleet, index: int) -> None:
-    positions = fleet.world.world.simulation.plant.positions
-    x, y = positions[index]
-    away = math.hypot(x, y)
-    positions[index] = x - 0.003 * x / away, y - 0.003 * y / away
-
-
-@pytest.mark.slow
 def test_one_moves_at_a_time_and_phi_descends_though_static_robots_are_disturbed() -> None:
     turns = (2, 4)
     fleet, moved, heights = run(turns)

@@ -22,7 +22,6 @@ from disknav import Simulation
 from protocol.errors import DocumentError, MapError, ScenarioError
 from protocol.geometry import ConvexPolygon, defect
 from protocol.scenario.file import parse_toml, write_toml
-from protocol.scenario.model import Scenario
 
 HEAD = """image: m.png
 resolution: 0.1
@@ -203,15 +202,8 @@ robots = [{ id = 1, radius = 0.06, start = [0.25, 0.25], goal = %s }]
 """
 
 
-def on_map(folder: Path, rows: list[str]) -> Scenario:
-    """A scenario on this map, with a robot in its lower left corner."""
+def written(folder: Path, goal: str, rows: list[str] = ROOM) -> str:
     drawn(folder, rows)
-    (folder / "s.toml").write_text(ON_MAP.replace("[0.25, 0.25]", "[0.05, 0.05]") % "[0.05, 0.05]")
-    return load(str(folder / "s.toml"), ["robots[0].radius=0.04"])
-
-
-def written(folder: Path, goal: str) -> str:
-    drawn(folder, ROOM)
     (folder / "s.toml").write_text(ON_MAP % goal)
     return str(folder / "s.toml")
 
@@ -241,7 +233,8 @@ def test_the_part_of_a_map_outside_of_the_workspace_is_ignored(tmp_path: Path) -
 
 def test_a_place_deep_inside_a_wall_is_one_of_an_obstacle(tmp_path: Path) -> None:
     rows = ["." * 30, *["." * 5 + "#" * 20 + "." * 5] * 20, "." * 30]
-    scenario = on_map(tmp_path, rows)
+    path = written(tmp_path, "[0.05, 0.05]", rows)
+    scenario = load(path, ["robots[0].start=[0.05, 0.05]", "robots[0].radius=0.04"])
     assert min(shape.distance(1.5, 1.1) for shape in scenario.shapes.values()) <= -0.5
 
 

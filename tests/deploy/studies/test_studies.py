@@ -97,7 +97,6 @@ def test_times_are_compared_seed_by_seed() -> None:
     assert against({"1": 6.0}, {}) == {"ratio": None, "ratio_error": None}
 
 
-@pytest.mark.slow
 def test_rows_have_both_paces_and_what_delay_costs() -> None:
     study = delay(1, delays=(0.0, 0.1))
     study = replace(study, cells=[cell for cell in study.cells if cell.labels["scenario"] == "tight 3.30"])

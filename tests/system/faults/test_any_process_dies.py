@@ -56,7 +56,6 @@ class Killer:
 def run(
     scenario: Scenario, options: RunOptions, kill: Callable[[Fleet, Clock], None], record: Path | None = None
 ) -> tuple[dict[str, Any], Rows]:
-    fleet: Fleet
     with Fleet(scenario, options, watch=lambda clock: kill(fleet, clock), record=record) as fleet:
         report = fleet.execute()
         rows = {row["name"]: row for row in fleet.processes()}
@@ -159,7 +158,8 @@ def test_a_world_under_another_launcher(tmp_path: Path) -> None:
         command = [sys.executable, "-m", "disknav", "node", "world", PAIR.name, "--run", name]
         command += ["--router", connection.connect[0], "--checkpoint", str(checkpoint)]
         with subprocess.Popen(command) as first, operating(name, connection.connect[0]) as operator:
-            _steer(connection, name, Steer(step=60))
+            with closing(ZenohBus(connection)) as bus:
+                bus.ask(world_key(name, "steering"), msgspec.msgpack.encode(Steer(step=60)), 60.0)
             supervisor.start([table.robot(connection, name, robot) for robot in PAIR.ids])
             until(lambda: operator.operate().tick >= 60, 60.0)
             first.kill()
@@ -167,8 +167,3 @@ def test_a_world_under_another_launcher(tmp_path: Path) -> None:
     assert "world: goes on at tick 60" in again.stderr
     assert unhurt(json.loads(again.stdout))
     assert not checkpoint.exists()
-
-
-def _steer(connection: Connection, run: str, steer: Steer) -> None:
-    with closing(ZenohBus(connection)) as bus:
-        bus.ask(world_key(run, "steering"), msgspec.msgpack.encode(steer), 60.0)

@@ -124,7 +124,6 @@ def test_a_file_without_a_whole_state_is_refused(path: Path) -> None:
 
 
 @given(st.data())
-@settings(deadline=None)
 def test_of_a_file_that_was_cut_short_nothing_is_half_read(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
 ) -> None:

@@ -17,7 +17,7 @@ from protocol.bus.local import LocalNetwork
 from protocol.codec import decode
 from protocol.errors import RecordingError
 from protocol.keys import everything
-from protocol.messages import Message, Result, State, Tick
+from protocol.messages import Result, State, Tick
 from protocol.scenario.model import Order, RobotSpec, Scenario
 from tests.deploy.telemetry.recording.recorded import rewritten, said_by
 from tests.listening import overhear
@@ -48,15 +48,12 @@ def test_lost_truths_are_worked_out_from_measurements_to_the_last_bit(recording)
 
 
 def test_an_unknown_tick_is_an_error_of_its_own(recording):
-    known = recording.entries.where(lambda entry: not _is_measurement(entry.message, 2, 5))
+    lost = said_by(recording, Tick, 2)[5]
+    known = recording.entries.where(lambda entry: entry.message != lost)
     with pytest.raises(
         RecordingError, match="the Truth of tick 5 was not recorded, nor the odometry of robot 2"
     ):
         verify(_without_truths(replace(recording, entries=known), {5}))
-
-
-def _is_measurement(message: Message, robot: int, tick: int) -> bool:
-    return isinstance(message, Tick) and (message.robot, message.tick) == (robot, tick)
 
 
 def test_without_a_result_there_is_nothing_to_compare(recording):
