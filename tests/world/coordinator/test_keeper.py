@@ -28,6 +28,14 @@ def founded(setting: Scenario, *, live: tuple[int, ...] = (1, 2, 3)) -> Keeper:
     return keeper
 
 
+def settled(setting: Scenario, *, live: tuple[int, ...] = (1, 2, 3)) -> Keeper:
+    """After the first tick, in which all that live obey what they are told."""
+    keeper = founded(setting, live=live)
+    keeper.advance(PLACES)
+    obey_all(keeper)
+    return keeper
+
+
 def obey(keeper: Keeper, robot: int, told: Grants, *firsts: FirstLine) -> None:
     """With a first line wherever one is asked for."""
     asked = (each.number for each in told.bindings if each.first is None)
@@ -59,9 +67,7 @@ def test_in_a_small_fleet_all_are_bound_as_the_run_begins_and_may_be_anywhere() 
 
 
 def test_a_life_that_is_over_stands_for_the_others_until_the_next_has_a_line_with_each() -> None:
-    keeper = founded(fleet())
-    keeper.advance({})
-    obey_all(keeper)
+    keeper = settled(fleet())
     keeper.fence(2, Disk(0.05, 0.0, 0.04))
     assert keeper.news(2) is None
     (peer,) = (each for each in keeper.news(1).bindings if each.peer == 2)
@@ -84,9 +90,7 @@ def test_a_life_that_is_over_stands_for_the_others_until_the_next_has_a_line_wit
 
 
 def test_a_disk_appears_once_every_life_keeps_clear_of_its_place() -> None:
-    keeper = founded(fleet(), live=(1, 2))
-    keeper.advance({})
-    obey_all(keeper)
+    keeper = settled(fleet(), live=(1, 2))
     keeper.announce(-2, Disk(0.0, 0.0, 0.01))
     keeper.advance({})
     for robot in (1, 2):
@@ -98,9 +102,7 @@ def test_a_disk_appears_once_every_life_keeps_clear_of_its_place() -> None:
 
 
 def test_a_disk_does_not_appear_where_one_stands() -> None:
-    keeper = founded(fleet(), live=(1,))
-    keeper.advance({})
-    obey_all(keeper)
+    keeper = settled(fleet(), live=(1,))
     keeper.announce(-2, Disk(0.1, 0.02, 0.01))  # on robot 2, which has no process
     for _ in range(3):
         assert not keeper.appear(-2)
@@ -161,9 +163,7 @@ def test_a_number_from_before_the_life_is_no_region_that_it_obeys() -> None:
 
 
 def test_a_first_line_that_was_not_asked_for_changes_nothing() -> None:
-    keeper = founded(fleet())
-    keeper.advance({})
-    obey_all(keeper)
+    keeper = settled(fleet())
     keeper.fence(2, Disk(0.05, 0.0, 0.04))
     keeper.rejoin(2)
     keeper.advance({})
@@ -179,9 +179,7 @@ def test_a_first_line_that_was_not_asked_for_changes_nothing() -> None:
 
 
 def test_a_robot_waits_for_one_that_holds_regions_on_both_sides_of_it() -> None:
-    keeper = founded(fleet(0.1), live=(1, 2))
-    keeper.advance(PLACES)
-    obey_all(keeper)
+    keeper = settled(fleet(0.1), live=(1, 2))
     keeper.advance(PLACES)
     assert keeper.news(1) is keeper.news(2) is None
     for robot, place in ((1, (0.3, 0.0)), (2, (0.14, 0.0))):
@@ -194,9 +192,7 @@ def test_a_robot_waits_for_one_that_holds_regions_on_both_sides_of_it() -> None:
 
 
 def test_a_static_disk_is_restricted_to_a_smaller_place_inside_its_own() -> None:
-    keeper = founded(fleet(), live=(1,))
-    keeper.advance({})
-    obey_all(keeper)
+    keeper = settled(fleet(), live=(1,))
     version = keeper.version
     for place in (Disk(0.1, 0.0, 0.04), Disk(0.12, 0.0, 0.03)):
         keeper.settle(2, place)
