@@ -13,10 +13,10 @@ from tests.protocol.shapes import points, polygons, shapes
 ROUNDING = 1e-12
 
 
-def members(shape: Shape, count: int = 7) -> np.ndarray:
+def members(shape: Shape) -> np.ndarray:
     """Points of it: combinations of its corners, or of a disk's rim and centre."""
     corners = np.array(shape.points if isinstance(shape, ConvexPolygon) else shape.outline(24))
-    weights = np.random.default_rng(1).dirichlet(np.full(len(corners), 0.3), 50 * count)
+    weights = np.random.default_rng(1).dirichlet(np.full(len(corners), 0.3), 350)
     return np.vstack((corners, weights @ corners))
 
 

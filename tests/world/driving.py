@@ -67,11 +67,11 @@ def toward(world: WorldCore, setting: Scenario) -> dict[int, Vector]:
     return velocities
 
 
-def play(setting: Scenario, most: int = 1000) -> WorldCore:
+def play(setting: Scenario) -> WorldCore:
     """All robots go straight to their goals until a verdict."""
     world = joined(setting)
     while not world.verdict:
-        assert world.tick < most
+        assert world.tick < 1000
         advance(world, toward(world, setting))
     return world
 

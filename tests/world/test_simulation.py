@@ -18,8 +18,8 @@ from world.simulation import OdometrySensor, Sensor
 TRUTH = (0.123, -0.0456)
 
 
-def sensor(robot=1, seed=0, **faults):
-    return Sensor(two(seed=seed, sensing=(Sensing(**faults),)), robot)
+def sensor(seed=0, **faults):
+    return Sensor(two(seed=seed, sensing=(Sensing(**faults),)), 1)
 
 
 @given(

@@ -84,8 +84,8 @@ class Stage:
         texts = (record.message.partition(": ") for record in self._log.records)
         return [text for name, _, text in texts if name == f"robot-{robot}"]
 
-    def play(self, until, seconds: float = 90.0) -> None:
-        end = time.monotonic() + seconds
+    def play(self, until) -> None:
+        end = time.monotonic() + 90.0
         self.fleet.network.run(lambda: until() or time.monotonic() > end)
         assert until()
 

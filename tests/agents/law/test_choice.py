@@ -66,9 +66,8 @@ def test_a_law_that_inherits_from_the_interface_has_its_slice() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("delay", [0.2])
-def test_the_example_of_the_page_brings_a_swap_home_behind_lines(tmp_path: Path, delay: float) -> None:
-    scenario = under(example(tmp_path), "swap-8", link=Link(delay=delay))
+def test_the_example_of_the_page_brings_a_swap_home_behind_lines(tmp_path: Path) -> None:
+    scenario = under(example(tmp_path), "swap-8", link=Link(delay=0.2))
     one, again = (LocalFleet(scenario).execute() for _ in range(2))
     assert (one["verdict"], one["collisions"]) == ("arrived", 0), one["reason"]
     assert one["trajectory_sha256"] == again["trajectory_sha256"]

@@ -42,8 +42,10 @@ def _picture(places: dict[int, Vector], velocities: dict[int, Vector]) -> FarPic
     return FarPicture(SummaryPlaces(_said(BETWEEN, places)), radii, before)
 
 
-def _view(tick: int, neighbours: Neighbours, position: Vector = (0.0, 0.0)) -> View:
-    return View(tick=tick, position=position, goal=(9.0, 0.0), displacement=(0.0, 0.0), neighbours=neighbours)
+def _view(tick: int, neighbours: Neighbours) -> View:
+    return View(
+        tick=tick, position=(0.0, 0.0), goal=(9.0, 0.0), displacement=(0.0, 0.0), neighbours=neighbours
+    )
 
 
 def _nearest(place: Vector, velocity: Vector) -> float:

@@ -23,8 +23,8 @@ def robot(identity: int, *bindings: ListedBinding, at: Vector = STILL, bound: fl
     return lines
 
 
-def hear(lines: SeparatingLines, version: int, *bindings: ListedBinding, number: int = 8) -> None:
-    lines.on_grants(Grants(4, version, number, None, bindings), Neighbours(RADII))
+def hear(lines: SeparatingLines, version: int, *bindings: ListedBinding) -> None:
+    lines.on_grants(Grants(4, version, 8, None, bindings), Neighbours(RADII))
 
 
 def said(identity: int, tick: int, x: float, *entries: Proposal | Answer) -> State:

@@ -13,8 +13,8 @@ def state(robot: int, incarnation: int, tick: int) -> PeerState:
     return PeerState(robot, incarnation, tick, True, float(tick), 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, radius=0.1)
 
 
-def standing(robot: int, place: Vector, radius: float = 0.1) -> Member:
-    return Member(robot, 1, "standing", radius, place)
+def standing(robot: int, place: Vector) -> Member:
+    return Member(robot, 1, "standing", 0.1, place)
 
 
 def tell(known: Neighbours, member: Member) -> None:

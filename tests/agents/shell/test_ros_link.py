@@ -45,8 +45,8 @@ class Stage:
         bus = self.fleet.network.connect()
         self.person = bus.node = Person(bus, scenario.base_of(1).of(1))
 
-    def play(self, until, seconds: float = 60.0) -> None:
-        end = time.monotonic() + seconds
+    def play(self, until) -> None:
+        end = time.monotonic() + 60.0
         self.fleet.network.run(lambda: until() or time.monotonic() > end)
         assert until()
 

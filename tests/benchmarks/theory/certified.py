@@ -46,9 +46,9 @@ class Row:
     seconds: float
 
 
-def rows(sets: int, boxes: int, seed: int = 0) -> Iterator[Row]:
+def rows(sets: int, boxes: int) -> Iterator[Row]:
     """Goal sets of 2, 3 and 4 robots in turn; the same arguments give the same rows but for `seconds`."""
-    for number in range(seed, seed + sets):
+    for number in range(sets):
         draw = generator(number, Purpose.SCENARIO)
         radii = np.full(ROBOTS[number % len(ROBOTS)], RADIUS)
         goals, *starts = (random_configuration(draw, radii, WORKSPACE) for _ in range(1 + STARTS))

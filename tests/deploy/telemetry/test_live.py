@@ -37,8 +37,8 @@ def clock(
     return Clock(tick, tick * 0.05, active, down, verdict)
 
 
-def truth(tick: int, y: float = 0.0, clearance: float = 0.02, phi: float = 0.5) -> Truth:
-    return Truth(tick, (1, 2, 3), tuple((0.1 * i - 0.2, y) for i in (1, 2, 3)), clearance, phi)
+def truth(tick: int, y: float = 0.0, clearance: float = 0.02) -> Truth:
+    return Truth(tick, (1, 2, 3), tuple((0.1 * i - 0.2, y) for i in (1, 2, 3)), clearance, 0.5)
 
 
 def health(
@@ -74,10 +74,8 @@ def test_robots_move_with_the_truth_and_their_velocity_is_what_was_executed() ->
     assert frame["robots"][0]["distance"] == pytest.approx(0.097)
 
 
-def goal(
-    number: int, tick: int, status: OrderStatus = "under way", x: float = 0.2, ahead: int = 0
-) -> GoalStatus:
-    return GoalStatus(1, tick, number, status, (x, 0.0), ahead)
+def goal(number: int, tick: int, x: float = 0.2, ahead: int = 0) -> GoalStatus:
+    return GoalStatus(1, tick, number, "under way", (x, 0.0), ahead)
 
 
 def test_goals_follow_orders_and_an_older_word_changes_nothing() -> None:

@@ -79,10 +79,10 @@ Connect = Callable[..., ZenohBus]
 
 
 @contextmanager
-def signalled(number: int = signal.SIGINT) -> Iterator[None]:
+def signalled() -> Iterator[None]:
     """Inside, a signal comes to this process in a moment; it has come when this ends, which is soon."""
     with STOP.listening():
-        timer, began = threading.Timer(0.05, os.kill, (os.getpid(), number)), time.monotonic()
+        timer, began = threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)), time.monotonic()
         timer.start()
         try:
             yield

@@ -28,9 +28,9 @@ def listening() -> object:
             TIMERS.pop().join()
 
 
-def later(number: int = signal.SIGINT) -> None:
+def later() -> None:
     """A signal comes to this process in a moment."""
-    TIMERS.append(threading.Timer(0.05, os.kill, (os.getpid(), number)))
+    TIMERS.append(threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT)))
     TIMERS[-1].start()
 
 

@@ -42,13 +42,11 @@ body = "turtlebot3-burger"
 radius = 1.5
 [world]
 plant = "external"
-{world}
 {base}
 [[robots]]
 id = 1
 start = [-0.8, 0.0]
 goal = [0.8, 0.0]
-{one}
 [[robots]]
 id = 2
 start = [0.8, 0.0]
@@ -57,8 +55,8 @@ goal = [-0.8, 0.0]
 """
 
 
-def pair(world="", base="", one="", two=""):
-    return parse_toml(PAIR.format(world=world, base=base, one=one, two=two))
+def pair(base="", two=""):
+    return parse_toml(PAIR.format(base=base, two=two))
 
 
 def test_each_robot_has_its_own_base_or_the_one_for_all():

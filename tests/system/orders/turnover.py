@@ -54,9 +54,9 @@ def step(fleet: LocalFleet, ticks: int) -> None:
         assert fleet.step()
 
 
-def to_be(fleet: LocalFleet, robot: int, wanted: str, most: int = 400) -> None:
-    """Go on until a robot has this status, for so many ticks at most."""
-    for _ in range(most):
+def to_be(fleet: LocalFleet, robot: int, wanted: str) -> None:
+    """Go on until a robot has this status, for 400 ticks at most."""
+    for _ in range(400):
         if status(fleet, robot) == wanted:
             return
         assert fleet.step()

@@ -13,22 +13,15 @@ from world.coordinator.roster import RosterDirectory
 from world.report import result_of
 from world.world import WorldCore
 
-HERE = (5.0, 0.0)
-
-
-def filled(version: int = 0) -> RosterDirectory:
-    roster = RosterDirectory(two(), messages.Roster(version, ()))
-    for robot in (1, 2, 3):
-        roster.put(Member(robot, 1, "live", 0.1))
-    return roster
-
 
 def test_a_roster_is_told_until_the_present_life_has_acknowledged_it():
-    roster = filled()
+    roster = RosterDirectory(two(), messages.Roster(0, ()))
+    for robot in (1, 2, 3):
+        roster.put(Member(robot, 1, "live", 0.1))
     assert roster.news(1) == roster.message
     roster.acknowledge(1, 1, roster.version)
     assert roster.news(1) is None
-    roster.alter(2, status="standing", position=HERE)
+    roster.alter(2, status="standing", position=(5.0, 0.0))
     assert roster.news(1) == roster.message
     roster.acknowledge(1, 1, roster.version + 1)  # no such version
     assert roster.news(1) == roster.message

@@ -15,8 +15,8 @@ from world.judge.measures import Goals, levels_of, normalised_length, tight
 RADIUS = 0.04
 
 
-def at_goals(*goals, radius=0.04):
-    return scenario(*[((0.0, 0.0), goal) for goal in goals], radius=radius)
+def at_goals(*goals):
+    return scenario(*[((0.0, 0.0), goal) for goal in goals], radius=RADIUS)
 
 
 def tightness(setting):

@@ -131,8 +131,8 @@ class Yard:
             smallest = min(smallest, nearest(paths[one], paths[other]) - radii)
         return smallest
 
-    def arrived(self, places: dict[int, Vector], within: float = 0.05) -> bool:
-        return all(self.way(robot, place) < within for robot, place in places.items())
+    def arrived(self, places: dict[int, Vector]) -> bool:
+        return all(self.way(robot, place) < 0.05 for robot, place in places.items())
 
 
 def nearest(one: list[tuple[float, float, float]], other: list[tuple[float, float, float]]) -> float:

@@ -30,9 +30,9 @@ command = "/opt/disknav/bin/disknav"
 """
 
 
-def problems(text: str, robots: tuple[int, ...] = (1, 2, 3)) -> list[str]:
+def problems(text: str) -> list[str]:
     with pytest.raises(HostsError) as caught:
-        parse_hosts(tomllib.loads(text), robots)
+        parse_hosts(tomllib.loads(text), (1, 2, 3))
     return [str(problem) for problem in caught.value.problems]
 
 

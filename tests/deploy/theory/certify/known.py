@@ -50,11 +50,11 @@ def random_problem(seed: int) -> FleetProblem:
 
 
 @cache
-def known(seed: int, starts: int = 4) -> tuple[Known, ...]:
+def known(seed: int) -> tuple[Known, ...]:
     """What multi-start finds for one goal set."""
     problem = random_problem(seed)
     draw = generator(seed, Purpose.SCENARIO)
-    places = [random_configuration(draw, problem.radii, WORKSPACE) for _ in range(starts)]
+    places = [random_configuration(draw, problem.radii, WORKSPACE) for _ in range(4)]
     return tuple(_found(problem, [*(b for b in places if b is not None), *swapped_pairs(problem)]))
 
 
