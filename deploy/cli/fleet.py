@@ -79,6 +79,8 @@ def goal(
         status = reply.goal(robot)
         if order is None and status is None:
             reply = msgspec.structs.replace(reply, accepted=False, text=f"no robot {robot}")
+        if reply.halted:
+            typer.echo("warning: an emergency stop is in force; disknav fleet release ends it", err=True)
         if wait and reply.accepted:
             status = operator.outcome(robot, reply.number, _PATIENCE)
     content = {
@@ -174,7 +176,7 @@ def place(
     with _operating(run, router, secure) as operator:
         reply = _done(operator, operation)
         if reply.text:
-            print(f"warning: the obstacle {reply.text}")
+            typer.echo(f"warning: the obstacle {reply.text}", err=True)
         operator.stands(reply.number, within)
     print(f"obstacle {reply.number} is in place")
 
@@ -296,7 +298,7 @@ def _operation(asked: dict[str, Any]) -> Operation:
 def _done(operator: Operator, operation: Operation) -> Reply:
     reply = operator.operate(operation)
     if not reply.accepted:
-        print(f"refused: {reply.text}")
+        typer.echo(f"refused: {reply.text}", err=True)
         raise typer.Exit(EXIT_OTHERWISE)
     return reply
 
@@ -324,10 +326,10 @@ def _order(
 
 def _print_goal(reply: Reply, status: GoalStatus | None) -> None:
     if not reply.accepted:
-        print(f"refused: {reply.text}")
+        typer.echo(f"refused: {reply.text}", err=True)
         return
     if reply.text:
-        print(f"warning: the goal {reply.text}")
+        typer.echo(f"warning: the goal {reply.text}", err=True)
     if status is not None:
         ahead = f", {status.ahead} more after it" if status.ahead else ""
         print(f"robot {status.robot}: {status.status}, {_point(status.goal)}{ahead}")

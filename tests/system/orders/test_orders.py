@@ -73,6 +73,9 @@ def test_keep_and_send(disknav: Forks, tmp_path: Path) -> None:
             done = disknav("fleet", *words.split(), "--router", endpoint)
             assert (done.returncode, text in done.stdout + done.stderr) == (status, True), done
         assert '"number": 1' not in done.stdout
+        assert disknav("stop", "yard", "--router", endpoint).returncode == 0
+        ordered = disknav("fleet", "goal", "yard", "3", "0", "0", "--router", endpoint)
+        assert (ordered.returncode, "emergency stop is in force" in ordered.stderr) == (0, True)
         fleet.send_signal(signal.SIGINT)
         assert fleet.wait(30) == 130
     result = json.loads((tmp_path / "result.json").read_text())
