@@ -24,26 +24,15 @@ _HEAD = (
 )
 
 
-def compare(robots: int, seconds: float, rounds: int) -> dict[str, Measured | Rate]:
-    """The least disturbed of `rounds` measurements of everything, taken in turns."""
-    best: dict[str, Measured | Rate] = {}
-    for _ in range(rounds):
-        for name, result in _measured(robots, seconds).items():
-            before = best.get(name)
-            if before is None or result.cpu_ms < before.cpu_ms:
-                best[name] = result
-    return best
-
-
-def _measured(robots: int, seconds: float) -> dict[str, Measured | Rate]:
-    """All of a round. On bare floors robots receive all States, in larger fleets those of near peers."""
+def measured(robots: int, seconds: float) -> dict[str, Measured | Rate]:
+    """By name. On bare floors robots receive all States, in larger fleets those of near peers."""
     fleets = {
         "fleet": restless(robots),
         "fleet, all heard": restless(robots, network=Network("all")),
         "fleet, no filter": restless(robots, safety="none"),
     }
-    measured = {name: measure(scenario, RunOptions(), seconds) for name, scenario in fleets.items()}
-    return {"bare zenoh": bare.rate(robots, payloads(robots), seconds), **measured}
+    found = {name: measure(scenario, RunOptions(), seconds) for name, scenario in fleets.items()}
+    return {"bare zenoh": bare.rate(robots, payloads(robots), seconds), **found}
 
 
 @cache
@@ -76,11 +65,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--robots", type=int, nargs="+", default=ROBOTS, help="numbers of robots")
     parser.add_argument("--seconds", type=float, default=3.0, help="how long each is measured")
-    parser.add_argument("--rounds", type=int, default=1, help="the one that cost least counts")
     options = parser.parse_args()
     print(_HEAD, flush=True)
     for robots in options.robots:
-        print(table(robots, compare(robots, options.seconds, options.rounds)), flush=True)
+        print(table(robots, measured(robots, options.seconds)), flush=True)
 
 
 if __name__ == "__main__":

@@ -17,13 +17,6 @@ RADIUS = 0.03
 BOX = ConvexPolygon([(-0.1, -0.2), (0.1, -0.2), (0.1, 0.2), (-0.1, 0.2)])
 
 
-def test_through_a_gap_that_is_too_narrow_there_is_no_path():
-    half = ConvexPolygon([(-0.01, 0.05), (0.01, 0.05), (0.01, 2.5), (-0.01, 2.5)])
-    other = ConvexPolygon([(-0.01, -0.005), (0.01, -0.005), (0.01, -2.5), (-0.01, -2.5)])
-    assert not Attraction(ROOM, RADIUS).leads((-0.5, 0.0), (0.5, 0.0), (half, other))
-    assert Attraction(ROOM, 0.9 * RADIUS).leads((-0.5, 0.0), (0.5, 0.0), (half, other))
-
-
 @pytest.mark.parametrize("obstacles", [(), (Disk(0.0, 0.0, 0.1),)])
 def test_alone_or_in_a_sphere_world_the_pull_is_straight(obstacles):
     assert Attraction(ROOM, RADIUS).aim((-0.5, 0.0), (0.5, 0.0), obstacles) == (0.5, 0.0)

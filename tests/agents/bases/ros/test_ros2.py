@@ -6,9 +6,6 @@ Between them is an adapter that does what zenoh-bridge-ros2dds does. The bases n
 import os
 import signal
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
 
 import pytest
 
@@ -97,28 +94,14 @@ def test_six_robots_swap_and_survive_what_may_happen_to_bases_and_coordinator(tm
         print(f"smallest gap {1e3 * fleet.gap():.1f} mm")
 
 
-@contextmanager
-def planned(folder: Path, filter_: str) -> Iterator[Yard]:
-    """Three robots whose planners heed no robot, once all bases speak."""
-    with yard(folder, turtles, 3, [*CROSSING, "control.law=external", f"control.filter={filter_}"]) as fleet:
-        robots = fleet.scenario.ids
-        until(lambda: all((folder / f"truth-{robot}").exists() for robot in robots), START, "no bases")
-        until(lambda: all(map(fleet.truth, robots)), START, "a base is silent")
-        yield fleet
-
-
 def test_planners_that_heed_no_robot_arrive_behind_the_filter_and_stand_without_a_coordinator(tmp_path):
-    with planned(tmp_path, "separating-lines") as fleet:
+    with yard(tmp_path, turtles, 3, [*CROSSING, "control.law=external"]) as fleet:
         starts = {spec.id: spec.start for spec in fleet.scenario.robots}
+        until(lambda: all((tmp_path / f"truth-{robot}").exists() for robot in starts), START, "no bases")
+        until(lambda: all(map(fleet.truth, starts)), START, "a base is silent")
         until(lambda: max(map(fleet.way, starts, starts.values())) > 0.1, START, "no robot moves")
         stand_without_coordinator(fleet)
         until(
             lambda: fleet.arrived({r.id: r.goal for r in fleet.scenario.robots}), 120.0, "they do not arrive"
         )
         assert fleet.gap() > 0.0
-
-
-@pytest.mark.campaign
-def test_without_the_filter_they_touch(tmp_path):
-    with planned(tmp_path, "none") as fleet:
-        until(lambda: fleet.gap() < 0.0, 120.0, "they do not touch")
