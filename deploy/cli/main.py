@@ -23,6 +23,7 @@ def main() -> None:
     except Stopped:
         STOP.exit()
     STOP.ignore()
+    status = _flushed(status)
     sys.exit(STOP.status or status)
 
 
@@ -74,8 +75,30 @@ def _run() -> int:
         if error.errno != ENOSPC:
             raise
         LOG.error(f"cannot write to {error.filename or 'standard output'}: {error.strerror}")
+        _discard_output()
         return EXIT_FAULT
     except SystemExit as ending:
         unread = isinstance(ending.__context__, BrokenPipeError)  # so typer and rich end
         return _UNREAD if unread else ending.code if isinstance(ending.code, int) else EXIT_FAULT
     return 0
+
+
+def _flushed(status: int) -> int:
+    """Write the rest of standard output; returns the exit status, another one if that fails."""
+    from deploy.output import EXIT_FAULT
+    from protocol.process.log import LOG
+
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        _discard_output()
+        if isinstance(error, BrokenPipeError):
+            return _UNREAD
+        LOG.error(f"cannot write to standard output: {error.strerror}")
+        return EXIT_FAULT
+    return status
+
+
+def _discard_output() -> None:
+    """Drop the rest of standard output, which Python would try to write once more as it ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)

@@ -78,11 +78,13 @@ def test_a_full_disk_costs_the_file_and_not_the_result(disknav: Forks, tmp_path:
     assert "Traceback" not in run.stderr
 
 
+@pytest.mark.parametrize("unbuffered", ["", "1"])
 @pytest.mark.parametrize("command", ["scenario list", "scenario show swap-2"])
 @pytest.mark.slow
-def test_a_full_disk_behind_standard_output_is_a_fault_of_the_machine(command: str) -> None:
+def test_a_full_disk_behind_standard_output_is_a_fault_of_the_machine(command: str, unbuffered: str) -> None:
     call = ["sh", "-c", f"exec {sys.executable} -m disknav {command} >/dev/full"]
-    done = subprocess.run(call, stderr=subprocess.PIPE, text=True, check=False, timeout=60.0)
+    env = os.environ | {"PYTHONUNBUFFERED": unbuffered}
+    done = subprocess.run(call, env=env, stderr=subprocess.PIPE, text=True, check=False, timeout=60.0)
     assert done.stderr == "disknav: cannot write to standard output: No space left on device\n"
     assert done.returncode == 3
 
