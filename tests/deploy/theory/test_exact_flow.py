@@ -1,15 +1,12 @@
-"""The reference flow: descent, accuracy, arrival; spurious minima below a threshold; unreachable goals."""
-
-from dataclasses import replace
+"""The reference flow: descent, accuracy, arrival; and the automatic k."""
 
 import numpy as np
 import pytest
 
-from deploy.theory.exact_flow import classify, find_equilibrium, integrate
-from deploy.theory.function import FleetProblem, obstacle_functions, reduced_jacobian
+from deploy.theory.exact_flow import integrate
+from deploy.theory.function import obstacle_functions
 from deploy.theory.tuning import automatic_k
-from protocol.arrays import Reals
-from tests.deploy.theory.problems import circulation, crowded, free, log_ratio
+from tests.deploy.theory.problems import crowded, free, log_ratio
 
 
 @pytest.mark.slow
@@ -25,27 +22,6 @@ def test_flow_descends_without_contact_and_arrives(unequal: bool) -> None:
         assert 1.0 <= flow.nrl < 2.0
         finer = integrate(problem, free(problem, seed), accuracy=1e-7)
         assert flow.nrl == pytest.approx(finer.nrl, rel=2e-3)
-
-
-def stuck(problem: FleetProblem) -> Reals | None:
-    """Where the flow ends other than at the goal, from eight random starts."""
-    for seed in range(8):
-        flow = integrate(problem, free(problem, seed))
-        if not flow.arrived and (b := find_equilibrium(problem, flow.path[-1])) is not None:
-            return b
-    return None
-
-
-@pytest.mark.slow
-def test_small_k_has_other_minima_and_large_k_has_none_on_the_way() -> None:
-    """The paper's remark on figure 5; at such a minimum circling climbs, so C.4 needs its "large enough"."""
-    problem = crowded(6, False, k=3.0)
-    b = stuck(problem)
-    assert b is not None
-    assert classify(problem, b).kind == "minimum"
-    v = circulation(b, (0, 1)).ravel()
-    assert v @ reduced_jacobian(problem, b) @ v > 0.0
-    assert stuck(replace(problem, k=60.0)) is None
 
 
 def test_automatic_k_grows_with_robots_and_with_crowding_and_ignores_units() -> None:
