@@ -75,7 +75,6 @@ def _run() -> int:
         if error.errno != ENOSPC:
             raise
         LOG.error(f"cannot write to {error.filename or 'standard output'}: {error.strerror}")
-        _discard_output()
         return EXIT_FAULT
     except SystemExit as ending:
         unread = isinstance(ending.__context__, BrokenPipeError)  # so typer and rich end
@@ -91,14 +90,10 @@ def _flushed(status: int) -> int:
     try:
         sys.stdout.flush()
     except OSError as error:
-        _discard_output()
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # Python writes the rest once more as it ends
         if isinstance(error, BrokenPipeError):
             return _UNREAD
-        LOG.error(f"cannot write to standard output: {error.strerror}")
+        if status != EXIT_FAULT:  # otherwise the reason is reported already
+            LOG.error(f"cannot write to standard output: {error.strerror}")
         return EXIT_FAULT
     return status
-
-
-def _discard_output() -> None:
-    """Drop the rest of standard output, which Python would try to write once more as it ends."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
