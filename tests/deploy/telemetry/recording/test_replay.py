@@ -12,7 +12,6 @@ from deploy.run.local import LocalFleet
 from deploy.telemetry.plot import draw
 from deploy.telemetry.recording.reader import Recording, read
 from deploy.telemetry.recording.replay import participants, publish, published, verify
-from protocol.bus.bus import Sample
 from protocol.bus.local import LocalNetwork
 from protocol.codec import decode
 from protocol.errors import RecordingError
@@ -74,10 +73,10 @@ def test_everything_is_published_again_in_order(recording):
 
 def test_a_recording_is_heard_under_another_name(recording):
     network, heard = LocalNetwork(), []
-    listener = overhear(network, lambda *said: heard.append(Sample(*said)), everything("again"))
+    listener = overhear(network, lambda *said: heard.append(said), everything("again"))
     publish(recording, network.connect(), "again", speed=0.0)
     listener.drain()
-    assert heard == [sample for _, sample in published(recording, "again")]
+    assert heard == [(sample.key, sample.payload) for _, sample in published(recording, "again")]
 
 
 def test_commands_say_what_they_found(path, recording, tmp_path, capsys):
