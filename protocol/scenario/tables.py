@@ -231,8 +231,9 @@ def written(steps: Iterable[Step]) -> str:
 
 
 def unknown_key(key: str, table: type) -> str:
-    """Text for a key that `table` does not have: the nearest one, or all of them if none is near."""
-    known = list(keys_of(table))
-    if near := get_close_matches(key, known, 1, 0.5):
-        return f"unknown key; did you mean `{near[0]}`?"
+    """Text for a key that `table` does not have: near ones, also of tables inside, or all if none is near."""
+    known = keys_of(table)
+    inside = [f"{name}.{key}" for name, inner in known.items() if inner is not None and key in keys_of(inner)]
+    if near := get_close_matches(key, known, 1, 0.9 if inside else 0.5) + inside:
+        return f"unknown key; did you mean {' or '.join(f'`{each}`' for each in near)}?"
     return f"unknown key; known are {', '.join(f'`{name}`' for name in known)}"

@@ -38,6 +38,7 @@ def test_settings(setting: str, path: tuple[str | int, ...], value: object) -> N
     [
         ("contrl.k=1", "contrl.k: unknown key; did you mean `control`?"),
         ("control.kay=1", "did you mean `k`"),
+        ("k=80", "did you mean `control.k`?"),
         ("robots[2].goal.x=1", "goal"),
         ("robots[9].goal=[0, 0]", "robots has 2 elements"),
         ("robots.goal=[0, 0]", "give a position"),
