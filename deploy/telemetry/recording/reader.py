@@ -113,14 +113,14 @@ def _look_through(path: Path) -> _RecordedFile:
         if not magic:
             raise RecordingError(f"{path} is empty: nothing was recorded")
         if magic != MCAP0_MAGIC:
-            raise RecordingError(f"{path} is not a recording: name a file that `disknav run --record` wrote")
+            raise UsageError(f"{path} is not a recording: name a file that `disknav run --record` wrote")
         for record in found.records():
             if isinstance(record, Metadata):
                 found.metadata[record.name] = record.metadata
             elif isinstance(record, Chunk):
                 found.firsts.append(record.message_start_time)
             elif isinstance(record, McapMessage):
-                raise RecordingError(f"{path} has messages outside of chunks: name a file that disknav wrote")
+                raise UsageError(f"{path} has messages outside of chunks: name a file that disknav wrote")
     except OSError as error:
         raise UsageError(f"cannot read {path}: {error.strerror}") from error
     return found
@@ -131,8 +131,8 @@ class Contents:
     first file, and the result of the last.
 
     Raises:
-        UsageError: the first file cannot be opened.
-        RecordingError: it is not an MCAP file.
+        UsageError: the first file cannot be opened, or is of another kind.
+        RecordingError: it is empty.
     """
 
     def __init__(self, path: Path) -> None:
@@ -276,8 +276,8 @@ def read(path: Path | str, progress: Progress = lambda _: None) -> Recording:
     receives the share done.
 
     Raises:
-        UsageError: there is no such file.
-        RecordingError: it is not a recording of a run.
+        UsageError: there is no such file, or disknav did not write it.
+        RecordingError: it is damaged, or of another version.
     """
     path = Path(path)
     found = Contents(path)
@@ -308,9 +308,9 @@ def _scenario(path: Path, found: Contents) -> Scenario:
         _ = scenario.k  # a number in every recording
         return scenario
     except KeyError:
-        cut = "was cut before the run began; nothing was recorded"
-        what = cut if found.cut else "holds no scenario: disknav did not write it"
-        raise RecordingError(f"{path} {what}") from None
+        if found.cut:
+            raise RecordingError(f"{path} was cut before the run began; nothing was recorded") from None
+        raise UsageError(f"{path} holds no scenario: disknav did not write it") from None
     except (*DAMAGED, ScenarioError) as error:
         raise RecordingError(f"{path}: its scenario cannot be read by this version: {error}") from error
 

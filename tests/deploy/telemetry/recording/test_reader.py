@@ -85,21 +85,21 @@ def test_a_damaged_file_is_read_to_the_damage(recorded, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "error", "said"),
     [
-        (b"PNG", "is not a recording"),
-        (b"", "is empty: nothing was recorded"),
-        (b"\x89MCAP0\r\n", "was cut before the run began; nothing was recorded"),
-        (b"\x89MCAP0\r\n\1" + (2**60).to_bytes(8, "little"), "was cut before the run began"),
+        (b"PNG", UsageError, "is not a recording"),
+        (b"", RecordingError, "is empty: nothing was recorded"),
+        (b"\x89MCAP0\r\n", RecordingError, "was cut before the run began; nothing was recorded"),
+        (b"\x89MCAP0\r\n\1" + (2**60).to_bytes(8, "little"), RecordingError, "was cut before the run began"),
     ],
     ids=["foreign", "empty", "header only", "endless record"],
 )
-def test_what_holds_no_recording_says_so(tmp_path, content, said):
+def test_what_holds_no_recording_says_so(tmp_path, content, error, said):
     path = tmp_path / "nothing.mcap"
     with pytest.raises(UsageError, match=r"nothing\.mcap: No such file"):
         read(path)
     path.write_bytes(content)
-    with pytest.raises(RecordingError, match=said):
+    with pytest.raises(error, match=said):
         read(path)
 
 
@@ -109,7 +109,7 @@ def test_a_whole_file_of_others_says_so(tmp_path):
         writer = Writer(file)
         writer.start()
         writer.finish()
-    with pytest.raises(RecordingError, match="holds no scenario: disknav did not write it"):
+    with pytest.raises(UsageError, match="holds no scenario: disknav did not write it"):
         read(path)
 
 
@@ -153,7 +153,7 @@ def test_what_is_not_read_is_told(recorded, tmp_path):
     path.write_bytes(whole + whole)
     assert read(path).cut
     assert recomputed(read(path)) == recomputed(read(recorded[0]))
-    with pytest.raises(RecordingError, match="outside of chunks"):
+    with pytest.raises(UsageError, match="outside of chunks"):
         read(rewritten(recorded[0], path, chunks=False))
 
 
