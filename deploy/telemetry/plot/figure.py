@@ -166,9 +166,8 @@ def figure(recording: Recording) -> Figure:
 
 
 def _title(recording: Recording) -> str:
-    verdict = "not finished" if recording.result is None else recording.result["verdict"]
-    seconds = recording.trajectory.times[-1]
-    return f"{recording.scenario.name}: {verdict} after {seconds:.1f} s"
+    shown = "the first" if recording.result is None else f"{recording.result['verdict']} after"
+    return f"{recording.scenario.name}: {shown} {recording.trajectory.times[-1]:.1f} s"
 
 
 _RATE = 12  # frames per second

@@ -66,7 +66,7 @@ def test_an_excerpt_ends_where_it_was_cut(recording, tmp_path):
     assert len(until(recording, 0.0).trajectory.ticks) == 1
     assert until(recording, 1e9) is recording
     draw(part, tmp_path / "a.svg")
-    assert "three: not finished after" in (tmp_path / "a.svg").read_text()
+    assert "three: the first 0.2 s" in (tmp_path / "a.svg").read_text()
 
 
 def test_a_run_cut_before_anything_happened_can_be_drawn(recording, tmp_path):
