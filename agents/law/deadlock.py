@@ -2,7 +2,7 @@
 
 A robot stops away from its goal at a saddle of phi, where repulsion cancels attraction, or when a filter
 reduces its desired velocity to zero. At a saddle phi decreases when all members of a cluster circle its
-centroid in one sense, v_i = J (b_i - centroid), J = [[0, 1], [-1, 0]] (Karagoz, Bozma, Koditschek, Prop.
+centroid in one sense, v_i = J (b_i - centroid), J = [[0, 1], [-1, 0]] (Karagöz, Bozma, Koditschek, Prop.
 C.4). The escape is a drift within the flow: the other disks and the workspace still repel the robot.
 """
 

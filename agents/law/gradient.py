@@ -1,6 +1,6 @@
 """The paper's law, whole: down one robot's slice of the navigation function's gradient.
 
-Karagoz, Bozma and Koditschek, with gamma = sum_j |b_j - g_j|^2, and beta the product of all
+Karagöz, Bozma and Koditschek, with gamma = sum_j |b_j - g_j|^2, and beta the product of all
     beta_ij = |b_i - b_j|^2 - rho_ij^2,    rho_ij = rho_i + rho_j,
     beta_0i = rho_0i^2 - |b_i|^2,          rho_0i = rho_0 - rho_i:
 

@@ -1,4 +1,4 @@
-"""Figure 3 of Karagoz, Bozma, Koditschek, demonstrations with its goals, and random scenarios."""
+"""Figure 3 of Karagöz, Bozma, Koditschek, demonstrations with its goals, and random scenarios."""
 
 from __future__ import annotations
 

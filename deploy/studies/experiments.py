@@ -1,4 +1,4 @@
-"""The experiments of Karagoz, Bozma, Koditschek, figures 4 and 5, under the paper's law; and fleet sizes.
+"""The experiments of Karagöz, Bozma, Koditschek, figures 4 and 5, under the paper's law; and fleet sizes.
 
 The law is the paper's, at the common pace, without filter, with perfect sensing and links. A sampled fleet
 differs from the continuous flow by its period, during which robots assume static peers. With `PERIOD` and

@@ -1,1 +1,1 @@
-"""Theory of the navigation function of Karagoz, Bozma, Koditschek, for whole configurations."""
+"""Theory of the navigation function of Karagöz, Bozma, Koditschek, for whole configurations."""

@@ -279,7 +279,7 @@ def _stated(scenario: Scenario) -> Iterator[str]:
             )
             robots.setdefault(text, []).append(str(robot))
     for text, ids in robots.items():
-        yield f"robot {', '.join(ids)}: {text}"
+        yield f"{'each of robots' if len(ids) > 1 else 'robot'} {', '.join(ids)}: {text}"
 
 
 def _assumption_text(name: str, found: Assumption) -> list[str]:

@@ -1,6 +1,6 @@
 """The navigation function phi, its reduced gradient D, and their derivatives.
 
-Karagoz, Bozma, Koditschek, equations (1)-(5), (9). gamma^k and beta differ by hundreds of orders of magnitude
+Karagöz, Bozma, Koditschek, equations (1)-(5), (9). gamma^k and beta differ by hundreds of orders of magnitude
 and exceed the range of a double, so neither is computed: D = grad phi / c needs only the derivatives of their
 logarithms.
 

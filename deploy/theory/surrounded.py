@@ -35,7 +35,7 @@ Theorem = Literal["Karagoz-Bozma-Koditschek", "Koditschek-Rimon"]
 def theorem_for(scenario: Scenario) -> tuple[Theorem | None, tuple[str, ...]]:
     """The theorem that covers a scenario; if there is none, the reasons.
 
-    - Robots alone in a disk: Karagoz, Bozma and Koditschek, Theorem 1.
+    - Robots alone in a disk: Karagöz, Bozma and Koditschek, Theorem 1.
     - One robot in a disk among disks so far from each other and the boundary that it can pass between them: a
       sphere world (Koditschek and Rimon, "Robot navigation functions on manifolds with boundary", 1990).
     """
@@ -65,6 +65,7 @@ def _not_apart(scenario: Scenario) -> Iterator[str]:
         yield f"the robot cannot pass between {between}"
 
 
+_KBK = "Karagöz, Bozma and Koditschek's Theorem 1"
 _SAYS: dict[Theorem | None, str] = {
     "Koditschek-Rimon": (
         "A sphere world: for every k above some bound phi is a navigation function (Koditschek, Rimon 1990), "
@@ -150,7 +151,7 @@ class Surrounded:
         carried = f" and {self.parts} parts" if self.parts else ""
         table = self.facts.table(f" among {self.obstacles} obstacles{carried}, together")
         says = [
-            *_inapplicable(self.reasons),
+            *([f"{_KBK} does not apply: {'; '.join(self.reasons)}."] if self.reasons else []),
             _SAYS[self.theorem],
             _LAW[self.theorem is not None] if self.order is None else _ORDER[self.order],
             "Collision avoidance is independent of these results (docs/safety.md).",
@@ -197,11 +198,6 @@ def _without_way(scenario: Scenario, unreachable: set[int]) -> list[int]:
     specs = [scenario.spec(robot) for robot in scenario.ids if robot not in unreachable]
     pulls = {spec.radius: Attraction(room, spec.radius, alone=len(scenario.robots) == 1) for spec in specs}
     return [spec.id for spec in specs if not pulls[spec.radius].leads(spec.start, spec.goal, shapes)]
-
-
-def _inapplicable(reasons: Sequence[str]) -> list[str]:
-    theorem = "Karagoz, Bozma and Koditschek's Theorem 1 does not apply"
-    return [f"{theorem}: {'; '.join(reasons)}."] if reasons else []
 
 
 def _blocked(found: BlockedPath) -> str:

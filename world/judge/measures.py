@@ -1,4 +1,4 @@
-"""Measures of a fleet on its way to its goals (Karagoz, Bozma, Koditschek, equations 4, 5, 9, and section 4).
+"""Measures of a fleet on its way to its goals (Karagöz, Bozma, Koditschek, equations 4, 5, 9, and section 4).
 
     phi = (gamma^k / (gamma^k + beta))^(1/k)
 

@@ -164,5 +164,5 @@ def test_of_another_law_and_of_external_bases_it_says_what_holds() -> None:
     law, _, general, bases = scope(fleet)
     assert "arrival with reciprocal is not proven" in law
     assert "stated bounds" in general
-    assert bases.startswith("robot 1, 2: continues for 0.1 s without ticks")
+    assert bases.startswith("each of robots 1, 2: continues for 0.1 s without ticks")
     assert scope(load("figure-1")) == []
