@@ -9,7 +9,7 @@ import re
 import sys
 import traceback
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -18,7 +18,7 @@ from typing import Any, Final
 from agents.law.additions import AugmentedLaw
 from agents.law.api import Law, View, attraction
 from agents.law.gradient import GradientLaw
-from protocol.errors import UsageError
+from protocol.errors import LawError, UsageError
 from protocol.messages import Vector
 from protocol.scenario.model import Scenario
 
@@ -98,8 +98,8 @@ class GuardedLaw:
             return self._law.velocity(view)
         if self._law is not None:
             with self._guarded(f"no velocity in tick {view.tick}"):
-                vx, vy = (float(each) for each in self._law.velocity(view))
-                excess = max(1.0, _finite(math.hypot(vx, vy)) / self._speed)
+                vx, vy = _finite(self._law.velocity, 2, "two finite numbers, m/s", view)
+                excess = max(1.0, math.hypot(vx, vy) / self._speed)
                 return vx / excess, vy / excess
         return 0.0, 0.0
 
@@ -109,7 +109,8 @@ class GuardedLaw:
             return min(self._law.slice_norm(position, goal), self._most)
         if self._law is not None and hasattr(self._law, "slice_norm"):
             with self._guarded(f"no slice_norm at {position}"):
-                return min(max(0.0, _finite(float(self._law.slice_norm(position, goal)))), self._most)
+                (size,) = _finite(self._law.slice_norm, 1, "a finite number, m", position, goal)
+                return min(max(0.0, size), self._most)
         return min(attraction(position, goal), self._most)
 
     @contextmanager
@@ -122,15 +123,20 @@ class GuardedLaw:
         except Exception as error:
             if not self._from_outside:
                 raise
-            where = traceback.extract_tb(error.__traceback__)[-1]
-            text = f"{what}: {error!r} in {where.filename}, line {where.lineno}"
-            self._law, self.failure = None, f"{self._name}: {text}"
+            at = traceback.extract_tb(error.__traceback__)[-1]
+            said = f"{error!r} in {at.filename}, line {at.lineno}"
+            said = str(error) if isinstance(error, LawError) else said
+            self._law, self.failure = None, f"{self._name}: {what}: {said}"
 
 
-def _finite(size: float) -> float:
-    if not math.isfinite(size):
-        raise ValueError(f"{size} is not a finite number")
-    return size
+def _finite(method: Any, count: int, expected: str, *given: Any) -> list[float]:
+    """Numbers that a law's method returns; raises LawError if it returns anything else."""
+    returned = method(*given)
+    with suppress(TypeError, ValueError):
+        numbers = [float(each) for each in (returned if count > 1 else (returned,))]
+        if len(numbers) == count and math.isfinite(math.hypot(*numbers)):
+            return numbers
+    raise LawError(f"returned {returned!r:.80}, not {expected}")
 
 
 def found(name: str) -> tuple[Any, dict[str, Any]]:
