@@ -18,6 +18,8 @@ from deploy.library import encounters, instances
 from deploy.theory.tuning import gain_for
 from protocol.draws import checked_seed
 from protocol.errors import LawError, ScenarioError, UsageError
+from protocol.process.log import LOG
+from protocol.scenario.checks import doubts
 from protocol.scenario.file import apply_settings, document_of, parse_document, read_document, validated
 from protocol.scenario.model import Scenario
 from protocol.scenario.tables import Document
@@ -209,7 +211,9 @@ def load(name: str, settings: Sequence[str] = (), seed: int | None = None) -> Sc
 
 
 def prepared(scenario: Scenario) -> Scenario:
-    """The scenario with k as a number, its plant's library present, and its law tried out."""
+    """The scenario with k as a number, its plant's library present and its law tried out; warns of doubts."""
+    for doubt in doubts(scenario):
+        LOG.warning(f"{scenario.name}: {doubt}")
     scenario = resolved(scenario)
     require_plant(scenario.world.plant)
     try_out(scenario)

@@ -70,6 +70,15 @@ def misfits(spec: RobotSpec, default: Preset | Body) -> Iterator[str]:
         yield f"{written(steps)}: {text}"
 
 
+def doubts(scenario: Scenario) -> Iterator[str]:
+    """Values of a valid scenario that its author can hardly mean."""
+    step, room = scenario.time.step, scenario.workspace.shape.around.radius
+    if max(scenario.control.speed * step / room, 2.0 * step / scenario.time.limit) > 1.0:
+        yield f"time.step, control.speed: within {step:g} s the run ends, or a robot crosses the workspace"
+    if (worst := max((sensing.bound for sensing in scenario.sensing), default=0.0)) > room:
+        yield f"sensing: an error of {worst:g} m exceeds the workspace's radius, {room:g} m"
+
+
 # -- names and times
 
 

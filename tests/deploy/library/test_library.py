@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from deploy.library.encounters import swap
 from deploy.library.instances import GOAL_SETS, figure_3, random_instance, random_starts
 from deploy.library.load import build, catalogue, generate, load
 from protocol.errors import ScenarioError, UsageError
+from protocol.scenario.checks import doubts
 from protocol.scenario.file import parse_toml, validated, write_toml
 from protocol.scenario.model import Scenario
 from world.judge import measures
@@ -21,6 +23,7 @@ from world.judge.clearance import Disks
 from world.judge.measures import Goals
 
 NAMES = [entry.name for entry in catalogue() if not entry.name.endswith("-N")]
+NONE = ["swap-1", "swap-1001", "random-0", "random-1001", "blocks-6", "parts-41"]
 NUMBERED = ["swap-2", "swap-3", "swap-10", "swap-60", "random-1", "random-2", "random-40"]
 
 
@@ -37,6 +40,13 @@ def test_every_name_is_valid_and_survives_a_file(name: str) -> None:
     assert scenario.name == name
     assert parse_toml(write_toml(scenario)) == validated(scenario) == scenario
     assert min(gap(scenario, True), gap(scenario, False)) > 0.003
+    assert not list(doubts(scenario))
+
+
+@pytest.mark.parametrize("setting", ["time.step=50", "control.speed=100", "sensing.noise=1"])
+def test_a_value_that_is_hardly_meant_is_warned_of(setting: str, caplog: pytest.LogCaptureFixture) -> None:
+    load("figure-1", [setting])
+    assert setting.partition(".")[0] in caplog.text
 
 
 @pytest.mark.parametrize(
@@ -81,12 +91,7 @@ def test_random_instances_always_exist(count: int, seed: int, density: float, un
         lambda: swap(5, 0.02),
         lambda: swap(5, -0.1),
         lambda: figure_3("f"),
-        lambda: build("swap-1"),
-        lambda: build("swap-1001"),
-        lambda: build("random-0"),
-        lambda: build("random-1001"),
-        lambda: build("blocks-6"),
-        lambda: build("parts-41"),
+        *(partial(build, name) for name in NONE),
         lambda: generate("swap", 0, {"robots": 1}),
         lambda: generate("swap", 0, {"density": 0.1}),
         lambda: generate("figure-1", 0, {"count": 3}),
@@ -98,16 +103,10 @@ def test_what_cannot_be_made_is_refused(call: Callable[[], object]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "near"),
-    [
-        ("figure1", "figure-1"),
-        ("figure-3f", "figure-3"),
-        ("headon", "head-on"),
-        ("?", "swap-N"),
-        ("swap-N", "swap-4"),
-    ],
+    "names", ["figure1 figure-1", "figure-3f figure-3", "headon head-on", "? swap-N", "swap-N swap-4"]
 )
-def test_an_unknown_name_is_answered_with_near_ones(name: str, near: str) -> None:
+def test_an_unknown_name_is_answered_with_near_ones(names: str) -> None:
+    name, near = names.split()
     with pytest.raises(UsageError, match=near):
         load(name)
 
