@@ -71,6 +71,8 @@ def monitor(
         options.refuse({"--port": port}, "it is the port of the live page: add --web, or --foxglove")
     if secure is not None and len(router or ()) > 1:
         options.refuse({"--router": router}, "with --secure there is one router")
+    if metrics is not None and not metrics.rpartition(":")[2].isdecimal():
+        options.refuse({"--metrics": metrics}, f"{metrics} is not [ADDRESS:]PORT")
     os.nice(_NICENESS)
     membership = KeyRing(secure)
     name = membership.named_run(run)

@@ -18,7 +18,6 @@ from deploy.security.roster import OPERATOR
 from protocol.errors import UsageError
 from protocol.keys import checked_run
 from protocol.process.signals import STOP
-from protocol.scenario.body import Base
 
 if TYPE_CHECKING:
     from deploy.software import Finding
@@ -197,9 +196,10 @@ def calibrate(
     loaded = load(scenario, setting or [], None)
     if robot not in loaded.ids:
         raise UsageError(f"{scenario} has no robot {robot}; there are {', '.join(map(str, loaded.ids))}")
-    base = (loaded.base_of(robot) or Base()).of(robot)
+    if (base := loaded.base_of(robot)) is None:
+        raise UsageError(f'robot {robot} has no base to drive: add [base], or world.plant = "external"')
     bus = ZenohBus(KeyRing().client(OPERATOR, (router,)))
-    calibration = Calibration(bus, base, square(side, speed, rate), wait)
+    calibration = Calibration(bus, base.of(robot), square(side, speed, rate), wait)
     drive(calibration, bus)
     STOP.check()
     found = bounds(calibration.log)

@@ -66,7 +66,7 @@ def test_every_command_has_an_example(title: str) -> None:
     assert f"disknav {group.name} " in group.help
 
 
-CANNOT_APPLY = [
+REFUSED = [
     ("run figure-1 --transport local --router tcp/127.0.0.1:7447", "--router"),
     ("run figure-1 --mode realtime --speed 2", "--speed"),
     ("run figure-1 --transport local --restart on-failure", "--restart"),
@@ -90,31 +90,22 @@ CANNOT_APPLY = [
     ("scenario new swap --density 0.2", "--density"),
     ("recording replay x.mcap --speed 3", "--speed"),
     ("recording replay x.mcap --run other", "--run"),
+    ("setup calibrate figure-1 99", "has no robot 99; there are 1, 2"),
+    ("setup calibrate figure-1 1", "has no base"),
+    ("monitor yard --metrics abc", "--metrics"),
+    ("fleet goal yard 1 0.1 0.2 --within -1", "within"),
 ]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("line", "name"), CANNOT_APPLY)
-def test_an_option_that_cannot_apply(
-    line: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("line", "text"), REFUSED)
+def test_what_cannot_apply_or_does_not_exist_is_refused(
+    line: str, text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(UsageError, match=name):
-        CliRunner().invoke(app, line.split(), catch_exceptions=False)
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("line", "text"),
-    [
-        ("setup calibrate figure-1 99", "has no robot 99; there are 1, 2"),
-        ("fleet goal yard 1 0.1 0.2 --within -1", "within"),
-    ],
-)
-def test_what_does_not_exist_is_refused(line: str, text: str) -> None:
     with pytest.raises(UsageError, match=text):
         CliRunner().invoke(app, line.split(), catch_exceptions=False)
+    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.slow
