@@ -51,7 +51,7 @@ class MessageError(DisknavError):
         super().__init__(text)
 
 
-class KeyGrammarError(DisknavError):
+class KeyGrammarError(UsageError):
     """A key expression does not follow the grammar of `protocol.keys`."""
 
 
@@ -71,11 +71,11 @@ class EndpointTakenError(ListenError):
     """Another process listens on the given endpoint."""
 
 
-class RunTakenError(DisknavError):
+class RunTakenError(UsageError):
     """Another world of the same run is on the network."""
 
 
-class LawError(DisknavError):
+class LawError(UsageError):
     """A control law of the user's fails, or does not return a velocity."""
 
 

@@ -38,20 +38,11 @@ def _open_standard_files() -> None:
 def _run() -> int:
     from deploy.output import EXIT_FAULT, EXIT_INVALID
     from deploy.software import check_compiled
-    from protocol.errors import (
-        CertificateError,
-        DisknavError,
-        DocumentError,
-        KeyGrammarError,
-        LawError,
-        RunTakenError,
-        StartError,
-        UsageError,
-    )
+    from protocol.errors import CertificateError, DisknavError, DocumentError, StartError, UsageError
     from protocol.process.installation import explained, is_checkout
     from protocol.process.log import LAUNCHER, LOG, begin
 
-    invalid = DocumentError, UsageError, KeyGrammarError, CertificateError, RunTakenError, LawError
+    invalid = DocumentError, UsageError, CertificateError
     begin(LAUNCHER)
     if isinstance(sys.stdout, TextIOWrapper):  # escape characters that the terminal cannot show
         sys.stdout.reconfigure(errors="backslashreplace")
@@ -70,7 +61,7 @@ def _run() -> int:
         if (explanation := explained(error)) is None:
             raise
         LOG.error(explanation)
-        return EXIT_INVALID if isinstance(explanation, invalid) else EXIT_FAULT
+        return EXIT_INVALID
     except OSError as error:
         if error.errno != ENOSPC:
             raise
