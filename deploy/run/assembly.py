@@ -21,7 +21,7 @@ from deploy.security.membership import KeyRing
 from deploy.security.roster import MONITOR, ROUTER, WORLD, robot_role, router_role
 from protocol.bus.connection import Connection, Credentials, Endpoint
 from protocol.bus.zenoh import ZenohBus
-from protocol.errors import DisknavError
+from protocol.errors import BusError, DisknavError, StartError
 from protocol.process.log import LOG
 from protocol.scenario.model import Scenario
 from world.process import look_for_others
@@ -129,7 +129,7 @@ class Assembly:
 
     Raises:
         ProcessError, BusError: a process did not start, or an endpoint is taken.
-        RunTakenError: another world of this run uses the given router.
+        RunTakenError: another world of this run uses the given router or endpoint.
     """
 
     def __init__(
@@ -205,7 +205,13 @@ class Assembly:
             membership.router(() if options.listen is None else (options.listen,)), options.restarts
         )
         self.supervisor.start([router])
-        endpoint = Endpoint(self.supervisor.report(ROUTER, _START))
+        try:
+            endpoint = Endpoint(self.supervisor.report(ROUTER, _START))
+        except StartError:  # this very run may have the endpoint
+            there = membership.client(MONITOR, (options.listen,), timeout=2.0)
+            with suppress(BusError), closing(ZenohBus(there)) as bus:
+                look_for_others(bus, options.run)
+            raise
         connection, *others = router.arguments  # a restarted router keeps the endpoint
         again = (replace(connection, listen=(endpoint,)), *others)
         self.supervisor.amend(replace(router, arguments=again))

@@ -20,12 +20,13 @@ from deploy.security.roster import MONITOR, WORLD, robot_role
 from protocol.bus.bus import Event, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
-from protocol.errors import MessageError, RecordingError
+from protocol.errors import MessageError, RecordingError, RunTakenError
 from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.process.log import LOG
 from protocol.process.signals import STOP
 from protocol.scenario.model import FaultKind, Scenario
+from world.process import REFUSED
 
 _LAST_WORDS = 5.0  # s for the report of an interrupted world
 _LEAVING = 2.0  # s for processes to end by themselves after the run
@@ -55,6 +56,7 @@ class Fleet:
         self._watch, self._record = watch, record
         self._launcher = Launcher(scenario, self)
         self._clock: Clock | None = None
+        self._succeeded = False  # whether a world has ended; its successor may find its token still there
         self._began = time.monotonic()
         self._report: RunReport | None = None
         self._leaving = _LEAVING
@@ -87,7 +89,7 @@ class Fleet:
         """Watch the run until its report arrives, or `enough` returns true.
 
         Signals and lost processes also end the run; its report then gives the reason and the world's measures
-        so far. After a second signal the world is not waited for.
+        so far. After a second signal the world is not waited for. Raises RunTakenError.
         """
         verdict, reason = self._ending(enough)
         if verdict:
@@ -186,6 +188,10 @@ class Fleet:
         """
         for exit_ in exits:
             LOG.info(str(exit_))
+            if exit_.process.name == WORLD:
+                if exit_.code == REFUSED and not self._succeeded:
+                    raise RunTakenError(f"run {self._options.run!r} is another world's: choose another name")
+                self._succeeded = True
             robot = table.robot_of(exit_.process.name)
             if exit_.code == 0 and robot is not None:  # the robot was removed
                 self._launcher.removed(robot)

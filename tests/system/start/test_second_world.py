@@ -8,9 +8,11 @@ import pytest
 from deploy.library.load import load
 from deploy.processes import table
 from deploy.processes.supervisor import Supervisor
+from deploy.run.fleet import Fleet
 from deploy.run.operator import Operator, operating
-from deploy.run.options import fresh_run_name
+from deploy.run.options import RunOptions, fresh_run_name
 from protocol.bus.connection import Connection
+from protocol.errors import RunTakenError
 from protocol.scenario.model import Journey, Operation
 from tests.forks import Forks
 from tests.until import until
@@ -44,7 +46,7 @@ def driving(supervisor: Supervisor, connection: Connection, run: str) -> Iterato
 
 
 def test_a_second_world_is_refused_and_stops_reach_the_first(
-    disknav: Forks, capfd: pytest.CaptureFixture[str]
+    disknav: Forks, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run = fresh_run_name()
     with Supervisor() as supervisor, Supervisor() as others:
@@ -57,13 +59,18 @@ def test_a_second_world_is_refused_and_stops_reach_the_first(
                 assert operator.operate().halted
                 assert not operator.operate(RELEASE).halted
             assert [exit_.code for exit_ in exits] == [REFUSED]
-            done = disknav("run", "swap-2", "--run", run, "--router", connection.connect[0])
+            at, call = connection.connect[0], ("run", "swap-2", "--run", run)
+            done, kept = disknav(*call, "--router", at), disknav(*call, "--keep", "--listen", at)
+            options = RunOptions(router=at, run=run, restarts=9)
+            monkeypatch.setattr("deploy.run.assembly.look_for_others", lambda *_: None)  # it came meanwhile
+            with pytest.raises(RunTakenError), Fleet(SCENARIO, options) as fleet:
+                fleet.execute()
             assert not operator.operate().halted
             assert supervisor.running() == ["router", "world", "robot-1", "robot-2"]
-    (said,) = [line for line in capfd.readouterr().err.splitlines() if "another world" in line]
-    assert f"another world of run {run!r} is on this network: end that one first" in said
-    assert (done.returncode, len(done.stderr.splitlines())) == (2, 1)
-    assert f"another world of run {run!r} is on this network" in done.stderr
+    text = f"another world of run {run!r} is on this network: end that one first"
+    assert capfd.readouterr().err.count(text) == 2  # of `other`, and of the fleet's world
+    assert (done.returncode, len(done.stderr.splitlines()), kept.returncode) == (2, 1, 2)
+    assert text in done.stderr
 
 
 def test_fleets_on_joined_networks_stand_until_one_has_left(caplog: pytest.LogCaptureFixture) -> None:
