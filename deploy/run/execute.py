@@ -75,7 +75,7 @@ def execute(
         check_target(record, "record")
     if plot is not None:
         check(plot)
-    unwritten: UsageError | None = None
+    unwritten: UsageError | OSError | None = None
     if scenario.is_external:
         options = replace(options, mode="realtime")  # real robots do not wait
     with STOP.listening(), ExitStack() as stack:
@@ -90,9 +90,8 @@ def execute(
                 LOG.info(f"run {options.run!r} of {scenario.name!r} begins")
                 page = _live_page(fleet, options, stack) if web else None
             except Stopped:
-                report = unjudged(scenario, None, time.monotonic() - began)
-                report.update(verdict="interrupted", reason=INTERRUPTED)
-                result = complete(report, options, [])
+                ended = {"verdict": "interrupted", "reason": INTERRUPTED}
+                result = complete(unjudged(scenario, None, time.monotonic() - began) | ended, options, [])
                 write_json(result, json_file)
                 on_result(result)
                 return result
@@ -102,17 +101,19 @@ def execute(
             LOG.info(f"verdict: {result['verdict']} {result['reason']}".rstrip())
             try:
                 write_json(result, json_file)  # before the recorder is waited for
-            except UsageError as error:
+            except (UsageError, OSError) as error:
                 unwritten = error
             fleet.record(result)
             running.close()
-        on_result(result)
+        try:
+            on_result(result)
+        finally:  # also if nobody reads it
+            if plot is not None and not STOP.requested:
+                first = 0 if options.rotation != ONE_FILE else -1  # -1: a restarted recorder has a new file
+                with suppress(Stopped):
+                    draw(read(recordings[first]), plot, lambda _: STOP.check())
         if unwritten is not None:
             raise unwritten
-        if plot is not None and not STOP.requested:
-            first = 0 if options.rotation != ONE_FILE else -1  # -1: a restarted recorder has a new file
-            with suppress(Stopped):
-                draw(read(recordings[first]), plot, lambda _: STOP.check())
         if page is not None and sys.stdin.isatty():
             print(f"{page} stays available until Ctrl-C", file=sys.stderr, flush=True)
             STOP.wait()

@@ -103,14 +103,18 @@ def test_a_terminal_that_lacks_a_character_is_shown_another(tmp_path: Path) -> N
     assert rb"caf\xe9" in checked.stdout
 
 
-@pytest.mark.parametrize("command", ["scenario list", "scenario schema", "--version"])
+@pytest.mark.parametrize(
+    "command", ["scenario list", "scenario schema", "--version", "run swap-2 --plot x.png"]
+)
 @pytest.mark.slow
-def test_a_reader_that_ends_early_is_told_apart_from_a_verdict(command: str) -> None:
+def test_a_reader_that_ends_early_is_told_apart_from_a_verdict(command: str, tmp_path: Path) -> None:
     reads, writes = os.pipe()
     os.close(reads)
     call = [sys.executable, "-m", "disknav", *command.split()]
     with os.fdopen(writes) as unread:
-        done = subprocess.run(call, stdout=unread, stderr=subprocess.PIPE, text=True, check=False, timeout=60)
+        told = {"stdout": unread, "stderr": subprocess.PIPE, "cwd": tmp_path}
+        done = subprocess.run(call, **told, text=True, check=False, timeout=60)
+    assert (tmp_path / "x.png").exists() == ("--plot" in command)
     assert done.returncode == 128 + signal.SIGPIPE
     assert done.stderr == ""
 
