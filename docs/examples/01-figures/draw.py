@@ -6,7 +6,11 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 
+if len(sys.argv) < 4:
+    sys.exit(__doc__)
 file, x, y, *by = sys.argv[1:]
+if not Path(file).exists():
+    sys.exit(f"{file} is missing: disknav study STUDY --json {file} makes it")
 rows = json.loads(Path(file).read_text())["rows"]
 figure, axes = plt.subplots(figsize=(5, 3), layout="constrained")
 for curve in dict.fromkeys(tuple(row[name] for name in by) for row in rows):

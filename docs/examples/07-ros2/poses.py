@@ -7,6 +7,8 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 from rosbags.highlevel import AnyReader
 
+if not sys.argv[1:]:
+    sys.exit(__doc__)
 paths = defaultdict(list)
 with AnyReader([Path(sys.argv[1])]) as bag:
     for connection, _, data in bag.messages():

@@ -25,7 +25,7 @@ routers = [router("--listen", base), router("--listen", left, "--connect", base)
 robots = [start("robot", str(i), "--run", "pair", "--router", base if i < 3 else left) for i in range(1, 7)]
 world = start("world", "figure-1", "--run", "pair", "--router", base)
 try:
-    status = world.wait(timeout=60.0)  # 0: all robots arrived without contact
+    status = world.wait()  # 0: all robots arrived without contact
 finally:
     for process in (*robots, *routers):
         process.terminate()

@@ -7,6 +7,8 @@ import pandas as pd
 
 import disknav
 
+if not sys.argv[1:]:
+    sys.exit(__doc__)
 recording = disknav.read(sys.argv[1])
 frame = pd.DataFrame(recording.trajectory.columns())  # one row per tick and robot
 step = recording.scenario.time.step
