@@ -7,6 +7,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from os.path import realpath
 from pathlib import Path
 from shutil import rmtree
 from tempfile import TemporaryFile, mkdtemp
@@ -25,8 +26,10 @@ _PATIENCE = 2.0  # s before the bar appears
 _WIDEST = 1000  # columns of a table
 
 
-def check_target(target: Path, what: str) -> None:
-    """Raise UsageError if `target` does not permit `what` (such as "write JSON"); it stays unchanged."""
+def check_target(target: Path, what: str, *others: Path | str | None) -> None:
+    """Raise UsageError if `target` is one of `others` or forbids `what`, as "write JSON"; changes nothing."""
+    if realpath(target) in [realpath(each) for each in others if each is not None]:
+        raise UsageError(f"cannot {what} to {target}: this command has the file already; name another")
     if target.is_fifo():  # opening one would wait for its reader
         return
     try:
@@ -83,10 +86,10 @@ def is_standard_output(target: Path | None) -> bool:
     return str(target) == "-"
 
 
-def check_json(target: Path | None) -> None:
-    """Raise UsageError before the work if `target` cannot be written."""
+def check_json(target: Path | None, *others: Path | str | None) -> None:
+    """Raise UsageError before the work if `target` cannot be written, or is one of the other files."""
     if target is not None and not is_standard_output(target):
-        check_target(target, _JSON)
+        check_target(target, _JSON, *others)
 
 
 def write_json(document: object, target: Path | None) -> None:

@@ -46,7 +46,7 @@ def check(
     from deploy.theory.facts import plain
     from deploy.theory.surrounded import Surrounded, surrounded, theorem_for
 
-    check_json(json_file)
+    check_json(json_file, scenario)
     valid = load(scenario, setting or [], seed)
     alone = theorem_for(valid)[0] == "Karagoz-Bozma-Koditschek"
     found: CheckReport | Surrounded
@@ -112,7 +112,7 @@ def certify(
         options.refuse({"--out": out}, "--verify writes no certificate")
         if scenario is None:
             options.refuse({"--set": setting}, "it needs a SCENARIO")
-    check_json(json_file)
+    check_json(json_file, scenario, verify)
     silent = quiet or is_standard_output(json_file)
     read_scenario = None if scenario is None else read(scenario, setting or [])
     if verify is not None:
@@ -130,6 +130,7 @@ def certify(
     from deploy.theory.certify.prove import to_json
 
     path = out or path_for(scenario)
+    check_json(json_file, path)
     check_target(path, "write the certificate")
     found = perform(read_scenario, path, k, minutes, quiet=silent)
     _print(f"{_found(found)}\n{path}", to_json(found, path, k), json_file, silent)

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from deploy.cli import options
-from deploy.output import bar, check_json, grid, is_standard_output, print_whole, write_json
+from deploy.output import bar, check_json, check_target, grid, is_standard_output, print_whole, write_json
 from protocol.errors import RecordingError
+from protocol.keys import checked_run
 from protocol.process.signals import STOP
 
 if TYPE_CHECKING:  # reading needs numpy, other commands do not
@@ -29,7 +30,7 @@ def info(recording: options.RecordingFile, json_file: options.JsonFile = None) -
     """
     from rich.console import Group
 
-    check_json(json_file)
+    check_json(json_file, recording)
     found = _read(recording)
     summary = _summary(found)
     write_json({**summary, "streams": dict(found.counts), "result": found.result}, json_file)
@@ -111,15 +112,14 @@ def replay(
 
     if not (zenoh or router is not None or web):
         options.refuse({"--run": run, "--speed": speed}, "nothing is replayed: add --zenoh or --web")
-    pace = 1.0 if speed is None else speed
+    pace, run = 1.0 if speed is None else speed, None if run is None else checked_run(run)
+    if ros2 is not None:
+        check_target(ros2, "write ROS 2 messages", recording)
     found = _read(recording)
-    if ros2 is not None and ros2.exists() and ros2.samefile(recording):
-        options.refuse({"--ros2": ros2}, "it would replace the recording: name another file")
     trajectory = verify(found)
-    if trajectory is not None:
-        typer.echo(f"trajectory {trajectory.sha256}, as in the result{trajectory.remark}")
-    else:
-        typer.echo("trajectory not compared: this file lacks the world's result or the beginning of the run")
+    lacking = "not compared: this file lacks the world's result or the beginning of the run"
+    known = trajectory and f"{trajectory.sha256}, as in the result{trajectory.remark}"
+    typer.echo(f"trajectory {known or lacking}")
     if ros2 is not None:
         export(found, ros2)
     if zenoh or router is not None:
@@ -156,11 +156,9 @@ def _check(recording: Recording) -> str:
         found = recomputed(recording)
     except RecordingError as error:
         return f"cannot be checked: {error}"
+    said = {None: "no result to compare with", found.sha256: "as in the result"}
     recorded = (recording.result or {}).get("trajectory_sha256")
-    if recorded is None:
-        return f"{found.sha256}, no result to compare with{found.remark}"
-    same = found.sha256 == recorded
-    return f"{found.sha256}, {'as in the result' if same else 'NOT the one in the result'}{found.remark}"
+    return f"{found.sha256}, {said.get(recorded, 'NOT the one in the result')}{found.remark}"
 
 
 def _streams(recording: Recording) -> Table:

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from deploy.cli import options
-from deploy.output import is_standard_output
+from deploy.output import check_json, is_standard_output
 from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name, restarts
 from deploy.security.membership import KeyRing
 from protocol.keys import checked_run
@@ -93,7 +93,8 @@ def run(
     clock: Mode = mode or ("realtime" if keep else "lockstep")
     if record is None:
         options.refuse({"--rotate": rotate}, "nothing is recorded: add --record")
-    options.refuse({"--json": json_file if json_file == record else None}, "--record names the same file")
+    check_json(json_file, scenario, record, plot)
+    options.refuse({"--record": record if str(record) == scenario else None}, "the scenario is this file")
     if clock == "realtime":
         options.refuse({"--speed": speed}, "real time has one speed: use --mode lockstep")
     if hosts is None:
@@ -139,11 +140,8 @@ def run(
 
 
 def _print_files(result: Mapping[str, Any], plot: Path | None, json_file: Path | None) -> None:
-    from rich.console import Console
-
-    console = Console(soft_wrap=True)
     files = [("recording", each) for each in result["recordings"]]
     drawn = None if STOP.requested else plot
     files += [(what, str(target)) for what, target in (("picture", drawn), ("result", json_file)) if target]
     for what, target in files:
-        console.print(f"{what}: {target}", highlight=False)
+        print(f"{what}: {target}")

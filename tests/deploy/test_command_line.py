@@ -76,7 +76,7 @@ REFUSED = [
     ("run figure-1 --keep --transport mesh", "--keep"),
     ("run figure-1 --keep --plot a.png", "--plot"),
     ("run figure-1 --rotate 1h", "--rotate"),
-    ("run figure-1 --record a.mcap --json a.mcap", "--json"),
+    ("run figure-1 --record a.mcap --json a.mcap", "has the file already"),
     ("fleet goal yard 3 --wait", "--wait"),
     ("node router --host left --print-config", "--host"),
     ("monitor x --port 8000", "--port"),
@@ -90,6 +90,8 @@ REFUSED = [
     ("scenario new swap --density 0.2", "--density"),
     ("recording replay x.mcap --speed 3", "--speed"),
     ("recording replay x.mcap --run other", "--run"),
+    ("recording replay x.mcap --zenoh --run a/b", "run name"),
+    ("check a.toml --json a.toml", "has the file already"),
     ("setup calibrate figure-1 99", "has no robot 99; there are 1, 2"),
     ("setup calibrate figure-1 1", "has no base"),
     ("monitor yard --metrics abc", "--metrics"),
@@ -99,9 +101,7 @@ REFUSED = [
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("line", "text"), REFUSED)
-def test_what_cannot_apply_or_does_not_exist_is_refused(
-    line: str, text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_refused(line: str, text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     with pytest.raises(UsageError, match=text):
         CliRunner().invoke(app, line.split(), catch_exceptions=False)

@@ -211,7 +211,7 @@ def test_ros_tools_open_what_is_exported(recorded, tmp_path):
 def test_an_export_does_not_replace_its_recording(recorded):
     path, _ = recorded
     before = path.read_bytes()
-    with pytest.raises(UsageError, match="--ros2"):
+    with pytest.raises(UsageError, match="has the file already"):
         replay(path, ros2=path)
     assert path.read_bytes() == before
 
