@@ -207,10 +207,11 @@ class Assembly:
         self.supervisor.start([router])
         try:
             endpoint = Endpoint(self.supervisor.report(ROUTER, _START))
-        except StartError:  # this very run may have the endpoint
-            there = membership.client(MONITOR, (options.listen,), timeout=2.0)
-            with suppress(BusError), closing(ZenohBus(there)) as bus:
-                look_for_others(bus, options.run)
+        except StartError:
+            if options.listen is not None:  # this very run may have the endpoint
+                there = membership.client(MONITOR, (options.listen,), timeout=2.0)
+                with suppress(BusError), closing(ZenohBus(there)) as bus:
+                    look_for_others(bus, options.run)
             raise
         connection, *others = router.arguments  # a restarted router keeps the endpoint
         again = (replace(connection, listen=(endpoint,)), *others)
