@@ -124,8 +124,9 @@ class StopSignal:
 
     def exit(self) -> NoReturn:
         """End this process at once, with the status of its signal, without waiting for other threads."""
-        sys.stdout.flush()
-        sys.stderr.flush()
+        for file in (sys.stdout, sys.stderr):
+            with suppress(OSError):  # full, or its reader or terminal is gone
+                file.flush()
         os._exit(self.status)
 
     @contextmanager

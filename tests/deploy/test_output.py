@@ -79,13 +79,16 @@ def test_a_full_disk_costs_the_file_and_not_the_result(disknav: Forks, tmp_path:
 
 
 @pytest.mark.parametrize("unbuffered", ["", "1"])
-@pytest.mark.parametrize("command", ["scenario list", "scenario show swap-2"])
+@pytest.mark.parametrize("command", ["list >/dev/full", "show swap-2 >/dev/full", "show swap-20 >half"])
 @pytest.mark.slow
-def test_a_full_disk_behind_standard_output_is_a_fault_of_the_machine(command: str, unbuffered: str) -> None:
-    call = ["sh", "-c", f"exec {sys.executable} -m disknav {command} >/dev/full"]
+def test_a_full_disk_behind_standard_output_is_a_fault_of_the_machine(
+    command: str, unbuffered: str, tmp_path: Path
+) -> None:
+    call = ["sh", "-c", f"ulimit -f 1; exec {sys.executable} -m disknav scenario {command}"]
     env = os.environ | {"PYTHONUNBUFFERED": unbuffered}
-    done = subprocess.run(call, env=env, stderr=subprocess.PIPE, text=True, check=False, timeout=60.0)
-    assert done.stderr == "disknav: cannot write to standard output: No space left on device\n"
+    done = subprocess.run(call, cwd=tmp_path, env=env, capture_output=True, check=False, timeout=60.0)
+    why = b"File too large" if "half" in command else b"No space left on device"
+    assert done.stderr == b"disknav: cannot write to standard output: " + why + b"\n"
     assert done.returncode == 3
 
 
@@ -119,10 +122,24 @@ def test_a_reader_that_ends_early_is_told_apart_from_a_verdict(command: str, tmp
     assert done.stderr == ""
 
 
+@pytest.mark.parametrize(
+    ("number", "ending", "status"), [(0, "1 / 0", 3), (1, "1 / 0", 129), (15, "m.STOP.check()", 143)]
+)
+@pytest.mark.slow
+def test_a_fault_is_no_verdict_and_a_signal_decides_anyway(number: int, ending: str, status: int) -> None:
+    run = f"lambda: print() or m.os.kill(m.os.getpid(), {number}) or {ending}"
+    code = f"from deploy.cli import main as m; m._run = {run}; m.main()"
+    call = ["sh", "-c", f"PYTHONUNBUFFERED= exec {sys.executable} -c '{code}' >/dev/full"]
+    assert subprocess.run(call, check=False, timeout=60.0).returncode == status
+
+
 @pytest.mark.parametrize("closed", [">&-", "<&- >&- 2>&-"])
 @pytest.mark.slow
 def test_standard_files_may_be_closed(closed: str, tmp_path: Path) -> None:
     """Sockets and files of the processes would get their numbers."""
+    becomes = 'm._open_standard_files(); m.os.execlp("sh", "sh", "-c", "echo && echo >&2")'
+    call = ["sh", "-c", f"exec {sys.executable} -c 'from deploy.cli import main as m; {becomes}' {closed}"]
+    subprocess.run(call, check=True, timeout=60.0)
     file = tmp_path / "result.json"
     command = f"run head-on --set time.limit=1 --web --json {file}"
     call = ["sh", "-c", f"exec {sys.executable} -m disknav {command} {closed}"]
