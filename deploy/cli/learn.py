@@ -225,8 +225,8 @@ def study(
     silent = quiet or is_standard_output(json_file)
     found = built(name, seed, runs, transport, law or (), only or ()).adjusted(setting or ())
     found.cells[0].build(found.cells[0].seeds[0])  # an invalid setting is found before any run
-    with RunLog(None if file is None else file.with_name(f"{file.name}.runs.jsonl"), fresh=fresh) as log:
-        outcome = execute(found, bus, log, jobs=jobs, quiet=silent, shard=part)
+    log = RunLog(None if file is None else file.with_name(f"{file.name}.runs.jsonl"), fresh=fresh)
+    outcome = execute(found, bus, log, jobs=jobs, quiet=silent, shard=part)
     about = {"shard": str(part), "settings": setting or [], "complete": outcome.complete}
     document = {"study": name, "rows": outcome.rows, "provenance": provenance(seed, bus, jobs) | about}
     write_json(document, json_file)

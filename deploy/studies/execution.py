@@ -22,7 +22,7 @@ from typing import Any
 
 import psutil
 
-from deploy.output import bar
+from deploy.output import bar, writing
 from deploy.processes.fork_server import end_with_pipe
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
@@ -88,33 +88,29 @@ class StudyOutcome:
 
 
 class RunLog:
-    """Results by key, in a file with one JSON line per run, or none; a context manager. `fresh` discards its
-    content.
+    """Results by key, in a file with one JSON line per run, or none. `fresh` discards its content.
 
     A line that a crash cut short is ignored, and its run is executed again.
+    Raises UsageError if the file cannot be written.
     """
 
     def __init__(self, path: Path | None, *, fresh: bool = False) -> None:
-        text = ""
-        if path is not None and path.exists() and not fresh:
+        self._path, text = path, ""
+        if path is not None and fresh:
+            path.unlink(missing_ok=True)
+        elif path is not None and path.exists():
             text = path.read_text(encoding="utf-8", errors="replace")
         self.known: dict[str, RunResult] = dict(filter(None, map(_entry, text.splitlines())))
-        self._file = None if path is None else path.open("w" if fresh else "a", encoding="utf-8")
-        if self._file is not None and text and not text.endswith("\n"):
-            self._file.write("\n")
-
-    def __enter__(self) -> RunLog:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if self._file is not None:
-            self._file.close()
+        self._append("\n" if text and not text.endswith("\n") else "")
 
     def add(self, key: str, result: RunResult) -> None:
         self.known[key] = result
-        if self._file is not None:
-            self._file.write(json.dumps({"key": key, "result": result}) + "\n")
-            self._file.flush()
+        self._append(json.dumps({"key": key, "result": result}) + "\n")
+
+    def _append(self, text: str) -> None:
+        if self._path is not None:
+            with writing(self._path, "write results"), self._path.open("a", encoding="utf-8") as file:
+                file.write(text)
 
 
 def _entry(line: str) -> tuple[str, RunResult] | None:

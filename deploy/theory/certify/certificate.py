@@ -19,6 +19,7 @@ from typing import Annotated, NamedTuple
 import msgspec
 import numpy as np
 
+from deploy.output import writing
 from deploy.theory.function import FleetProblem, obstacle_functions
 from protocol.errors import DocumentError, UsageError
 from protocol.errors import Problem as Fault
@@ -146,14 +147,12 @@ def stored(name: str, scenario: Scenario) -> Certificate | None:
 
 
 def store(certificate: Certificate, path: Path) -> None:
-    """Write the file atomically."""
+    """Write the file atomically. Raises UsageError if that fails."""
     plain = msgspec.structs.replace(certificate, trial=msgspec.UNSET, digest=_digest(certificate))
     scratch = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
+    with writing(scratch, "write a certificate"):
         scratch.write_bytes(msgspec.json.format(msgspec.json.encode(plain), indent=1) + b"\n")
         scratch.replace(path)
-    finally:
-        scratch.unlink(missing_ok=True)
 
 
 def fetch(path: Path, goals: GoalSet | None = None) -> Certificate:

@@ -27,14 +27,16 @@ def _study(runs: int = 1) -> Study:
 
 def test_a_torn_last_line_is_ignored_and_does_not_spoil_the_next(tmp_path: Path) -> None:
     path = tmp_path / "log"
-    with RunLog(path) as log:
-        log.add("a", {"nrl": 1.5})
-        log.add("b", {"nrl": 2.5})
+    log = RunLog(path)
+    log.add("a", {"nrl": 1.5})
+    log.add("b", {"nrl": 2.5})
     path.write_bytes(path.read_bytes()[:-9])
-    with RunLog(path) as log:
-        assert log.known == {"a": {"nrl": 1.5}}
-        log.add("c", {"nrl": 3.5})
+    log = RunLog(path)
+    assert log.known == {"a": {"nrl": 1.5}}
+    log.add("c", {"nrl": 3.5})
     assert RunLog(path).known == {"a": {"nrl": 1.5}, "c": {"nrl": 3.5}}
+    with pytest.raises(UsageError, match=f"cannot write results to {path}"):
+        RunLog(path / "in a file")
 
 
 def test_shards_share_all_runs_among_them() -> None:
@@ -51,15 +53,14 @@ def test_shards_share_all_runs_among_them() -> None:
 def test_the_logs_of_all_shards_are_the_log_of_the_whole(tmp_path: Path) -> None:
     whole = tmp_path / "whole"
     for number in (1, 2):
-        with RunLog(tmp_path / f"{number}") as log:
-            part = execute(_study(), "local", log, jobs=1, shard=Shard(number, 2))
+        log = RunLog(tmp_path / f"{number}")
+        part = execute(_study(), "local", log, jobs=1, shard=Shard(number, 2))
         assert part.complete
         assert 2 <= len(log.known) <= 3
         with whole.open("ab") as file:
             file.write((tmp_path / f"{number}").read_bytes())
     before = whole.read_bytes()
-    with RunLog(whole) as log:
-        merged = execute(_study(), "local", log, jobs=1)
+    merged = execute(_study(), "local", RunLog(whole), jobs=1)
     assert (merged.complete, whole.read_bytes()) == (True, before)
     assert merged.rows == execute(_study(), "local", RunLog(None), jobs=2).rows
     assert [row["arrived"] for row in merged.rows] == [1] * 5
@@ -113,6 +114,5 @@ def test_a_stopped_study_leaves_no_process_and_goes_on(tmp_path: Path, number: s
     assert process.returncode == (130 if number == signal.SIGINT else -number)
     assert "Traceback" not in said
     until(lambda: not any(each.is_running() and each.status() != "zombie" for each in workers))
-    with RunLog(log) as kept:
-        assert first in kept.known
-        assert execute(_study(), "local", kept, jobs=2).complete
+    assert first in RunLog(log).known
+    assert execute(_study(), "local", RunLog(log), jobs=2).complete

@@ -81,6 +81,8 @@ def test_files_that_are_missing_or_of_other_goals_are_refused(pair: Certificate,
     store(pair, tmp_path / "pair.json")
     with pytest.raises(ProofError, match=r"pair.json.*\n.*the scenario's goals"):
         fetch(tmp_path / "pair.json", TRIPLE)
+    with pytest.raises(UsageError, match="cannot write a certificate"):
+        store(pair, tmp_path / "pair.json" / "in a file")
 
 
 def test_forged_claims_do_not_survive_a_second_opinion(pair: Certificate) -> None:
