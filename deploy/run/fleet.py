@@ -199,7 +199,7 @@ class Fleet:
                 LOG.warning(f"{exit_}; restarting it")
             if exit_.again:
                 continue
-            if exit_.process.name == table.RECORDER and not exit_.expected:
+            if exit_.process.name == table.RECORDER:
                 LOG.error(f"{exit_}; the recording ends there")
             tolerable = exit_.expected or (self._clock is not None and self._clock.tick > 0)
             if (exit_.process.vital and not self._report) or not tolerable:
