@@ -91,7 +91,8 @@ class Mesh:
     """Connections of peers, each linked to all others over Unix sockets in `folder`.
 
     Sockets are files named after the listening process, so other fleets and programs cannot occupy them. Each
-    process listens, and connects to those before it: the world, then robots in their order.
+    process listens, and connects to those before it: the world, a recorder, then robots in their order. So
+    the recorder misses nothing of a robot, whenever that starts.
     """
 
     folder: Path
@@ -186,7 +187,8 @@ class Assembly:
     def _begin(self, stack: ExitStack) -> Topology:
         options = self._options
         if options.transport == "mesh":
-            return Mesh(self._folder, (WORLD, *map(robot_role, self._scenario.ids)))
+            recorder = () if self._record is None else (table.RECORDER,)
+            return Mesh(self._folder, (WORLD, *recorder, *map(robot_role, self._scenario.ids)))
         membership = KeyRing(options.secure)
         membership.run(options.run)  # refuses keys of another run
         self._ends = membership.end()
@@ -260,8 +262,9 @@ class Assembly:
         self.supervisor.start([world])
         if self._record is not None and self.result is not None:
             grace = GRACE if options.restarts else 0.0
+            role = table.RECORDER if isinstance(topology, Mesh) else MONITOR
             arguments = (
-                topology.connection(MONITOR),
+                topology.connection(role),
                 options.run,
                 self._record,
                 self.result,

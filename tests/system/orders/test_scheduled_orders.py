@@ -1,14 +1,18 @@
 """Orders that stand in a scenario: carried out in their ticks, the same on every bus, or refused."""
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from deploy.library.load import resolved
+from deploy.processes import table
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
+from deploy.telemetry.recording.reader import read
+from protocol.messages import Command
 from protocol.scenario.model import Journey, Obstacle, Order, ProcessFault, RobotSpec, Scenario, Time
 from tests.campaigns.observe import observe
 
@@ -62,10 +66,13 @@ def test_a_run_is_not_over_while_orders_are_to_come() -> None:
 
 @pytest.mark.process
 @pytest.mark.timeout(60)
-def test_real_processes_drive_the_same_trajectory(report: dict[str, Any]) -> None:
-    with Fleet(EVERYTHING, RunOptions("mesh")) as fleet:
+def test_real_processes_drive_the_same_trajectory(report: dict[str, Any], tmp_path: Path) -> None:
+    with Fleet(EVERYTHING, RunOptions("mesh"), record=tmp_path / "run.mcap") as fleet:
         found = fleet.execute()
-        rows = fleet.processes()
+        rows = [row for row in fleet.processes() if row["name"] != table.RECORDER]
+        fleet.record(found)
+    commands = read(tmp_path / "run.mcap").messages(Command)
+    assert {each.robot: each.tick for each in reversed([*commands])} == {1: 0, 2: 0, 3: 21}
     assert found["trajectory_sha256"] == report["trajectory_sha256"]
     assert found["faults"]["given_up"] == []
     assert {row["name"] for row in rows} == {"world", "robot-1", "robot-2", "robot-3"}
