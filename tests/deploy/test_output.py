@@ -51,10 +51,7 @@ def test_what_cannot_be_written_after_all_is_one_line_and_no_half_file(tmp_path:
     target, there = tmp_path / "half.txt", tmp_path / "there.txt"
     there.write_text("kept")
     for path in (target, there):
-        with (
-            pytest.raises(UsageError, match=r"cannot draw to .*: No space left on device"),
-            writing(path, "draw"),
-        ):
+        with pytest.raises(UsageError, match=r"cannot draw to .*: No space left"), writing(path, "draw"):
             _fill(path)
     assert not target.exists()
     assert there.read_text() == "kept"
@@ -88,8 +85,7 @@ def test_a_full_disk_behind_standard_output_is_a_fault_of_the_machine(
     env = os.environ | {"PYTHONUNBUFFERED": unbuffered}
     done = subprocess.run(call, cwd=tmp_path, env=env, capture_output=True, check=False, timeout=60.0)
     why = b"File too large" if "half" in command else b"No space left on device"
-    assert done.stderr == b"disknav: cannot write to standard output: " + why + b"\n"
-    assert done.returncode == 3
+    assert (done.returncode, done.stderr) == (3, b"disknav: cannot write to standard output: %b\n" % why)
 
 
 @pytest.mark.slow

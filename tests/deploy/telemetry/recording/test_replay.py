@@ -49,9 +49,8 @@ def test_lost_truths_are_worked_out_from_measurements_to_the_last_bit(recording)
 def test_an_unknown_tick_is_an_error_of_its_own(recording):
     lost = said_by(recording, Tick, 2)[5]
     known = recording.entries.where(lambda entry: entry.message != lost)
-    with pytest.raises(
-        RecordingError, match="the Truth of tick 5 was not recorded, nor the odometry of robot 2"
-    ):
+    said = "the Truth of tick 5 was not recorded, nor the odometry of robot 2"
+    with pytest.raises(RecordingError, match=said):
         verify(_without_truths(replace(recording, entries=known), {5}))
 
 
@@ -98,11 +97,8 @@ def test_exit_status_of_the_command(path, recording, disknav, tmp_path):
     other = x[:-1] + (b"1" if x[-1:] != b"1" else b"2")
     altered = rewritten(path, tmp_path / "altered.mcap", lambda data: data.replace(x, other))
     said = "altered.mcap: the recorded trajectory has hash"
-    for file, status, text in (
-        (path, 0, ""),
-        (altered, 3, said),
-        (tmp_path / "none.mcap", 2, "No such file"),
-    ):
+    none = tmp_path / "none.mcap"
+    for file, status, text in ((path, 0, ""), (altered, 3, said), (none, 2, "No such file")):
         done = disknav("recording", "replay", file)
         assert done.returncode == status, done.stderr
         assert text in done.stderr

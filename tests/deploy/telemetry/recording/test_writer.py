@@ -117,9 +117,7 @@ def test_one_that_is_old_enough_is_followed_by_another(tmp_path: Path) -> None:
     file = RecordingWriter(tmp_path / "r.mcap", "r", scenario(), Rotation(age=1e-9))
     write(file, range(1, 4))
     file.finish()
-    assert sorted(each.name for each in tmp_path.iterdir()) == [
-        "r-2.mcap", "r-3.mcap", "r-4.mcap", "r.mcap"
-    ]  # fmt: skip
+    assert {each.stem for each in tmp_path.iterdir()} == {"r", "r-2", "r-3", "r-4"}
     assert read(tmp_path / "r.mcap").trajectory.ticks.tolist() == [0, 1, 2, 3]
 
 
@@ -141,13 +139,10 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
 @pytest.mark.timeout(60)
 @pytest.mark.long(10)
 def test_a_run_goes_on_when_the_disk_is_full(small_disk: Path) -> None:
-    with (small_disk / "other").open("wb") as other:
-        other.write(bytes(1_970_000))
-    path, result = small_disk / "run.mcap", small_disk.parent / "result.json"
+    (small_disk / "other").write_bytes(bytes(1_970_000))
+    path = small_disk / "run.mcap"
     call = [sys.executable, "-m", "disknav", "run", "figure-3d", "--record", str(path)]
-    done = subprocess.run(
-        [*call, "--json", str(result)], capture_output=True, text=True, timeout=50, check=False
-    )
+    done = subprocess.run(call, capture_output=True, text=True, timeout=50, check=False)
     assert done.returncode == 0, done.stderr
     assert "No space left on device" in done.stderr
     found = read(path)
