@@ -196,7 +196,7 @@ class ForkServer:
         signal.set_wakeup_fd(written, warn_on_full_buffer=False)
 
     def serve(self) -> None:
-        """Serve until the supervisor is gone, or a signal arrives."""
+        """Serve until the supervisor is gone; on another host also until a signal arrives."""
         try:
             with suppress(ConnectionError):
                 self._serve()
@@ -217,7 +217,7 @@ class ForkServer:
                         return
                 elif ready == self._signalled:
                     os.read(self._signalled, 4096)
-                    if STOP.requested:
+                    if STOP.requested and self._patience < inf:  # here it may have been sent to all
                         return
                     self._collect()
                 elif isinstance(ready, int) and ready in self._reports:  # not collected just now

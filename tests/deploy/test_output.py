@@ -21,9 +21,6 @@ def test_what_cannot_be_written_is_refused_beforehand(tmp_path: Path) -> None:
     for target in (tmp_path / "missing" / "result.json", tmp_path):
         with pytest.raises(UsageError, match="cannot write JSON to"):
             check_json(target)
-
-
-def test_a_folder_that_cannot_be_made_is_named() -> None:
     with pytest.raises(UsageError, match="cannot write to /proc/new"), whole_folder(Path("/proc/new")):
         pytest.fail("there is no such folder")
 

@@ -69,6 +69,15 @@ def test_a_dead_fork_server_takes_all_with_it_and_is_named() -> None:
             spawner.signal(life, signal.SIGTERM)
 
 
+def test_a_signal_to_all_processes_leaves_the_end_to_the_supervisor() -> None:
+    with closing(children.spawner()) as spawner:
+        life = spawner.start(Process("one", "tests.deploy.processes.children:wait"))
+        (started,) = spawner.news(PATIENCE)
+        os.kill(psutil.Process(started.pid).ppid(), signal.SIGTERM)
+        spawner.signal(life, signal.SIGKILL)
+        assert until_exit(spawner)[-1].code == -signal.SIGKILL
+
+
 def test_no_orphans_when_the_supervisor_is_killed_though_one_is_frozen(tmp_path: Path) -> None:
     path = tmp_path / "pids"
     code = f"from tests.deploy.processes.children import supervise; supervise({str(path)!r}, ['a', 'b', 'c'])"
