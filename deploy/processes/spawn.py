@@ -28,6 +28,7 @@ from msgspec import Meta
 
 from protocol.errors import ProcessError
 from protocol.process.log import LOG
+from protocol.process.signals import STOP
 
 _LEAST = 2  # robots per core from which they are pinned
 
@@ -185,14 +186,15 @@ class Spawner:
             "from deploy.processes.fork_server import main; "
             f"main({theirs.fileno()}, {tuple(self._modules)!r}, {self._run!r}, {self._logs!r})"
         )
-        return subprocess.Popen(
-            [sys.executable, "-c", code],
-            stdin=subprocess.DEVNULL,
-            stdout=2,
-            pass_fds=[theirs.fileno()],
-            start_new_session=True,
-            env=environment(),
-        )
+        with STOP.held():  # signals from before it listens
+            return subprocess.Popen(
+                [sys.executable, "-c", code],
+                stdin=subprocess.DEVNULL,
+                stdout=2,
+                pass_fds=[theirs.fileno()],
+                start_new_session=True,
+                env=environment(),
+            )
 
     def start(self, process: Process) -> int:
         """Request a process; returns its number."""

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from functools import cache
 from pathlib import Path
 from random import Random
@@ -70,11 +70,7 @@ class Victim:
         return self
 
     def __exit__(self, *_: object) -> None:
-        for each in [self.process.pid, *self.family()]:
-            try:
-                os.kill(each, signal.SIGKILL)
-            except ProcessLookupError:
-                continue
+        self.signal(signal.SIGKILL, everywhere=True)
         self.process.wait()
 
     def await_begin(self) -> None:
@@ -88,8 +84,12 @@ class Victim:
         except subprocess.TimeoutExpired:
             return
 
-    def signal(self, number: int) -> None:
+    def signal(self, number: int, *, everywhere: bool = False) -> None:
+        """Signal it, or, as a service manager does, all its processes."""
         self.process.send_signal(number)
+        for each in self.family() if everywhere else ():
+            with suppress(ProcessLookupError):
+                os.kill(each, number)
 
     def family(self) -> list[int]:
         """Processes whose title or command line has the name of the run."""
@@ -160,7 +160,7 @@ def interrupted(folder: Path, seed: int, span: float, transport: str) -> Outcome
 
     Args:
         folder: empty; what is left stays there.
-        seed: of the moment, and of which signal is sent, once or twice.
+        seed: of the moment, and of which signal is sent, once or twice, to one process or all.
         span: length of an undisturbed life, s.
         transport: of the run.
     """
@@ -168,7 +168,7 @@ def interrupted(folder: Path, seed: int, span: float, transport: str) -> Outcome
     number, twice = dice.choice(SIGNALS), dice.random() < 0.2
     with _recorded(folder, transport) as victim:
         victim.await_life(dice.uniform(0.0, span))
-        victim.signal(number)
+        victim.signal(number, everywhere=dice.random() < 0.3)
         if twice:
             time.sleep(0.05)
             victim.signal(number)
