@@ -87,8 +87,7 @@ class RoundBoundary:
                 worst, wx, wy, limit = excess, nx, ny, room
         if wx == 0.0 and wy == 0.0:
             return None
-        least = rim + shape.margin - wx * x - wy * y - shape.extent(wx, wy)
-        return HalfPlane(wx, wy, max(0.0, min(limit, least)))
+        return HalfPlane(wx, wy, limit)
 
     def _cut_of_point(
         self, x: float, y: float, dx: float, dy: float, extra: float, tolerance: float
