@@ -78,8 +78,6 @@ class SeparatingLines:
             bond = known.get(listed.number)
             if bond is None:
                 bond = Bond(end, self._size(end.peer), neighbours.state(end.peer))
-            else:
-                bond.renew()
             if listed.first is not None:
                 bond.first = None
             self._each.append(bond)
