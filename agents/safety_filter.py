@@ -61,7 +61,7 @@ class SafetyFilter:
             if edge is None or not estimate.confine(edge, "the workspace"):
                 break
             shape = estimate.shape or shape
-        for peer, side in self.lines.crossed(estimate.x, estimate.y, shape):
+        for peer, side in self.lines.crossed(estimate.x, estimate.y, shape.radius):
             estimate.confine(side, f"the line with robot {peer}" if peer > 0 else f"obstacle {-peer}")
 
     @property

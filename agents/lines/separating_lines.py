@@ -273,14 +273,10 @@ class SeparatingLines:
                     found.append(own.kept_in(side.nx, side.ny, side.limit))
         return found
 
-    def crossed(self, x: float, y: float, shape: Polygon) -> list[tuple[int, HalfPlane]]:
-        """Obeyed half-planes, by peer, that intersect a set around (x, y) with the true centre."""
-        radius = shape.radius
+    def crossed(self, x: float, y: float, radius: float) -> list[tuple[int, HalfPlane]]:
+        """Obeyed half-planes, by peer, with edges within `radius` (m) of (x, y)."""
         return [
-            (bond.peer, side)
-            for bond in self._each
-            for side in bond.half_planes
-            if side.slack(x, y) < radius and side.slack(x, y) < shape.extent(side.nx, side.ny)
+            (bond.peer, side) for bond in self._each for side in bond.half_planes if side.slack(x, y) < radius
         ]
 
     def obeyed_lines(self) -> tuple[tuple[int, float, float, float], ...]:

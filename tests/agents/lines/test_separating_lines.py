@@ -4,7 +4,6 @@ import math
 
 import pytest
 
-from agents.lines.own_set import around
 from agents.lines.separating_lines import SeparatingLines
 from agents.peers.neighbours import Neighbours
 from agents.peers.state import addressed_to
@@ -13,7 +12,7 @@ from protocol.messages import Answer, Grants, ListedBinding, Proposal, State, Ve
 RADII = {1: 0.04, 2: 0.04, 3: 0.04}
 HALFWAY = (1.0, 0.0, 0.05)  # m, between (0, 0) and (0.1, 0)
 STILL = (0.0, 0.0)
-WIDE = around(1.0)
+WIDE = 1.0  # m
 
 
 def robot(identity: int, *bindings: ListedBinding, at: Vector = STILL, bound: float = 0.0) -> SeparatingLines:
