@@ -223,8 +223,6 @@ class Exchange:
 
 
 def _without(robot: int, tick: Tick) -> Tick:
-    if robot not in tick.active:
-        return tick
     return msgspec.structs.replace(tick, active=tuple([each for each in tick.active if each != robot]))
 
 
