@@ -20,13 +20,7 @@ from protocol.bus.connection import Connection, configuration
 from protocol.keys import every_robot, robot_key, robot_token, robot_tokens
 
 RUN = "bare"
-_MODULES = (
-    "numpy",
-    "zenoh",
-    "protocol.bus.zenoh",
-    "deploy.processes.router",
-    "tests.benchmarks.bare",
-)
+_MODULES = ("numpy", "zenoh", "protocol.bus.zenoh", "deploy.processes.router", "tests.benchmarks.bare")
 
 
 class Payloads(NamedTuple):

@@ -54,8 +54,7 @@ FREEZE = ProcessFault(2, 0.4, "pause"), ProcessFault(2, 0.9, "resume")
 MADE: dict[str, Callable[[], Scenario]] = {
     "lossy": lambda: load("swap-4", ["link.loss=0.9", "time.limit=10"], 18),
     "near": lambda: load(
-        "random-14",
-        ["network.interest=near", "network.reach=0.1", LATE, "link.loss=0.1", "time.limit=4"],
+        "random-14", ["network.interest=near", "network.reach=0.1", LATE, "link.loss=0.1", "time.limit=4"]
     ),
     "fenced": lambda: replace(
         load("swap-4", ["time.limit=2", "time.fence=0.2", "link.loss=0.3", LATE], 1), process=FREEZE

@@ -144,8 +144,7 @@ def test_a_process_that_lost_its_seat_while_the_scenario_held_it_still_goes_on()
 @given(
     st.lists(
         st.tuples(
-            st.sampled_from(("ask", "ask", "lose", "arrive", "leave", "live", "wait")),
-            st.sampled_from("abc"),
+            st.sampled_from(("ask", "ask", "lose", "arrive", "leave", "live", "wait")), st.sampled_from("abc")
         ),
         max_size=30,
     )

@@ -80,11 +80,7 @@ def test_six_robots_swap_and_survive_what_may_happen_to_bases_and_coordinator(tm
             lambda: processes.output("robot-3").rstrip().endswith("stands"), 10.0, "robot 3 does not notice"
         )
         passing = {robot: fleet.place(robot) for robot in (2, 4)}
-        until(
-            lambda: max(map(fleet.way, passing, passing.values())) > 0.1,
-            30.0,
-            "no robot passes robot 3",
-        )
+        until(lambda: max(map(fleet.way, passing, passing.values())) > 0.1, 30.0, "no robot passes robot 3")
 
         # the emergency stop
         fleet.order("stop", fleet.run)

@@ -124,10 +124,7 @@ def _slab(k: float, nodes: bytes, boxes: int | None = None) -> Slab:
     return Slab(k, len(nodes) if boxes is None else boxes, 0.0, text)
 
 
-BLOCKED = [
-    GoalSet(((0.0, 0.0), (0.08, 0.0)), (0.04, 0.04), 0.3),
-    GoalSet(PAIR.goals, PAIR.radii, 0.05),
-]
+BLOCKED = [GoalSet(((0.0, 0.0), (0.08, 0.0)), (0.04, 0.04), 0.3), GoalSet(PAIR.goals, PAIR.radii, 0.05)]
 
 
 @pytest.mark.parametrize(
