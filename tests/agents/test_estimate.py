@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.estimate import HISTORY, Estimate
+from agents.estimate import Estimate
 from agents.lines.own_set import SIDES
-from protocol.line import HalfPlane
+from protocol.line import ROUNDING, HalfPlane
 from protocol.messages import Sense, Vector
 
 REACH = 0.005
@@ -77,38 +77,42 @@ def test_ideal_sensing_is_bit_identical(points) -> None:
         assert estimate.bound == 0.0
 
 
-def test_odometry_carries_a_delayed_measurement_to_the_present() -> None:
+@pytest.mark.parametrize("bound", [0.0, 0.001])
+@pytest.mark.parametrize(
+    ("ticks", "stamp", "coasts", "motions"),
+    [(5, 2, False, 0), (2, 1, False, 1), (2, 2, False, 0), (2, 2, True, 2), (2, 3, True, 1), (2, 4, True, 0)],
+)
+def test_odometry_carries_a_delayed_measurement_to_the_present(bound, ticks, stamp, coasts, motions) -> None:
+    """Of missed ticks the first is off by one motion, and those in which it may coast, too."""
+    estimate = Estimate(REACH, coasts=coasts)
+    for tick in range(ticks):
+        tell(estimate, bound, tick, None, None, (0.002, 0.001))
+    tell(estimate, bound, 5, (0.5, 0.5), stamp, (0.002, 0.001))
+    moves = max(1, ticks - stamp)
+    assert estimate.position == pytest.approx((0.5 + 0.002 * moves, 0.5 + 0.001 * moves))
+    assert bound + motions * REACH <= estimate.bound <= 1.02 * (bound + motions * REACH)
+
+
+@pytest.mark.parametrize("age", [0, 300])
+def test_far_from_the_origin_the_set_grows_by_what_additions_lose(age: int) -> None:
+    """Of a step just less than half a unit in the last place every tick loses all, however late it is."""
+    estimate, at, step = Estimate(REACH, oldest=300), -99999.0, -0.49 * math.ulp(99999.0)
+    tell(estimate, 0.001, 0, (at, at) if age == 0 else None)
+    for tick in range(1, 300):
+        tell(estimate, 0.001, tick, None, None, (step, step))
+    tell(estimate, 0.001, 300, None if age == 0 else (at, at), 0, (step, step))
+    lost = 300 * -step - (at - estimate.x)
+    assert ROUNDING < lost < estimate.shape.extent(0.0, -1.0) - 0.001
+    assert estimate.bound == estimate.shape.radius
+
+
+@pytest.mark.parametrize("stamp", [97, 101])
+def test_a_measurement_from_before_this_life_or_of_a_later_tick_is_of_no_use(stamp: int) -> None:
     estimate = Estimate(REACH)
-    for tick in range(5):
-        tell(estimate, 0.001, tick, None, None, (0.002, 0.001))
-    tell(estimate, 0.001, 5, (0.5, 0.5), 2, (0.002, 0.001))
-    assert estimate.position == pytest.approx((0.506, 0.503))
-    assert estimate.bound == pytest.approx(0.001, rel=0.02)
-
-
-def test_a_measurement_of_before_some_missed_ticks_is_off_by_one_motion_more() -> None:
-    estimate = Estimate(REACH)
-    for tick in (0, 1):
-        tell(estimate, 0.001, tick, None)
-    tell(estimate, 0.001, 5, (0.5, 0.5), 1, (0.002, 0.001))
-    assert estimate.position == pytest.approx((0.502, 0.501))
-    assert estimate.bound == pytest.approx(0.001 + REACH, rel=0.02)
-
-
-def test_a_measurement_from_before_this_life_is_of_no_use() -> None:
-    estimate = Estimate(REACH)
-    tell(estimate, 0.001, 100, (0.1, 0.1), 97)
+    tell(estimate, 0.001, 100, (0.1, 0.1), stamp)
     assert estimate.position is None
     tell(estimate, 0.001, 101, (0.1, 0.1), 100)
     assert estimate.position is not None
-
-
-def test_however_late_measurements_may_come_odometry_is_kept_for_as_long() -> None:
-    estimate = Estimate(REACH, oldest=5 * HISTORY)
-    for tick in range(5 * HISTORY + 1):
-        tell(estimate, 0.001, tick, None)
-    tell(estimate, 0.001, 5 * HISTORY + 1, (0.1, 0.1), 1)
-    assert estimate.position == pytest.approx((0.1, 0.1))
 
 
 def disks(points: list[tuple[float, float]], error: float) -> Estimate:
@@ -137,17 +141,44 @@ def test_what_else_is_known_cuts_the_set() -> None:
     assert support(estimate, -1.0, 0.0) == pytest.approx(-0.097, abs=1e-8)
     assert estimate.position[0] == pytest.approx(0.098)
     assert not estimate.contradiction
+    assert estimate.bound == estimate.shape.radius
+
+
+@pytest.mark.parametrize(("first", "second"), [(0.0, 0.003), (0.003, 0.0), (0.0, 0.0)])
+@pytest.mark.parametrize("far", [0.00294, 0.00588])
+@pytest.mark.parametrize("turn", range(8))
+def test_an_exact_place_is_kept_and_excludes_what_it_is_not_within(first, second, far, turn) -> None:
+    estimate, (x, y) = Estimate(REACH), off(turn * math.pi / 4.0, far, 1.0)
+    tell(estimate, first, 7, (0.1, 0.2))
+    tell(estimate, second, 8, (0.1 + x, 0.2 + y))
+    gap = far - first - second
+    if gap > 0.0:
+        assert (
+            f"tick 8 and the measurement of tick 7 exclude each other by {gap:.2g}" in estimate.contradiction
+        )
+    else:
+        exact = (0.1, 0.2) if first == 0.0 else (0.1 + x, 0.2 + y)
+        assert (estimate.contradiction, estimate.position, estimate.bound) == ("", exact, 0.0)
+        tell(estimate, 0.0, 9, (exact[0], exact[1] + 1e-4))
+        assert estimate.lost
 
 
 # -- stated bounds that are wrong
 
 
-def test_measurements_that_exclude_each_other_are_named_and_the_rest_ignored() -> None:
-    estimate = disks([(0.1, 0.0), (0.1, 0.0), (0.107, 0.0)], 0.003)
-    assert "tick 2 and the measurement of tick 0 exclude each other by 0.001 m" in estimate.contradiction
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize(("last", "other"), [(0.109, 0), (0.095, 1)])
+def test_measurements_that_exclude_each_other_are_named_and_the_rest_ignored(axis, last, other) -> None:
+    places = [((x, 0.0), (0.0, x))[axis] for x in (0.1, 0.104, last)]
+    estimate = disks(places, 0.003)
+    text = f"tick 2 and the measurement of tick {other} exclude each other by 0.003 m"
+    assert text in estimate.contradiction
     assert estimate.lost
+    before = estimate.position
+    assert before[axis] == pytest.approx(0.102)
     tell(estimate, 0.003, 3, (0.105, 0.0))
-    assert estimate.position == (0.1, 0.0)
+    assert not estimate.confine(HalfPlane(1.0, 0.0, -1.0), "a wall")
+    assert (estimate.position, text in estimate.contradiction) == (before, True)
 
 
 def test_a_robot_that_may_begins_anew_from_the_newest() -> None:
@@ -159,8 +190,10 @@ def test_a_robot_that_may_begins_anew_from_the_newest() -> None:
     assert estimate.position == pytest.approx((0.1075, 0.0), abs=1e-4)
 
 
-def test_a_line_that_the_set_is_wholly_beyond_refutes_the_bounds() -> None:
-    estimate = disks([(0.1, 0.0)], 0.003)
-    assert not estimate.confine(HalfPlane(1.0, 0.0, 0.09), "the line with robot 2")
-    assert estimate.contradiction.startswith("the line with robot 2 and the measurement of tick 0")
+@pytest.mark.parametrize(("ny", "limit", "other"), [(1.0, -0.005, 1), (-1.0, -0.009, 0)])
+def test_a_line_that_the_set_is_wholly_beyond_refutes_the_bounds(ny, limit, other) -> None:
+    estimate = disks([(0.1, 0.0), (0.1, 0.004)], 0.003)
+    assert not estimate.confine(HalfPlane(0.0, ny, limit), "the line with robot 2")
+    assert estimate.contradiction.startswith(f"the line with robot 2 and the measurement of tick {other}")
+    assert "by 0.006 m" in estimate.contradiction
     assert estimate.lost
