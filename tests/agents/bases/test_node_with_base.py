@@ -17,6 +17,7 @@ from protocol.codec import encode
 from protocol.errors import BusError, JoinError, UsageError
 from protocol.keys import driver_token, robot_key
 from protocol.messages import Tick
+from protocol.scenario.places import room_at_start
 from tests.agents.bases.test_senses import fleet
 from tests.agents.bases.wheels import STEP, Wheels
 from tests.mortal import MortalFleet
@@ -154,7 +155,7 @@ def test_another_world_takes_over_bases_that_drive(seconds: float, tmp_path: Pat
         lambda: all(
             math.dist(wheels.control, place) > 0.1
             for wheels, place in zip(stage.floor.wheels.values(), before, strict=True)
-        ),
+        )
     )
     assert stage.floor.closest > sum(spec.radius for spec in stage.scenario.robots)
     assert result_of(begun)["collisions"] == 0
@@ -185,13 +186,26 @@ def test_a_robot_that_does_not_stand_at_its_start_keeps_the_run_from_beginning(c
     assert stage.said(2)[-1] == "base and localisation work again"
 
 
-def test_a_base_for_a_robot_that_is_simulated_is_refused():
+@pytest.mark.parametrize("bound", [0.0, 0.01])
+@pytest.mark.parametrize("more", [-1e-6, 1e-6])
+def test_a_robot_begins_only_where_it_is_surely_apart_from_the_places_of_all_others(bound, more) -> None:
+    scenario = load("turtlebots-2")
+    (x, y), (room, what) = scenario.spec(2).start, room_at_start(scenario, 2)
+    off = 0.99 * room - bound + more
+    text = choice.misplaced(scenario, 2, (x + 0.6 * off, y - 0.8 * off), bound)
+    said = f"stands {off:.3g} m from its start ({x:g}, {y:g}), known to {bound:.2g} m; put it within "
+    assert text == ("" if more < 0.0 else f"{said}{0.99 * room - bound:.2g} m, because of {what}")
+
+
+def test_a_robot_has_topics_if_it_has_a_base_or_tools_and_what_they_need_is_installed(monkeypatch) -> None:
+    simulated, tools = load("turtlebots-2", ["base.domain=3"]), load("turtlebots-2", ["base.tools=true"])
+    outside = load("turtlebots-2", ["world.plant=external"])
+    assert simulated.base_of(1) is not None is topics_of(simulated, 1)
+    assert topics_of(tools, 1) == tools.base_of(1).of(1)
+    assert topics_of(outside, 1) == topics_of(outside, 1, "") == outside.base_of(1).of(1)
+    assert topics_of(outside, 1, "/other").namespace == "/other"
     with pytest.raises(JoinError, match=r'set world\.plant = "external"'):
-        topics_of(load("turtlebots-2"), 1, "/bot1")
-
-
-def test_a_base_outside_says_how_to_install_what_it_needs(monkeypatch: pytest.MonkeyPatch) -> None:
-    choice.require()
+        topics_of(simulated, 1, "/bot1")
     monkeypatch.setattr(choice, "find_spec", lambda _: None)
     with pytest.raises(UsageError, match=r'pip install "disknav\[ros2\]"'):
-        choice.require()
+        topics_of(outside, 1)
