@@ -179,4 +179,6 @@ def test_a_late_command_that_names_grants_that_were_never_made_is_not_heard() ->
     ):
         assert not world.accept(command)
     assert world.exchange.refused == {"ledger": 2}
-    assert world.accept(Command(robot, 1, 1, (0.0, 0.0)))
+    assert [world.accept(Command(robot, 1, 1, (0.0, 0.0))) for _ in range(2)] == [True, False]
+    world.close_tick()
+    assert {each: told.heard for each, told in world.open_tick().items()} == {robot: 1, scenario.ids[1]: None}

@@ -106,6 +106,7 @@ def test_what_is_removed_is_fenced_in_the_same_step_and_leaves_nothing(is_open: 
     roster = told[1].roster
     assert {member.robot: member.status for member in roster.members}[2] == "gone"
     assert not world.accept(Command(2, 1, world.tick, (0.05, 0.0), roster=0))
+    assert result_of(world)["rejected_commands"] == {"fenced": 1}
     assert world.accept(Command(1, 1, world.tick, (0.0, 0.0), roster=roster.version))
     world.close_tick()
     assert world.truth.robots == (1,)

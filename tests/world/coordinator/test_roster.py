@@ -76,6 +76,7 @@ def test_what_the_scenario_lists_can_go_and_leaves_the_judge() -> None:
     found = world()
     assert found.operate(Operation(take=1)).accepted
     assert statuses(found) == {1: "gone"}
+    assert {each.peer for each in found.open_tick()[1].grants.bindings} == {2}
     for _ in range(4):
         advance(found, {1: (0.1, 0.03)})
     assert not found.operate(Operation(take=1)).accepted
