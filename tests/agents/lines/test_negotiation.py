@@ -44,21 +44,21 @@ def test_the_owner_satisfies_every_line_now_and_leaves_the_other_where_it_was_se
 def test_a_standoff_is_left_on_either_side_as_far_as_there_is_any_and_first_to_the_owner(
     x: float, y: float, vx: float, vy: float, wx: float, wy: float, ahead: float, standoff: float
 ) -> None:
-    me, peer = MovingDisk(0.0, 0.0, RADIUS, vx, vy), MovingDisk(x, y, RADIUS, wx, wy)
+    me, peer = MovingDisk(0.3, -0.2, RADIUS, vx, vy), MovingDisk(x + 0.3, y - 0.2, RADIUS, wx, wy)
     gap = math.hypot(x, y) - 2.0 * RADIUS
     assume(gap > 1e-8)
     line = fit_line(me, peer, ahead=ahead, end=ahead, standoff=standoff)
     room = 0.98 * gap
-    assert line.gap(0.0, 0.0) >= RADIUS + min(standoff, room) - 1e-9
-    assert -line.gap(x, y) >= RADIUS + min(standoff, max(0.0, room - standoff)) - 1e-9
+    assert line.gap(0.3, -0.2) >= RADIUS + min(standoff, room) - 1e-9
+    assert -line.gap(x + 0.3, y - 0.2) >= RADIUS + min(standoff, max(0.0, room - standoff)) - 1e-9
 
 
 @pytest.mark.parametrize(("seen", "way"), [(0.1, 0.12), (0.0, 0.0)], ids=["it does", "it only wants to"])
 def test_behind_one_that_drives_off_the_line_follows_it(seen: float, way: float) -> None:
     """Seen 0.6 s ago at 0.3 m, driving off at 0.1 m/s or not at all; obeyed 0.6 s from now."""
-    me, peer = MovingDisk(0.0, 0.0, RADIUS, 0.1, 0.0), MovingDisk(0.3, 0.0, RADIUS, 0.1, 0.0, seen, 0.0)
+    me, peer = MovingDisk(0.2, 0.7, RADIUS, 0.1, 0.0), MovingDisk(0.5, 0.7, RADIUS, 0.1, 0.0, seen, 0.0)
     line = fit_line(me, peer, begin=1.2, end=1.3, share=1.0)
-    assert line.offset == pytest.approx(0.3 + way - RADIUS)
+    assert line.offset == pytest.approx(0.5 + way - RADIUS)
 
 
 @pytest.mark.parametrize(("x", "way"), [(0.0, 0.0), (0.02, -0.01), (0.09, -0.08), (0.1, 0.09), (0.2, 0.0)])
