@@ -359,7 +359,9 @@ class Supervisor:
         failed = code != 0 and not life.told_to_end
         life.failures += failed
         life.up = code not in _SAID or (life.up and code != _LAST)
-        again = life.again or (failed and life.up and life.failures <= life.process.restarts)
+        again = life.again or (
+            failed and life.up and not life.spawner.gone and life.failures <= life.process.restarts
+        )
         self._exits.append(Exit(life.process, code, not failed, again, why))
         if life.again:
             self._again(life)

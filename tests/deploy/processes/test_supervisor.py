@@ -57,11 +57,12 @@ def test_exits_are_noticed_and_judged(supervisor: Supervisor) -> None:
 def test_a_lost_host_ends_its_own_rows_only() -> None:
     there = spawner()
     with Supervisor(spawner(), {"left": there}, {"far": "left"}) as supervisor:
-        supervisor.start([waiting("near"), waiting("far")])
+        supervisor.start([waiting("near"), row("far", wait, reports=True, restarts=9)])
         supervisor.report("far", PATIENCE)
         there._server.kill()
         (lost,) = exits(supervisor, 1)
         assert (lost.process.name, lost.expected, supervisor.running()) == ("far", False, ["near"])
+        assert not lost.again, "nothing starts on a lost host, however many restarts are left"
         assert str(lost).startswith("far: the fork server")
         supervisor.restart("far")
         (vain,) = exits(supervisor, 1)
