@@ -38,7 +38,9 @@ _LINKING = 5.0  # s that a peer waits for its links before it announces itself
 _RUNTIME = "(rx:(worker_threads:1),acc:(handover:net),app:(handover:net),tx:(handover:net))"
 # With one receiving thread, a router may stop relaying for ever after the loss of a link to another.
 _LINKED = "(rx:(worker_threads:4))"
-_ROUTER_LOG = "error,zenoh_link_tls=warn"  # unless RUST_LOG says otherwise: refused certificates are reported
+_SETTLING = 0.15  # s, longer than zenoh waits from the loss of a link to another router to its new trees
+# Unless RUST_LOG says otherwise, refused certificates are reported, but not that a link is tried again.
+_ROUTER_LOG = "error,zenoh_link_tls=warn,zenoh_transport::unicast=off"
 _CAPACITY: Final = 1 << 16
 
 _KEPT: set[int] = set()  # threads of zenoh that Python keeps
@@ -73,6 +75,9 @@ class ZenohBus:
                 os.environ["ZENOH_RUNTIME"] = _LINKED  # other hosts do not reach the loopback
         os.environ.setdefault("ZENOH_RUNTIME", _RUNTIME)
         self._session = _open(connection)
+        if connection.mode == "router":
+            settle = zenoh.handlers.Callback(_settle, indirect=False)
+            self._declared.append(self._session.info.declare_transport_events_listener(settle))
         STOP.call(self._wake)
         self._capacity = capacity
         self.dropped = 0  # events lost to a full queue
@@ -265,6 +270,14 @@ def _keep_thread_state() -> None:
     if thread not in _KEPT:
         _KEPT.add(thread)
         ctypes.pythonapi.PyGILState_Ensure()
+
+
+def _settle(event: zenoh.TransportEvent) -> None:
+    """Hold up the end of a link to another router until zenoh has new trees. If the link returned before
+    them, zenoh would never again tell that router what this one receives.
+    """
+    if event.kind == zenoh.SampleKind.DELETE and event.transport.whatami == zenoh.WhatAmI.ROUTER:
+        time.sleep(_SETTLING)
 
 
 def _await(there: Callable[[], bool], timeout: float) -> bool:
