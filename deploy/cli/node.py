@@ -28,6 +28,7 @@ Alive = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="Touch this file every second while the main loop runs, for probes."),
 ]
+_RETURNS = 1000  # times that a robot is waited for: its link may return, or someone start it again
 _WAIT = 60.0
 app = typer.Typer(
     name="node", help="Run single processes, for systemd, containers or a manual start.", no_args_is_help=True
@@ -131,6 +132,7 @@ def world(
         loaded,
         mode == "lockstep",
         gathering=wait,
+        restarts=_RETURNS,
         checkpoint=checkpoint,
         on_report=on_report,
         beat=heartbeat(alive),

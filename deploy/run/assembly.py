@@ -256,7 +256,7 @@ class Assembly:
             self._scenario,
             options.lockstep,
             speed=options.speed,
-            restarts=options.restarts,
+            restarts=options.restarts or int(options.hosts is not None),  # a cut host may return
             checkpoint=checkpoint,
         )
         self.supervisor.start([world])
