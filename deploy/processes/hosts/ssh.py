@@ -283,5 +283,6 @@ class SshSpawner(Spawner):
         self._relay.end()
         if status == _MISSING:
             return ProcessError(f"{self.name}: its shell finds no command {self.host.command!r}")
-        how = f"with status {status}; see its output above" if status >= 0 else f"by signal {-status}"
+        said = "see its output above; if there is none, the host was cut off"
+        how = f"with status {status}; {said}" if status >= 0 else f"by signal {-status}"
         return ProcessError(f"{self.name} is gone: ssh ended {how}")
