@@ -9,15 +9,8 @@ import pytest
 from deploy.processes.spawn import Process, Spawner
 from deploy.processes.supervisor import STEADY, Exit, ProcessLife, Supervisor
 from protocol.errors import ProcessError, StartError
-from tests.deploy.processes.children import (
-    die_while_reporting,
-    divide_by_zero,
-    give,
-    row,
-    spawner,
-    wait,
-    wait_stubbornly,
-)
+from tests.deploy.processes import children
+from tests.deploy.processes.children import give, row, spawner, wait
 from tests.until import until
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(60)]
@@ -120,7 +113,11 @@ def test_restart_replaces_a_process(supervisor: Supervisor) -> None:
 
 def test_stopping_wakes_a_frozen_process_and_kills_a_stubborn_one(supervisor: Supervisor) -> None:
     supervisor.start(
-        [waiting("plain"), waiting("frozen"), row("stubborn", wait_stubbornly, reports=True, patience=1.0)]
+        [
+            waiting("plain"),
+            waiting("frozen"),
+            row("stubborn", children.wait_stubbornly, reports=True, patience=1.0),
+        ]
     )
     for name in ("plain", "frozen", "stubborn"):
         supervisor.report(name, PATIENCE)
@@ -132,7 +129,7 @@ def test_stopping_wakes_a_frozen_process_and_kills_a_stubborn_one(supervisor: Su
 
 
 def test_a_process_that_says_nothing_is_named(supervisor: Supervisor) -> None:
-    supervisor.start([row("mute", wait), row("broken", divide_by_zero, reports=True)])
+    supervisor.start([row("mute", wait), row("broken", children.divide_by_zero, reports=True)])
     with pytest.raises(ProcessError, match=r"mute did not answer within 0\.05 s"):
         supervisor.report("mute", 0.05)
     with pytest.raises(ProcessError, match="broken could not start"):
@@ -140,7 +137,7 @@ def test_a_process_that_says_nothing_is_named(supervisor: Supervisor) -> None:
 
 
 def test_a_process_that_dies_in_the_middle_of_a_report_dies_alone(supervisor: Supervisor) -> None:
-    supervisor.start([waiting("well"), row("torn", die_while_reporting, reports=True)])
+    supervisor.start([waiting("well"), row("torn", children.die_while_reporting, reports=True)])
     (exit_,) = exits(supervisor, 1)
     assert (exit_.process.name, exit_.code) == ("torn", -signal.SIGKILL)
     assert supervisor.heard("torn") == []

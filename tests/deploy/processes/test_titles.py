@@ -7,7 +7,6 @@ import sys
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
 
 import psutil
 import pytest
@@ -23,27 +22,16 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the s
 CHRT = ("chrt", "--rr", "1")
 
 
-class Seen(NamedTuple):
-    """A process: its short name, as `top` shows it, and the policies of its threads."""
-
-    short: str
-    policies: set[int]
-
-
-def title(pid: int) -> str:
-    """The command line, as `ps -f` shows it."""
-    return Path(f"/proc/{pid}/cmdline").read_bytes().rstrip(b"\0").replace(b"\0", b" ").decode()
-
-
-def children(launcher: int) -> dict[str, Seen]:
-    """All processes of a fleet that are there now, by title."""
+def children(launcher: int) -> dict[str, tuple[str, set[int]]]:
+    """All processes of a fleet that are there now, by title, as `ps -f` shows it: the short name, as `top`
+    shows it, and the policies of the threads."""
     found = {}
     for each in psutil.Process(launcher).children(recursive=True):
         with suppress(psutil.Error, OSError):
             folder = Path(f"/proc/{each.pid}")
-            tasks = [int(task.name) for task in (folder / "task").iterdir()]
-            short = (folder / "comm").read_text().removesuffix("\n")
-            found[title(each.pid)] = Seen(short, set(map(os.sched_getscheduler, tasks)))
+            title = (folder / "cmdline").read_bytes().rstrip(b"\0").replace(b"\0", b" ").decode()
+            policies = {os.sched_getscheduler(int(task.name)) for task in (folder / "task").iterdir()}
+            found[title] = (folder / "comm").read_text().removesuffix("\n"), policies
     return found
 
 
@@ -68,17 +56,17 @@ def test_a_fleet_is_told_apart_and_has_the_priority_that_it_was_given(
     titles = {name: f"disknav {name} (run {run})" for name in names}
     policies = {each: {os.SCHED_RR if chrt else os.SCHED_OTHER} for each in titles.values()}
     policies[titles["recorder"]] = {os.SCHED_OTHER}
-    found: dict[str, Seen] = {}
+    found: dict[str, tuple[str, set[int]]] = {}
 
     def settled() -> bool:
         found.clear()
         found.update(children(launcher.pid))
-        return {each: seen.policies for each, seen in found.items()} == policies
+        return {each: seen for each, (_, seen) in found.items()} == policies
 
     with subprocess.Popen([*chrt, sys.executable, "-m", "disknav", *how], cwd=tmp_path) as launcher:
         try:
             until(settled)
         finally:
             launcher.terminate()
-    assert found[titles["robot 1"]].short == f"robot 1 {run}"[:15]
-    assert found[titles["robot 12"]].short == f"robot 12 {run}"[:15]
+    for name in ("robot 1", "robot 12"):
+        assert found[titles[name]][0] == f"{name} {run}"[:15]

@@ -14,8 +14,9 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from deploy.processes.spawn import News, Process, ProcessReport, Start, Store, decode_news
+from deploy.processes.spawn import News, ProcessReport, Start, Store, decode_news
 from deploy.software import SOFTWARE, code_digest
+from tests.deploy.processes.children import row, wait
 from tests.deploy.processes.test_spawn import gone
 from tests.system.hosts.testbed.ssh_server import ROOT
 from tests.until import until
@@ -38,14 +39,11 @@ class FarEnd(NamedTuple):
         assert self.answers.poll(20.0)
         return decode_news(self.answers.recv_bytes())
 
-    def start(self, function: str, *arguments: object) -> int:
-        self.requests.send(Start(1, Process("one", f"{_CHILDREN}:{function}", arguments, reports=True)))
+    def start(self) -> int:
+        self.requests.send(Start(1, row("one", wait, reports=True)))
         started, report = self.news(), self.news()
         assert isinstance(report, ProcessReport)
         return started.pid
-
-
-_CHILDREN = "tests.deploy.processes.children"
 
 
 @contextmanager
@@ -77,7 +75,7 @@ def far_end(patience: float = 60.0) -> Iterator[FarEnd]:
 def test_a_host_that_goes_down_or_hears_nothing_keeps_neither_keys_nor_processes(number: int) -> None:
     with far_end(patience=60.0 if number else 2.0) as far:
         far.requests.send(Store("robot-1.key", b"secret"))
-        pid = far.start("wait")
+        pid = far.start()
         assert (far.folder / "robot-1.key").exists()
         far.process.send_signal(number)
         assert far.process.wait(20.0) == 0
@@ -89,7 +87,7 @@ def test_files_are_their_owners_alone_and_stay_in_the_folder() -> None:
     with far_end() as far:
         for name in ("robot-1.key", "../robot-2.key", "robot-1.key"):
             far.requests.send(Store(name, b"secret"))
-        far.start("wait")
+        far.start()
         modes = {path.name: oct(path.stat().st_mode & 0o777) for path in far.folder.iterdir()}
         assert modes == {"robot-1.key": "0o600", "robot-2.key": "0o600"}
         assert far.folder.stat().st_mode & 0o777 == 0o700

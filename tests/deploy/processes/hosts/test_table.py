@@ -10,24 +10,10 @@ from deploy.run.assembly import MultiHost, places
 from deploy.security.membership import KeyRing
 from protocol.errors import HostsError, UsageError
 
-GOOD = """
-world = "left"
-
-[[hosts]]
-name = "base"
-address = "10.0.0.1"
-robots = [1, 3]
-
-[[hosts]]
-name = "left"
-address = "10.0.0.2"
-port = 7448
-listen = "0.0.0.0"
-robots = [2]
-ssh = "robot@10.0.0.2"
-options = ["-p", "2222"]
-command = "/opt/disknav/bin/disknav"
-"""
+BASE = {"name": "base", "address": "10.0.0.1", "robots": [1, 3]}
+LEFT = {"name": "left", "address": "10.0.0.2", "port": 7448, "listen": "0.0.0.0", "robots": [2]}
+SSH = {"ssh": "robot@10.0.0.2", "options": ["-p", "2222"], "command": "/opt/disknav/bin/disknav"}
+GOOD = {"world": "left", "hosts": [BASE, LEFT | SSH]}
 
 
 def problems(text: str) -> list[str]:
@@ -37,46 +23,33 @@ def problems(text: str) -> list[str]:
 
 
 def test_what_runs_where() -> None:
-    table = parse_hosts(tomllib.loads(GOOD), (1, 2, 3))
+    table = parse_hosts(GOOD, (1, 2, 3))
     assert table.world_host.name == "left"
     on_base, on_left = ("router-base", "robot-1", "robot-3"), ("router-left", "world", "robot-2")
     assert places(table) == {**dict.fromkeys(on_base, "base"), **dict.fromkeys(on_left, "left")}
 
 
 def test_a_robot_that_was_added_is_on_no_host() -> None:
-    hosts = parse_hosts(tomllib.loads(GOOD), (1, 2, 3))
+    hosts = parse_hosts(GOOD, (1, 2, 3))
     with pytest.raises(UsageError, match=r"\(base, left\) runs robot 7: `disknav node robot 7 --run"):
         MultiHost(hosts, KeyRing(None), {}).connection("robot-7")
 
 
 def test_robots_that_orders_add_may_be_on_a_host() -> None:
-    hosts = parse_hosts(tomllib.loads(GOOD), (1, 2), newcomers=(3, 4))
+    hosts = parse_hosts(GOOD, (1, 2), newcomers=(3, 4))
     assert places(hosts)["robot-3"] == "base"
     assert roster_of("yard", hosts).robots == (1, 2, 3)
 
 
 def test_every_problem_at_once() -> None:
-    found = problems(
-        """
+    found = problems("""
 world = "nowhere"
-[[hosts]]
-name = "base"
-address = "10.0.0.1"
-robots = [1, 9]
-prot = 3
-[[hosts]]
-name = "base"
-address = "10.0.0.1"
-robots = [1]
-ssh = "-oProxyCommand=x"
-[[hosts]]
-name = "a b"
-address = "tcp/10.0.0.3"
-port = 70000
-options = "-p 2222"
-command = ""
-"""
-    )
+hosts = [
+  {name = "base", address = "10.0.0.1", robots = [1, 9], prot = 3},
+  {name = "base", address = "10.0.0.1", robots = [1], ssh = "-oProxyCommand=x"},
+  {name = "a b", address = "tcp/10.0.0.3", port = 70000, options = "-p 2222", command = ""},
+]
+""")
     assert found == [
         "hosts: robots 2, 3 of the scenario must be on a host",
         "hosts[0].prot: unknown key; did you mean `port`?",
