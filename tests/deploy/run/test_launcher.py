@@ -1,6 +1,7 @@
 """What a launcher has to do to processes, and when, however late it hears of it."""
 
 from dataclasses import replace
+from unittest.mock import Mock
 
 import pytest
 from msgspec.structs import replace as replaced
@@ -9,20 +10,14 @@ from deploy.library.load import load
 from deploy.run.launcher import Launcher
 from deploy.run.local import LocalFleet
 from protocol.messages import Clock
-from protocol.scenario.model import ProcessFault, Scenario
+from protocol.scenario.model import ProcessFault
 
 SWAP = load("swap-4")
 
 
-class Recorded:
-    """Processes of which none has come yet."""
-
-    def knows(self, _robot: int) -> bool:
-        return False
-
-
-def launcher(scenario: Scenario) -> Launcher:
-    return Launcher(scenario, Recorded())  # type: ignore[arg-type]
+def launcher(*faults: ProcessFault) -> Launcher:
+    """Of processes of which none has come yet."""
+    return Launcher(replace(SWAP, process=faults), Mock(knows=lambda _: False))
 
 
 def clock(tick: int = 0, *, founded: bool = False) -> Clock:
@@ -31,7 +26,7 @@ def clock(tick: int = 0, *, founded: bool = False) -> Clock:
 
 def test_nothing_is_due_before_the_run_has_begun() -> None:
     fault = ProcessFault(2, 0.0, "kill")
-    schedule = launcher(replace(SWAP, process=(fault,)))
+    schedule = launcher(fault)
     assert schedule.due(clock()) == []
     assert schedule.due(clock(founded=True)) == [fault]
 
@@ -39,7 +34,7 @@ def test_nothing_is_due_before_the_run_has_begun() -> None:
 def test_a_process_whose_robot_is_not_there_is_spared() -> None:
     faults = tuple(ProcessFault(robot, 0.5, "restart") for robot in (2, 3))
     for late in (0, 1, 5):
-        schedule = launcher(replace(SWAP, process=faults))
+        schedule = launcher(*faults)
         seen = replaced(clock(10 + late, founded=True), passed_over=((9, 3), (10, 2)))
         assert schedule.due(seen) == [faults[1]]
         assert schedule.due(seen) == []
@@ -47,7 +42,7 @@ def test_a_process_whose_robot_is_not_there_is_spared() -> None:
 
 def test_what_happened_in_the_last_tick_is_carried_out_though_only_the_verdict_was_heard() -> None:
     faults = tuple(ProcessFault(robot, 0.5 + 0.05 * robot, "kill") for robot in (1, 2))
-    schedule = launcher(replace(SWAP, process=faults))
+    schedule = launcher(*faults)
     assert schedule.due(clock(9, founded=True)) == []
     ended = replaced(clock(12, founded=True), verdict="timeout")  # tick 11 was the last that was open
     assert schedule.due(ended) == [faults[0]]
@@ -57,7 +52,7 @@ def test_what_happened_in_the_last_tick_is_carried_out_though_only_the_verdict_w
 @pytest.mark.slow
 def test_what_happens_within_a_tick_happens_in_the_order_of_its_times() -> None:
     faults = (ProcessFault(2, 0.52, "resume"), ProcessFault(2, 0.51, "pause"))
-    schedule = launcher(replace(SWAP, process=faults))
+    schedule = launcher(*faults)
     assert schedule.due(clock(20, founded=True)) == [faults[1], faults[0]]
     written, in_order = (
         LocalFleet(replace(SWAP, process=each)).execute() for each in (faults, tuple(reversed(faults)))

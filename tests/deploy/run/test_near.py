@@ -12,8 +12,7 @@ from protocol.scenario.network import Network
 
 
 def crowd(interest: Network, **settings: Any) -> Scenario:
-    scenario = load("random-14")
-    return replace(scenario, network=interest, **settings)
+    return replace(load("random-14"), network=interest, **settings)
 
 
 @pytest.mark.slow

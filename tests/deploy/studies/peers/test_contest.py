@@ -45,17 +45,13 @@ def test_the_best_setting_arrives_most_then_touches_least_then_is_quickest() -> 
     assert best(rows) is rows[-1]
 
 
-COURTESY = (
-    "from agents.law.reciprocal import ReciprocalLaw as Inner\n"
-    + """
+COURTESY = """from agents.law.reciprocal import ReciprocalLaw as Inner
 class Courtesy:
     def __init__(self, scenario, robot):
         self.law = Inner(scenario, robot)
-
     def velocity(self, view):
         return self.law.velocity(view)
 """
-)
 
 
 @pytest.mark.slow
