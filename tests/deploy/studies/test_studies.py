@@ -4,12 +4,10 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from io import StringIO
 from pathlib import Path
 
 import pytest
 import typer
-from rich.console import Console
 
 from deploy.cli.learn import study as command
 from deploy.software import provenance
@@ -19,6 +17,7 @@ from deploy.studies.experiments import PERIOD, TOLERANCE, paper_flow, scale, tun
 from deploy.studies.perform import table
 from deploy.studies.study import Study, error, growth
 from protocol.errors import ScenarioError, UsageError
+from tests.deploy.printed import printed
 
 pytestmark = pytest.mark.slow
 
@@ -39,9 +38,8 @@ def test_a_small_study_from_runs_to_table(name: str) -> None:
     assert len(result.rows) == len(study.cells)
     assert study.sound(result.rows)
     assert all(set(study.columns.split()) <= set(row) for row in result.rows)
-    text = StringIO()
-    Console(file=text, width=200).print(table(study, result.rows))
-    assert all(line in text.getvalue() for line in study.summary(result.rows))
+    text = printed(table(study, result.rows))
+    assert all(line in text for line in study.summary(result.rows))
 
 
 small = partial(command, "tightness", runs=1, jobs=2, transport="local", quiet=True)

@@ -7,7 +7,6 @@ import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rich.console import Console, RenderableType
 
 from deploy.telemetry.live import FleetView
 from deploy.telemetry.monitor import snapshot as telling
@@ -15,6 +14,7 @@ from deploy.telemetry.monitor.terminal import table
 from protocol.messages import Clock, GoalStatus, Health, Message, OrderStatus, PartPlace, Standing, Truth
 from protocol.operations import Steering
 from protocol.scenario.model import Order, Part, RobotSpec, Scenario, Time
+from tests.deploy.printed import printed
 
 SCENARIO = Scenario(
     tuple(RobotSpec(i, 0.03, (0.1 * i - 0.2, 0.0), (0.1 * i - 0.2, 0.1)) for i in (1, 2, 3)),
@@ -244,16 +244,9 @@ def test_the_reason_of_the_verdict_is_told_until_another_scenario_begins() -> No
     )
     frame = telling.snapshot(it, 0.0)
     assert frame["reason"] == "no robot moved for 10 s"
-    assert "no robot moved for 10 s" in _printed(table(frame))
+    assert "no robot moved for 10 s" in printed(table(frame))
     it.begin(SCENARIO, True)
     assert telling.snapshot(it, 0.0)["reason"] == ""
-
-
-def _printed(what: RenderableType) -> str:
-    console = Console(width=200)
-    with console.capture() as capture:
-        console.print(what)
-    return capture.get()
 
 
 def test_a_world_that_goes_without_a_verdict_is_lost() -> None:

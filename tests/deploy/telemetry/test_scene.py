@@ -86,15 +86,12 @@ def test_goals_move_with_orders_and_robots_that_are_down_turn_red() -> None:
 def test_obstacles_that_come_or_go_change_the_room() -> None:
     scene = ViewedScene(SCENARIO)
     came = messages.PlacedObstacle(3, "standing", ((0.2, 0.1),), 0.01)
-    (room,) = scene.hear(Clock(1, 0.05, (3, 7), (), "", obstacles=(came, messages.PlacedObstacle(1, "gone"))))
+    clock = Clock(1, 0.05, (3, 7), (), "", obstacles=(came, messages.PlacedObstacle(1, "gone")))
+    (room,) = scene.hear(clock)
     (entity,) = content(room)["entities"]
-    assert [len(each["points"]) for each in entity["triangles"]] == [
-        3,
-        3 * 46,
-    ]  # obstacle 2, and 3 of 48 corners
-    assert not list(
-        scene.hear(Clock(2, 0.1, (3, 7), (), "", obstacles=(came, messages.PlacedObstacle(1, "gone"))))
-    )
+    corners = [len(each["points"]) for each in entity["triangles"]]
+    assert corners == [3, 3 * 46]  # obstacle 2, and 3 of 48 corners
+    assert not scene.hear(replace(clock, tick=2, time=0.1))
 
 
 def test_lines_are_drawn_between_near_robots() -> None:
@@ -138,9 +135,8 @@ def test_robots_that_orders_add_are_drawn_while_they_are_there() -> None:
     scene.hear(health(7, 3))
     scene.hear(Truth(10, (3, 5), ((0.1, 0.0), (0.0, 0.1)), 0.01, 0.5))
     (robots,) = scene.latest("/scene/robots")
-    assert content(robots)["deletions"] == [
-        {"timestamp": {"sec": 0, "nsec": 500_000_000}, "type": 1, "id": ""}
-    ]
+    (deletion,) = content(robots)["deletions"]
+    assert deletion == {"timestamp": {"sec": 0, "nsec": 500_000_000}, "type": 1, "id": ""}
     assert drawn_robots(scene) == ["robot 3", "robot 5"]
     assert frames(scene) == {"robot_3": 0.1, "robot_5": 0.0}
     for topic, pieces in (("/scene/lines", 0), ("/scene/trails", 2)):

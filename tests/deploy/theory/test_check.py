@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rich.console import Console
 
 from deploy.library.load import load, read
 from deploy.theory.check import CheckReport, mirrored_triples, report, scope
@@ -17,13 +16,7 @@ from deploy.theory.facts import plain
 from deploy.theory.function import FleetProblem
 from deploy.theory.surrounded import surrounded, theorem_for
 from protocol.scenario.model import Control, RobotSpec, Scenario, Workspace
-
-
-def words(found: CheckReport) -> str:
-    console = Console(width=200, no_color=True, force_terminal=False)
-    with console.capture() as capture:
-        console.print(found.render())
-    return capture.get()
+from tests.deploy.printed import printed
 
 
 @cache
@@ -56,7 +49,7 @@ def test_figure_2_names_the_violated_clusters_and_by_how_much() -> None:
     spread = sum(float(np.hypot(*np.subtract(a.goal, b.goal))) for a in robots for b in robots if a.id < b.id)
     d = 2 * robots[0].radius
     assert everyone.margin == pytest.approx(spread - 12 * d)  # Lambda' of three equal disks: 4 d + 8 d
-    assert "robots 1, 2, 3: violated, short by" in words(found)
+    assert "robots 1, 2, 3: violated, short by" in printed(found.render())
     assert found.bounds is None
     assert not found.guaranteed
 
@@ -66,10 +59,10 @@ def test_an_admissible_scenario_prints_its_bound_and_says_whether_k_reaches_it()
     low = checked_ring()
     assert low.assumption_1.status == low.assumption_2.status == "holds"
     assert not low.guaranteed
-    assert f"for k > {low.bounds.polar:.4g}" in words(low)
+    assert f"for k > {low.bounds.polar:.4g}" in printed(low.render())
     high = report(ring(3, 0.30, 0.90, k=1.1 * low.bounds.polar))
     assert high.guaranteed
-    assert "guaranteed" in words(high)
+    assert "guaranteed" in printed(high.render())
 
 
 def test_what_is_seen_in_practice_is_reported() -> None:
@@ -86,13 +79,13 @@ def test_too_small_a_k_shows_another_minimum() -> None:
     found = report(replace(scenario, control=Control(k=3.0)))
     assert found.practice.random_arrived < found.practice.random_starts
     assert found.practice.other_minima >= 1
-    assert "Raise k" in words(found)
+    assert "Raise k" in printed(found.render())
 
 
 def test_a_head_on_start_is_told_apart_from_a_trap() -> None:
     found = checked("head-on")
     assert found.practice.rest == "saddle of index 1"
-    assert "measure zero" in words(found)
+    assert "measure zero" in printed(found.render())
 
 
 def test_an_unreachable_order_is_said_to_be_unreachable() -> None:
@@ -104,7 +97,7 @@ def test_an_unreachable_order_is_said_to_be_unreachable() -> None:
     )
     found = report(Scenario(robots, workspace=Workspace(0.10), control=Control(k=60.0)))
     assert found.unreachable == ((4, 7, 9),)
-    assert "UNREACHABLE by any controller: robots 4, 7, 9" in words(found)
+    assert "UNREACHABLE by any controller: robots 4, 7, 9" in printed(found.render())
 
 
 @pytest.mark.parametrize("name", ["figure-2", "head-on"])
@@ -125,7 +118,7 @@ def test_one_robot_and_forty_robots_are_checked_too() -> None:
     many = report(load("random-40"))
     assert not many.every_cluster
     assert many.practice is None
-    assert "not tried" in words(many)
+    assert "not tried" in printed(many.render())
 
 
 def test_parts_have_no_theorem_and_may_have_an_order() -> None:

@@ -19,7 +19,8 @@ from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.messages import Clock, Truth
 from protocol.operations import Steer
-from protocol.scenario.model import Journey, Operation, Order, Position, RobotSpec, Time
+from protocol.scenario.model import Journey, Operation, Order, RobotSpec, Time
+from tests.deploy.printed import printed
 from tests.deploy.telemetry.monitor.watched import ring, running, watch_local
 from tests.system.orders.turnover import asked
 from tests.until import PATIENCE, until
@@ -79,10 +80,6 @@ def test_a_late_viewer_is_shown_what_is_in_force() -> None:
         until(lambda: watcher.snapshot()["verdict"] == "arrived")
 
 
-def sent(*points: Position) -> Operation:
-    return Operation(goal=Journey(1, points))
-
-
 def entries(ticks: int) -> Iterator[tuple[float, Clock | Truth]]:
     for tick in range(ticks):
         yield 0.05 * tick, Clock(tick, 0.05 * tick, (1, 2), (), "", 0.02)
@@ -99,7 +96,7 @@ def test_a_recording_plays_at_its_speed_and_can_be_held() -> None:
         assert not player.join(0.15)
         assert player.snapshot()["tick"] <= held["tick"] + 1
         player.steer(Steer(pause=False, speed=0.0))
-        assert "recording" in player.operate(sent()).result(0.0).text
+        assert "recording" in player.operate(Operation(goal=Journey(1, ()))).result(0.0).text
         assert "recording" in player.operate(Operation(halt=True)).result(0.0).text
         assert player.join(PATIENCE)
         assert player.snapshot()["verdict"] == "arrived"
@@ -107,14 +104,11 @@ def test_a_recording_plays_at_its_speed_and_can_be_held() -> None:
 
 def test_the_terminal_shows_the_same_rows_and_ends_with_the_run() -> None:
     player = Player(ring(2), "old", entries(3), speed=0.0)
-    console = Console(record=True, width=120, file=io.StringIO())
-    assert terminal.show(player, console) == "arrived"
+    assert terminal.show(player, Console(width=120, file=io.StringIO())) == "arrived"
     player.close()
     frame = player.snapshot()
     frame["robots"][0].update(alarm=True, status="fenced")
-    console = Console(record=True, width=120, file=io.StringIO())
-    console.print(terminal.table(frame))
-    text = console.export_text()
+    text = printed(terminal.table(frame))
     assert "✕ fenced" in text
     assert "smallest clearance 10.00 mm" in text
 

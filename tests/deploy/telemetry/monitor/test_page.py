@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -14,7 +14,7 @@ from deploy.telemetry.monitor.watcher import Watcher
 from deploy.telemetry.monitor.web import Server
 from protocol.operations import Steer
 from protocol.scenario.model import Order, RobotSpec, Scenario
-from tests.deploy.telemetry.monitor.watched import ring, running, served, watch_local
+from tests.deploy.telemetry.monitor.watched import ring, running, watch_local
 from tests.until import PATIENCE, until
 
 if TYPE_CHECKING:
@@ -119,7 +119,7 @@ def shown(
     context = browser.new_context(**{"viewport": DESKTOP, **options})
     context.set_default_timeout(1000 * PATIENCE)
     context.add_init_script(SLOW_DISPLAY)
-    with served(watcher) as server:
+    with closing(Server(watcher)) as server:
         it = Shown(context.new_page(), fleet, watcher, server)
         it.listen()
         it.page.goto(server.link)

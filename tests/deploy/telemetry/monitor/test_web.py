@@ -8,8 +8,8 @@ import sys
 import time
 import urllib.error
 import urllib.request
-from collections.abc import Callable
-from contextlib import closing
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
 from select import select
 from typing import Any
 from urllib.parse import urljoin
@@ -22,10 +22,19 @@ from deploy.run.local import LocalFleet
 from deploy.telemetry.monitor.web import Server
 from protocol.bus.local import LocalNetwork
 from protocol.errors import UsageError
-from tests.deploy.telemetry.monitor.watched import ring, running, served, watch_local
+from tests.deploy.telemetry.monitor.watched import ring, running, watch_local
 from tests.until import PATIENCE, until
 
 pytestmark = pytest.mark.slow
+
+
+@contextmanager
+def driven(speed: float) -> Iterator[Server]:
+    """A server for a fleet that runs."""
+    fleet = LocalFleet(ring(), "r")
+    watcher = watch_local(fleet.network, "r", speed=speed)
+    with running(fleet), closing(Server(watcher)) as server:
+        yield server
 
 
 def live(server: Server, **options: Any) -> ClientConnection:
@@ -41,9 +50,7 @@ def news(socket_: ClientConnection, kind: str, condition: Callable[[Any], Any] =
 
 
 def test_the_page_is_told_an_overview_and_then_frames_at_a_bounded_rate() -> None:
-    fleet = LocalFleet(ring(), "r")
-    watcher = watch_local(fleet.network, "r", speed=0.5)
-    with running(fleet), served(watcher) as server, live(server) as viewer:
+    with driven(0.5) as server, live(server) as viewer:
         overview = news(viewer, "overview", lambda it: it["scenario"])
         assert [robot["id"] for robot in overview["robots"]] == [1, 2, 3, 4]
         first = news(viewer, "frame")
@@ -57,9 +64,7 @@ def test_the_page_is_told_an_overview_and_then_frames_at_a_bounded_rate() -> Non
 
 
 def test_a_viewer_can_hold_the_run_and_let_it_go() -> None:
-    fleet = LocalFleet(ring(), "r")
-    watcher = watch_local(fleet.network, "r", speed=1.0)
-    with running(fleet), served(watcher) as server, live(server) as viewer:
+    with driven(1.0) as server, live(server) as viewer:
         news(viewer, "frame", lambda it: it["tick"] >= 2)
         viewer.send('{"steer": {"pause": true}}')
         held = news(viewer, "frame", lambda it: it["phase"] == "paused")
@@ -72,9 +77,7 @@ def test_a_viewer_can_hold_the_run_and_let_it_go() -> None:
 
 
 def test_a_viewer_releases_only_the_stops_that_it_has_been_shown(monkeypatch: pytest.MonkeyPatch) -> None:
-    fleet = LocalFleet(ring(), "r")
-    watcher = watch_local(fleet.network, "r", speed=0.1)
-    with running(fleet), served(watcher) as server, live(server) as viewer:
+    with driven(0.1) as server, live(server) as viewer:
         news(viewer, "frame", lambda it: it["phase"] == "running")
         for stops, patience in ((1, 0.0), (2, PATIENCE)):
             monkeypatch.setattr("deploy.telemetry.monitor.web._ANSWER", patience)  # the first answer is late
@@ -89,7 +92,7 @@ def test_a_viewer_releases_only_the_stops_that_it_has_been_shown(monkeypatch: py
 def test_a_viewer_that_leaves_waits_for_no_answer(capfd: pytest.CaptureFixture[str]) -> None:
     watcher = watch_local(LocalNetwork(), "r")
     watcher._known = True  # nothing drives it
-    with served(watcher) as server, live(server) as viewer:
+    with closing(Server(watcher)) as server, live(server) as viewer:
         viewer.send('{"halt": true}')
         until(lambda: not watcher._wishes.empty())
     assert capfd.readouterr().err == ""
@@ -117,15 +120,13 @@ def asleep(server: Server) -> socket.socket:
 
 
 def test_a_viewer_that_does_not_read_holds_up_no_other() -> None:
-    fleet = LocalFleet(ring(), "r")
-    watcher = watch_local(fleet.network, "r", speed=0.3)
-    with running(fleet), served(watcher) as server, closing(asleep(server)), live(server) as viewer:
+    with driven(0.3) as server, closing(asleep(server)), live(server) as viewer:
         first = news(viewer, "frame")["tick"]
         assert news(viewer, "frame", lambda it: it["tick"] > first + 10)["phase"] == "running"
 
 
 def test_a_page_of_another_site_cannot_steer() -> None:
-    with served(watch_local(LocalNetwork(), "r")) as server:
+    with closing(Server(watch_local(LocalNetwork(), "r"))) as server:
         for origin in ("http://evil.example", "http://127.0.0.1:1", "null"):
             with pytest.raises(WebSocketException), live(server, origin=origin) as viewer:
                 viewer.recv(timeout=PATIENCE)
@@ -134,9 +135,7 @@ def test_a_page_of_another_site_cannot_steer() -> None:
 
 
 def test_a_viewer_without_token_may_only_look() -> None:
-    fleet = LocalFleet(ring(), "r")
-    watcher = watch_local(fleet.network, "r", speed=1.0)
-    with running(fleet), served(watcher) as server:
+    with driven(1.0) as server:
         address = server.address.replace("http", "ws") + "/live"
         for query in ("", "?token=", "?token=guess", "?token=%00%ff"):
             with connect(address + query) as viewer:
@@ -152,7 +151,7 @@ def test_a_viewer_without_token_may_only_look() -> None:
 
 
 def test_only_the_own_host_name_is_answered() -> None:
-    with served(watch_local(LocalNetwork(), "r")) as server:
+    with closing(Server(watch_local(LocalNetwork(), "r"))) as server:
         request = urllib.request.Request(server.address, headers={"Host": "evil.example"})
         with pytest.raises(urllib.error.HTTPError, match="400"):
             urllib.request.urlopen(request, timeout=PATIENCE)
@@ -167,7 +166,7 @@ def fetch(url: str) -> str:
 
 
 def test_every_file_of_the_page_is_served_and_none_comes_from_elsewhere() -> None:
-    with served(watch_local(LocalNetwork(), "r")) as server:
+    with closing(Server(watch_local(LocalNetwork(), "r"))) as server:
         page = fetch(server.address)
         seen, pending = set(), set(re.findall(r'(?:src|href)="([^"]+)"', page))
         while pending:
@@ -182,8 +181,10 @@ def test_every_file_of_the_page_is_served_and_none_comes_from_elsewhere() -> Non
 
 def test_a_taken_port_is_named() -> None:
     source = watch_local(LocalNetwork(), "r")
-    with served(source) as server, pytest.raises(UsageError, match=re.escape(server.address.rsplit(":")[-1])):
-        Server(source, int(server.address.rsplit(":")[-1]))
+    with closing(Server(source)) as server:
+        port = server.address.rsplit(":")[-1]
+        with pytest.raises(UsageError, match=port):
+            Server(source, int(port))
 
 
 def test_without_the_web_libraries_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -2,12 +2,11 @@
 
 import threading
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from math import cos, pi, sin
 
 from deploy.run.local import LocalFleet
-from deploy.telemetry.monitor.watcher import Player, Watcher
-from deploy.telemetry.monitor.web import Server
+from deploy.telemetry.monitor.watcher import Watcher
 from protocol.bus.local import LocalNetwork
 from protocol.operations import Steer
 from protocol.scenario.model import Control, ProcessFault, RobotSpec, Scenario, Time
@@ -35,12 +34,6 @@ def running(fleet: LocalFleet) -> Iterator[None]:
     finally:
         stop.set()
         thread.join(PATIENCE)
-
-
-@contextmanager
-def served(source: Watcher | Player) -> Iterator[Server]:
-    with closing(Server(source)) as server:
-        yield server
 
 
 def watch_local(network: LocalNetwork, run: str, *, speed: float | None = None) -> Watcher:

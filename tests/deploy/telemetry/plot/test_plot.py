@@ -30,13 +30,6 @@ STEP = 0.05
 
 
 @pytest.fixture(scope="module")
-def recording(tmp_path_factory) -> Recording:
-    path = tmp_path_factory.mktemp("plot") / "three.mcap"
-    record(path)
-    return read(path)
-
-
-@pytest.fixture(scope="module")
 def faulty(tmp_path_factory) -> Recording:
     """Measurements two ticks late, States three ticks late and two in five lost."""
     path = tmp_path_factory.mktemp("plot") / "faulty.mcap"

@@ -70,7 +70,6 @@ class FakeWorld:
     def __init__(self, bus, run: str) -> None:
         self.replies: list[bytes] = []  # to the first request
         self._bus, self._run = bus, run
-        self._publish = {}
         bus.node = self
         bus.serve(world_key(run, "scenario"))
         bus.announce(world_token(run, "1"))
@@ -81,6 +80,4 @@ class FakeWorld:
             event.reply(self.replies.pop(0) if self.replies else overview)
 
     def say(self, key: str, payload: bytes) -> None:
-        if key not in self._publish:
-            self._publish[key] = self._bus.publisher(STREAMS[parse(key).stream], key)
-        self._publish[key](payload)
+        self._bus.publisher(STREAMS[parse(key).stream], key)(payload)

@@ -22,16 +22,6 @@ from tests.deploy.telemetry.recording.recorded import rewritten, said_by
 from tests.listening import overhear
 
 
-@pytest.fixture(scope="module")
-def path(recorded) -> Path:
-    return recorded[0]
-
-
-@pytest.fixture(scope="module")
-def recording(path) -> Recording:
-    return read(path)
-
-
 def _without_truths(recording: Recording, lost: set[int]) -> Recording:
     whole = recording.trajectory
     return replace(recording, trajectory=whole.at(~np.isin(whole.ticks, list(lost))))
@@ -78,7 +68,8 @@ def test_a_recording_is_heard_under_another_name(recording):
     assert heard == [(sample.key, sample.payload) for _, sample in published(recording, "again")]
 
 
-def test_commands_say_what_they_found(path, recording, tmp_path, capsys):
+def test_commands_say_what_they_found(recording, tmp_path, capsys):
+    path = recording.path
     replay(path)
     assert "as in the result" in capsys.readouterr().out
     info(path)
@@ -92,13 +83,13 @@ def test_commands_say_what_they_found(path, recording, tmp_path, capsys):
 
 
 @pytest.mark.process
-def test_exit_status_of_the_command(path, recording, disknav, tmp_path):
+def test_exit_status_of_the_command(recording, disknav, tmp_path):
     x = repr(recording.trajectory.positions[20, 0, 0].item()).encode()
     other = x[:-1] + (b"1" if x[-1:] != b"1" else b"2")
-    altered = rewritten(path, tmp_path / "altered.mcap", lambda data: data.replace(x, other))
+    altered = rewritten(recording.path, tmp_path / "altered.mcap", lambda data: data.replace(x, other))
     said = "altered.mcap: the recorded trajectory has hash"
     none = tmp_path / "none.mcap"
-    for file, status, text in ((path, 0, ""), (altered, 3, said), (none, 2, "No such file")):
+    for file, status, text in ((recording.path, 0, ""), (altered, 3, said), (none, 2, "No such file")):
         done = disknav("recording", "replay", file)
         assert done.returncode == status, done.stderr
         assert text in done.stderr

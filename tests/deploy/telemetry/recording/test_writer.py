@@ -19,10 +19,8 @@ from protocol.keys import robot_key, world_key
 from protocol.messages import Clock, Command, Health, Truth
 from tests.deploy.telemetry.recording.recorded import ROBOTS, said_by, scenario
 
-Said = list[tuple[str, bytes]]
 
-
-def said(tick: int) -> Said:
+def said(tick: int) -> list[tuple[str, bytes]]:
     """What is said in one tick, much of it: no compression makes it small."""
     robots, positions = tuple(r.id for r in ROBOTS), tuple(r.start for r in ROBOTS)
     reason = os.urandom(1000).hex()
