@@ -30,12 +30,7 @@ ALL = dict(commands())
 
 
 def option(name: str) -> dict[str, Any]:
-    found = {}
-    for title, command in ALL.items():
-        for parameter in command.params:
-            if name in parameter.opts:
-                found[title] = parameter
-    return found
+    return {title: each for title, it in ALL.items() for each in it.params if name in each.opts}
 
 
 @pytest.mark.parametrize("name", ["--json", "--seed", "--set", "--quiet", "--secure", "--mode"])
@@ -87,6 +82,7 @@ REFUSED = [
     ("certify --verify x.json --set control.k=3", "--set"),
     ("setup deploy compose figure-1 -o fleet --router tls/10.0.0.1:7447", "--router"),
     ("setup deploy systemd figure-1 -o fleet --image mine", "--image"),
+    ("setup deploy compose turtlebots-2 --set world.plant=external -o fleet", "external bases"),
     ("scenario new swap --density 0.2", "--density"),
     ("recording replay x.mcap --speed 3", "--speed"),
     ("recording replay x.mcap --run other", "--run"),

@@ -15,6 +15,7 @@ from deploy.run.local import LocalFleet
 from deploy.software import check_compiled, compiled
 from protocol.errors import UsageError
 from protocol.process.installation import ROOT
+from tests.scripts import ended
 
 _TWINS = pytest.mark.skipif(not compiled(), reason="nothing is compiled: `make compile`")
 _SCENARIOS = ("figure-1", "delay-6", "forest-2", "warehouse-2", "turtlebots-3", "parts-1", "random-34")
@@ -31,15 +32,7 @@ def test_trajectories_are_those_of_the_sources(tmp_path: Path) -> None:
         "import json, sys; from deploy.library.load import load; from deploy.run.local import LocalFleet\n"
         "print(json.dumps([LocalFleet(load(name, ['time.limit=5'])).execute() for name in sys.argv[1:]]))"
     )
-    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
-    said = subprocess.run(
-        [sys.executable, "-c", script, *_SCENARIOS],
-        cwd=tmp_path,
-        env=environment,
-        capture_output=True,
-        timeout=240,
-        check=True,
-    ).stdout
+    said = ended(script, *_SCENARIOS, timeout=240.0, cwd=tmp_path).stdout  # which comes first on its path
     for name, source in zip(_SCENARIOS, json.loads(said), strict=True):
         twin = LocalFleet(load(name, ["time.limit=5"])).execute()
         same = ("trajectory_sha256", "min_clearance", "nrl", "phi", "ticks")

@@ -25,13 +25,8 @@ ROSTER = KeyRoster("Yard_7", (1, 2, 5))
 SCENARIO = load("figure-2", [], 4)
 
 
-@pytest.fixture
-def plan() -> Plan:
-    return Plan(ROSTER, write_toml(SCENARIO))
-
-
-def written(tmp_path: Path, orchestrator: Any, plan: Plan) -> Path:
-    write(tmp_path / "fleet", orchestrator, plan)
+def written(tmp_path: Path, orchestrator: Any) -> Path:
+    write(tmp_path / "fleet", orchestrator, Plan(ROSTER, write_toml(SCENARIO)))
     return tmp_path / "fleet"
 
 
@@ -39,18 +34,18 @@ def documents(path: Path) -> list[dict[str, Any]]:
     return list(yaml.safe_load_all(path.read_text()))
 
 
-def test_compose_follows_its_specification(tmp_path: Path, plan: Plan) -> None:
+def test_compose_follows_its_specification(tmp_path: Path) -> None:
     import compose_spec
 
-    folder = written(tmp_path, "compose", plan)
+    folder = written(tmp_path, "compose")
     (document,) = documents(folder / "compose.yaml")  # with its anchors followed
     project = compose_spec.PyCompose.from_yaml(yaml.safe_dump(document))
     project.validate()
     assert set(project.service_names()) == {"router", "world", "robot-1", "robot-2", "robot-5"}
 
 
-def test_compose_gives_everybody_their_own_key_and_no_privileges(tmp_path: Path, plan: Plan) -> None:
-    folder = written(tmp_path, "compose", plan)
+def test_compose_gives_everybody_their_own_key_and_no_privileges(tmp_path: Path) -> None:
+    folder = written(tmp_path, "compose")
     (project,) = documents(folder / "compose.yaml")
     for role, service in project["services"].items():
         secrets = {secret["source"] for secret in service["secrets"]}
@@ -66,10 +61,10 @@ def test_compose_gives_everybody_their_own_key_and_no_privileges(tmp_path: Path,
 
 
 @pytest.mark.slow
-def test_kubernetes_follows_its_schemas(tmp_path: Path, plan: Plan) -> None:
+def test_kubernetes_follows_its_schemas(tmp_path: Path) -> None:
     import kubernetes_validate
 
-    folder = written(tmp_path, "kubernetes", plan)
+    folder = written(tmp_path, "kubernetes")
     kinds = []
     for name in ("fleet.yaml", "secret.yaml"):
         for document in documents(folder / name):
@@ -112,16 +107,8 @@ def test_no_orchestrator_starts_a_removed_process_again(disknav: Forks, tmp_path
     assert "robot 2 again" in done.stderr
 
 
-@pytest.mark.slow
-def test_bases_outside_are_refused_for_keys_let_nothing_of_them_pass(disknav: Forks, tmp_path: Path) -> None:
-    settings = ("--set", "world.plant=external")
-    done = disknav("setup", "deploy", "compose", "turtlebots-2", *settings, "-o", tmp_path / "fleet")
-    assert (done.returncode, (tmp_path / "fleet").exists()) == (2, False)
-    assert "external bases" in done.stderr
-
-
-def test_a_pod_at_an_index_runs_the_robot_whose_keys_it_sees(tmp_path: Path, plan: Plan) -> None:
-    robots = documents(written(tmp_path, "kubernetes", plan) / "fleet.yaml")[-1]["spec"]
+def test_a_pod_at_an_index_runs_the_robot_whose_keys_it_sees(tmp_path: Path) -> None:
+    robots = documents(written(tmp_path, "kubernetes") / "fleet.yaml")[-1]["spec"]
     assert (robots["completions"], robots["completionMode"]) == (3, "Indexed")
     pod = robots["template"]["spec"]["containers"][0]
     items = robots["template"]["spec"]["volumes"][0]["secret"]["items"]
@@ -135,8 +122,8 @@ def test_a_pod_at_an_index_runs_the_robot_whose_keys_it_sees(tmp_path: Path, pla
         assert {name for name in seen if name.endswith(".key")} == {f"robot-{robot}.key"}
 
 
-def test_kubernetes_pods_are_confined_and_probed_on_their_health(tmp_path: Path, plan: Plan) -> None:
-    folder = written(tmp_path, "kubernetes", plan)
+def test_kubernetes_pods_are_confined_and_probed_on_their_health(tmp_path: Path) -> None:
+    folder = written(tmp_path, "kubernetes")
     objects = [document.get("spec", {}) for document in documents(folder / "fleet.yaml")]
     templates = [spec["template"]["spec"] for spec in objects if "template" in spec]
     assert len(templates) == 3

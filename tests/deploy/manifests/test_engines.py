@@ -24,10 +24,6 @@ SCENARIO = guested()
 PATIENCE = 90.0
 
 
-def plan(run: str) -> Plan:
-    return Plan(KeyRoster(run, ROBOTS), write_toml(SCENARIO), wait=60.0)
-
-
 def report(text: str) -> dict[str, Any]:
     """The world's report, out of what it and others printed."""
     return json.JSONDecoder().raw_decode(text[text.index("{\n") :])[0]
@@ -66,7 +62,7 @@ def composed(folder: Path) -> Iterator[Callable[..., None]]:
 
 @pytest.mark.skipif(shutil.which("podman-compose") is None, reason="no podman-compose: untested here")
 def test_compose_brings_up_a_fleet_that_arrives(tmp_path: Path) -> None:
-    it = plan("composed")
+    it = Plan(KeyRoster("composed", ROBOTS), write_toml(SCENARIO), wait=60.0)
     write(tmp_path / "fleet", "compose", it)
     with composed(tmp_path / "fleet") as up:
         up("router", "world")
