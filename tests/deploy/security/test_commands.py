@@ -6,8 +6,11 @@ from pathlib import Path
 import pytest
 
 from deploy.security.membership import KeyRing
+from deploy.security.roster import KeyRoster
 from protocol.errors import UsageError
 from tests.forks import Forks
+
+ROSTER = KeyRoster("yard", (1, 2, 3))
 
 
 @pytest.mark.process
@@ -22,9 +25,7 @@ def test_keys_then_a_run_with_them(disknav: Forks, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_mistakes_are_named_before_anything_starts(disknav: Forks, tmp_path: Path) -> None:
-    keys = tmp_path / "keys"
-    assert disknav("setup", "keys", keys, "-s", "figure-2", "--run", "yard").returncode == 0
+def test_mistakes_are_named_before_anything_starts(disknav: Forks, keys: Path, tmp_path: Path) -> None:
     mistakes = {
         ("run", "figure-1", "--secure", keys): "no certificate for robot-4",
         ("run", "figure-2", "--secure", keys, "--run", "other"): "are for the run yard, not other",
@@ -41,9 +42,7 @@ def test_mistakes_are_named_before_anything_starts(disknav: Forks, tmp_path: Pat
 
 
 @pytest.mark.slow
-def test_print_config_is_the_whole_of_the_rules(disknav: Forks, tmp_path: Path) -> None:
-    keys = tmp_path / "keys"
-    disknav("setup", "keys", keys, "-s", "figure-2", "--run", "yard")
+def test_print_config_is_the_whole_of_the_rules(disknav: Forks, keys: Path) -> None:
     printed = disknav("node", "router", "--secure", keys, "--print-config")
     config = json.loads(printed.stdout.partition("\n")[2])
     assert config["listen"]["endpoints"] == ["tls/127.0.0.1:7447"]

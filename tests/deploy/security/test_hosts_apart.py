@@ -16,7 +16,7 @@ from protocol.bus.bus import Presence, Query, Sample
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
 from protocol.errors import CertificateError, UsageError
-from protocol.keys import ROBOT_STREAMS, STREAMS, everything, robot_key, world_key
+from protocol.keys import ROBOT_STREAMS, STREAMS, everything, parse, robot_key, world_key
 from tests.deploy.processes.ports import free_ports
 from tests.until import until
 
@@ -26,19 +26,14 @@ RUN, HERE = "apart", "127.0.0.1"
 HOMES = {"a": Home((HERE,), (1,)), "b": Home((HERE,), (2,)), "c": Home((HERE,), (3, 4))}
 ROSTER = KeyRoster(RUN, (1, 2, 3, 4), HOMES, "a")
 STATES, ALL = f"disknav/{RUN}/robot/*/state", everything(RUN)
-OWN = {"robot/3", "robot/4"}
+OWN, STATE = {"robot/3", "robot/4"}, robot_key(RUN, 3, "state")
 
 
-def keys_of(name: str) -> list[str]:
-    """Of a stream or question: one of each robot, or the world's."""
-    if name in ROBOT_STREAMS:
-        return [robot_key(RUN, robot, name) for robot in ROSTER.robots]
-    return [world_key(RUN, name)]
-
-
-def every_key() -> Iterator[tuple[str, str]]:
-    for name, stream in STREAMS.items():
-        yield from ((stream.name, key) for key in keys_of(name))
+def every_key() -> Iterator[str]:
+    """Of each stream: one of each robot, or the world's."""
+    for name in STREAMS:
+        robots = ROSTER.robots if name in ROBOT_STREAMS else ()
+        yield from [robot_key(RUN, robot, name) for robot in robots] or [world_key(RUN, name)]
 
 
 def owner(key: str) -> str:
@@ -47,8 +42,8 @@ def owner(key: str) -> str:
     return f"{first}/{rest.partition('/')[0]}" if first == "robot" else first
 
 
-def publish(bus: ZenohBus, stream: str, key: str, payload: bytes) -> None:
-    bus.publisher(STREAMS[stream], key)(payload)
+def publish(bus: ZenohBus, key: str, payload: bytes) -> None:
+    bus.publisher(STREAMS[parse(key).stream], key)(payload)
 
 
 class Field:
@@ -68,17 +63,13 @@ class Field:
         self.spy.watch(ALL)
         self.rogue = self._open(replace(self._router("c", ("a", "b")), access=None))
         self.rogue.await_routers(10.0)
-        for bus in (self.spy, self.honest):
-            self._await_way(bus)
 
-    def _await_way(self, bus: ZenohBus) -> None:
-        """Routers tell each other of subscriptions in their own time: wait until what is allowed arrives."""
-
-        def arrives() -> bool:
-            publish(self.rogue, "state", robot_key(RUN, 3, "state"), b"ready")
+        def arrives(bus: ZenohBus) -> bool:
+            publish(self.rogue, STATE, b"ready")
             return isinstance(bus.receive(0.05), Sample)
 
-        until(arrives, what="nothing gets through")
+        for bus in (self.spy, self.honest):  # routers tell each other of subscriptions in their own time
+            until(lambda bus=bus: arrives(bus), what="nothing gets through")
 
     def client(self, role: str, host: str) -> ZenohBus:
         return self._open(KeyRing(self._keys).client(role, (self.endpoints[host],), timeout=5.0))
@@ -104,8 +95,8 @@ def attack(rogue: ZenohBus) -> None:
     rogue.serve(f"disknav/{RUN}/**")
     for each in ("world", *(f"robot/{robot}" for robot in ROSTER.robots)):
         rogue.announce(f"disknav/{RUN}/{each}/alive/1")
-    for stream, key in every_key():
-        publish(rogue, stream, key, b"rogue")
+    for key in every_key():
+        publish(rogue, key, b"rogue")
 
 
 def heard(bus: ZenohBus, last: bytes) -> tuple[set[str], set[str]]:
@@ -127,11 +118,11 @@ def test_with_everything_of_a_host_one_speaks_for_its_robots_only(field: Field) 
     attack(field.rogue)
     for mine in ("robot-3", "robot-4"):  # its robots' keys, at the routers of others
         attack(field.client(mine, "a"))
-    publish(field.rogue, "state", robot_key(RUN, 3, "state"), b"its own")
+    publish(field.rogue, STATE, b"its own")
     assert heard(field.spy, b"its own") == (OWN, OWN)
     assert heard(field.honest, b"its own") == (OWN, set())  # nor as the world to others' robots
-    publish(field.world, "tick", robot_key(RUN, 2, "tick"), b"for 2 alone")
-    publish(field.honest, "command", robot_key(RUN, 2, "command"), b"for the world")
+    publish(field.world, robot_key(RUN, 2, "tick"), b"for 2 alone")
+    publish(field.honest, robot_key(RUN, 2, "command"), b"for the world")
     heard(field.honest, b"for 2 alone")
     heard(field.spy, b"for the world")
     overheard = iter(lambda: field.rogue.receive(0.2), None)
