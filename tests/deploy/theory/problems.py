@@ -1,6 +1,7 @@
 """What the navigation function is tested on: 2, 3 and 6 robots, equal and unequal, and their clusters."""
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from deploy.theory.exact_flow import random_configuration
 from deploy.theory.function import FleetProblem, beta_pairs, gamma, obstacle_functions
@@ -35,29 +36,19 @@ def log_ratio(problem: FleetProblem, b: Reals) -> float:
     return float(problem.k * np.log(gamma(problem, b)) - np.log(obstacle_functions(problem, b)).sum())
 
 
-def clusters(problem: FleetProblem, b: Reals, eps: float) -> tuple[tuple[int, ...], ...]:
-    """The partition P_1..P_s of robot indices (from 0), sorted, ordered by smallest member (Lemma B.3)."""
+def clusters(problem: FleetProblem, b: Reals, eps: float) -> list[list[int]]:
+    """The partition P_1..P_s of robot indices (from 0), ordered by smallest member (Lemma B.3)."""
     beta = beta_pairs(problem, b)
-    near = (beta > 0.0) & (beta <= eps)  # N_eps(b, i), section 2.3
-    left, cells = set(range(problem.p)), []
-    while left:
-        cell: set[int] = set()
-        ring = {min(left)}
-        while ring:  # the (n+1)st neighbours: near to an nth neighbour, to none before
-            cell |= ring
-            ring = {int(j) for i in ring for j in np.flatnonzero(near[i])} - cell
-        cells.append(tuple(sorted(cell)))
-        left -= cell
-    return tuple(cells)
+    count, labels = connected_components((beta > 0.0) & (beta <= eps))  # N_eps(b, i), section 2.3
+    return [np.flatnonzero(labels == label).tolist() for label in range(count)]
 
 
-def circulation(b: Reals, cluster: tuple[int, ...]) -> Reals:
+def circulation(b: Reals, members: list[int]) -> Reals:
     """v_z = sum over the cluster of J (b_n - g_z) (x) e_n, equation (15), (p, 2) m.
 
     All members circle their centroid g_z, the others stand still: the direction of negative curvature of
     Proposition C.4, hence a natural way off a saddle. J = [[0, 1], [-1, 0]].
     """
-    members = list(cluster)
     arms = b[members] - b[members].mean(axis=0)
     v = np.zeros_like(b)
     v[members] = np.stack([arms[:, 1], -arms[:, 0]], axis=1)

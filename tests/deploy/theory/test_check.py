@@ -126,15 +126,11 @@ def test_parts_have_no_theorem_and_may_have_an_order() -> None:
     assert (found.theorem, found.parts, found.order) == (None, 4, True)
 
 
-def test_two_parts_that_change_places_have_no_order() -> None:
+def test_two_parts_that_change_places_have_no_order_and_a_robot_with_parts_no_sphere_world() -> None:
     drawn = load("parts-2", [], 0)
     one, other = drawn.parts
     swapped = (replace(one, goal=other.start), replace(other, goal=one.start))
     assert surrounded(replace(drawn, parts=swapped)).order is False
-
-
-def test_a_single_robot_with_parts_is_in_no_sphere_world() -> None:
-    drawn = load("parts-2", [], 0)
     theorem, reasons = theorem_for(replace(drawn, robots=drawn.robots[:1]))
     assert theorem is None
     assert "carried parts" in reasons[0]

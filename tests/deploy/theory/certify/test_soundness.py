@@ -48,18 +48,14 @@ def test_no_known_minimum_is_ever_settled() -> None:
             assert holds(box, found.row)
 
 
-def test_below_the_threshold_the_minimum_stays_in_an_open_box() -> None:
-    found = blockade(2.2)
-    search = Search(scene_of(found.problem), (1.0 / 2.25, 1.0 / 2.15))
-    search.advance(20_000)
-    assert any(holds(box, found.row) for box in search.open)
+BELOW, LARGE = (1.0 / 2.25, 1.0 / 2.15), (0.0, 1e-4)  # kappa below the threshold; of every large k
+MINIMA = [(blockade, 2.2, BELOW), (forever, True, LARGE), (forever, False, LARGE)]
 
 
-@pytest.mark.parametrize("equal", [True, False])
-def test_goals_that_have_a_minimum_at_every_large_k_never_certify(equal: bool) -> None:
-    found = forever(equal)
-    scene = scene_of(found.problem)
-    search = Search(scene, (0.0, 1e-4))
+@pytest.mark.parametrize(("minimum", "which", "kappa"), MINIMA)
+def test_where_there_is_a_minimum_it_stays_in_an_open_box(minimum, which, kappa) -> None:
+    found = minimum(which)
+    search = Search(scene_of(found.problem), kappa)
     search.advance(20_000)
     assert any(holds(box, found.row) for box in search.open)
 
