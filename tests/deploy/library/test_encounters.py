@@ -60,14 +60,11 @@ def test_check_says_which_theorem_does_not_apply_and_why() -> None:
 
 SCENARIO = load("in-turn-3")
 TICKS = SCENARIO.ticks(1.0)
+DISTURBED = (2, 4)  # slots at whose end a standing robot is put 3 mm nearer to the middle
 
 
-def run(disturbed: tuple[int, ...]) -> tuple[LocalFleet, list[set[int]], list[float]]:
-    """The fleet at its end, the robots that moved in each tick, and phi at the start of each.
-
-    Args:
-        disturbed: slots at whose end a standing robot is put 3 mm nearer to the middle.
-    """
+def run() -> tuple[LocalFleet, list[set[int]], list[float]]:
+    """The fleet at its end, the robots that moved in each tick, and phi at the start of each."""
     sensing = (Sensing(contradiction="newest"),)  # a robot carried elsewhere believes its measurement
     fleet = LocalFleet(replace(SCENARIO, sensing=sensing))
     world, moved, heights = fleet.world.world, list[set[int]](), list[float]()
@@ -81,7 +78,7 @@ def run(disturbed: tuple[int, ...]) -> tuple[LocalFleet, list[set[int]], list[fl
             {robot for robot, b, a in zip(before.robots, before.positions, after, strict=True) if a != b}
         )
         turn, over = divmod(world.tick, TICKS)
-        if over == 0 and turn in disturbed:
+        if over == 0 and turn in DISTURBED:
             positions, index = world.simulation.plant.positions, turn % len(SCENARIO.ids)
             x, y = positions[index]
             away = math.hypot(x, y)
@@ -89,9 +86,8 @@ def run(disturbed: tuple[int, ...]) -> tuple[LocalFleet, list[set[int]], list[fl
 
 
 def test_one_moves_at_a_time_and_phi_descends_though_static_robots_are_disturbed() -> None:
-    turns = (2, 4)
-    fleet, moved, heights = run(turns)
-    pushed = {turn * TICKS + off for turn in turns for off in (-1, 0)}
+    fleet, moved, heights = run()
+    pushed = {turn * TICKS + off for turn in DISTURBED for off in (-1, 0)}
     for tick in set(range(len(moved))) - pushed:
         assert moved[tick] <= {SCENARIO.ids[tick // TICKS % len(SCENARIO.ids)]}
     assert {tick for tick, (b, a) in enumerate(pairwise(heights)) if a > b + 1e-12} <= pushed
