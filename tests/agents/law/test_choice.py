@@ -38,12 +38,6 @@ def write(tmp_path: Path) -> Write:
     return put
 
 
-def example(folder: Path) -> str:
-    (code,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
-    (folder / "courtesy.py").write_text(code)
-    return f"{folder / 'courtesy.py'}:Courtesy"
-
-
 def under(law: str, scenario: str = "head-on", **over: object) -> Scenario:
     base = load(scenario, [f"control.law={law}"])
     return replace(base, **over)  # type: ignore[arg-type]
@@ -67,7 +61,9 @@ def test_a_law_that_inherits_from_the_interface_has_its_slice() -> None:
 
 @pytest.mark.slow
 def test_the_example_of_the_page_brings_a_swap_home_behind_lines(tmp_path: Path) -> None:
-    scenario = under(example(tmp_path), "swap-8", link=Link(delay=0.2))
+    (code,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)
+    (tmp_path / "courtesy.py").write_text(code)
+    scenario = under(f"{tmp_path / 'courtesy.py'}:Courtesy", "swap-8", link=Link(delay=0.2))
     one, again = (LocalFleet(scenario).execute() for _ in range(2))
     assert (one["verdict"], one["collisions"]) == ("arrived", 0), one["reason"]
     assert one["trajectory_sha256"] == again["trajectory_sha256"]

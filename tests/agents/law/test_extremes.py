@@ -70,10 +70,6 @@ def drive(
         x, y = x + period * vx, y + period * vy
 
 
-def worlds() -> list[Scenario]:
-    return [swap(ROBOTS), load("boxes-4")]
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["gradient", "reciprocal"])
 @settings(max_examples=10, deadline=None)
@@ -87,5 +83,5 @@ def worlds() -> list[Scenario]:
 def test_no_finite_number_of_a_peer_makes_a_law_fail(
     law: str, contact: float, lies: dict[str, float], far: dict[str, float]
 ) -> None:
-    for scenario in worlds():
+    for scenario in swap(ROBOTS), load("boxes-4"):
         drive(scenario, law, lies, far, contact)

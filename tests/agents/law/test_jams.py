@@ -113,19 +113,6 @@ def crowd() -> Scenario:
     return resolved(validated(Scenario(tuple(specs), "crowd", "", 1, Workspace(2.2), time, control)))
 
 
-@pytest.mark.campaign
-def test_a_crowd_that_presses_itself_together_comes_apart() -> None:
-    """Without this it does not within its time."""
-    report = LocalFleet(crowd()).execute()
-    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
-
-
-@pytest.mark.slow
-def test_one_gets_through_between_two_at_their_goals() -> None:
-    report = LocalFleet(gate()).execute()
-    assert (report["verdict"], report["collisions"]) == ("arrived", 0)
-
-
 # -- in narrow passages
 
 WIDE = 0.05  # m, radius
@@ -148,10 +135,14 @@ def corridor(law: str) -> Scenario:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", ["gradient", "reciprocal"])
-def test_both_get_through_a_passage_that_is_wide_enough_for_one(law: str) -> None:
-    """Without this they are in a deadlock."""
-    report = LocalFleet(corridor(law)).execute()
+@pytest.mark.parametrize(
+    "scenario",
+    [gate(), corridor("gradient"), corridor("reciprocal"), pytest.param(crowd(), marks=pytest.mark.campaign)],
+    ids=["between two at their goals", "a passage for one", "by the other law", "a crowd comes apart"],
+)
+def test_robots_get_through(scenario: Scenario) -> None:
+    """Without this they are in a deadlock, or do not within their time."""
+    report = LocalFleet(scenario).execute()
     assert (report["verdict"], report["collisions"]) == ("arrived", 0)
 
 

@@ -55,7 +55,6 @@ def test_some_of_the_gap_remains_even_of_one_that_would_have_passed(
 
 
 K = 60.0
-WHOLLY, AT_ALL = SOFT_IN_FULL, SOFT_AT_ALL
 distances = st.floats(0.0, 20.0)  # radii
 latencies = st.floats(0.0, 10.0)  # laps
 
@@ -64,7 +63,7 @@ latencies = st.floats(0.0, 10.0)  # laps
 def test_nearer_and_later_is_softer_without_a_leap(a: float, b: float, c: float, d: float) -> None:
     near, far, early, late = min(a, b), max(a, b), min(c, d), max(c, d)
     assert late_gain(K, near, late) <= late_gain(K, far, early) <= K
-    assert late_gain(K, near, 0.0) == late_gain(K, near + AT_ALL, late) == K
+    assert late_gain(K, near, 0.0) == late_gain(K, near + SOFT_AT_ALL, late) == K
     assert late_gain(K, 0.0, late + LATEST) == pytest.approx(K / (1.0 + SOFTER))
-    steepest = K * SOFTER * ((far - near) / (AT_ALL - WHOLLY) + late - early)
+    steepest = K * SOFTER * ((far - near) / (SOFT_AT_ALL - SOFT_IN_FULL) + late - early)
     assert late_gain(K, far, early) - late_gain(K, near, late) <= steepest + 1e-9

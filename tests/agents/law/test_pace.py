@@ -31,19 +31,19 @@ def test_arrival_has_no_tail_and_no_overshoot(period: float) -> None:
     speed, tolerance, x, ticks = 0.1, 0.005, 0.25, 0
     own = Slice((0.0, 0.0), 0.04, 0.35, 60.0, [])
     scale = max_rate(speed, period, tolerance)
+
+    def step(x: float) -> float:
+        return period * desired_velocity(Flow(own, scale), (x, 0.0), period=period, speed=speed)[0]
+
     while x > tolerance:
-        step = desired_velocity(Flow(own, scale), (x, 0.0), period=period, speed=speed)[0] * period
-        assert -x < step < 0.0
-        x += step
+        assert -x < step(x) < 0.0
+        x += step(x)
         ticks += 1
     straight = (0.25 - tolerance) / speed
     assert ticks * period <= straight + 4 * period + 0.2
     rest = [x]
     for _ in range(40):
-        rest.append(
-            rest[-1]
-            + period * desired_velocity(Flow(own, scale), (rest[-1], 0.0), period=period, speed=speed)[0]
-        )
+        rest.append(rest[-1] + step(rest[-1]))
     assert rest == sorted(rest, reverse=True)
     assert 0.0 <= rest[-1] < 1e-9
     assert math.isfinite(rest[-1])
@@ -51,12 +51,11 @@ def test_arrival_has_no_tail_and_no_overshoot(period: float) -> None:
 
 @given(st.floats(0.0, 20.0), st.floats(0.0, 5.0))
 def test_only_a_robot_near_its_goal_with_late_peers_makes_haste(away: float, latency: float) -> None:
-    wholly, at_all = FAST_IN_FULL, FAST_AT_ALL
     speed = late_speed(0.3, away, latency)
     assert 0.3 <= speed <= 0.3 * (1.0 + HASTE)
-    assert speed == 0.3 or (away < at_all and latency > 0.0)
+    assert speed == 0.3 or (away < FAST_AT_ALL and latency > 0.0)
     assert late_speed(0.3, away, latency + 0.1) >= speed >= late_speed(0.3, away + 0.1, latency)
-    if away <= wholly and latency >= 1.0:
+    if away <= FAST_IN_FULL and latency >= 1.0:
         assert speed == 0.3 * (1.0 + HASTE)
 
 

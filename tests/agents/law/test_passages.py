@@ -1,5 +1,3 @@
-"""A robot alone passes gaps that are little wider than its disk."""
-
 from collections.abc import Callable
 
 import pytest

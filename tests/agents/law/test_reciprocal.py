@@ -65,10 +65,6 @@ def test_two_that_keep_to_their_half_planes_do_not_touch_within_the_horizon(
     assert shortest_distance(rx, ry, vx - ux, vy - uy) >= CONTACT - 1e-6
 
 
-def planes(data: list[tuple[float, float]]) -> list[HalfPlane]:
-    return [HalfPlane(math.cos(turn), math.sin(turn), limit) for turn, limit in data]
-
-
 def worst(x: float, y: float, limits: list[HalfPlane]) -> float:
     return max((each.nx * x + each.ny * y - each.limit for each in limits), default=-math.inf)
 
@@ -83,7 +79,7 @@ GRID = [(0.05 * i, 0.05 * j) for i in range(-20, 21) for j in range(-20, 21) if 
 def test_no_velocity_is_better_than_the_programs(
     wish: tuple[float, float], data: list[tuple[float, float]]
 ) -> None:
-    limits = planes(data)
+    limits = [HalfPlane(math.cos(turn), math.sin(turn), limit) for turn, limit in data]
     x, y = nearest(wish, limits, 1.0)
     assert math.hypot(x, y) <= 1.0 + 1e-9
     violation = worst(x, y, limits)
