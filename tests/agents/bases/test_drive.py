@@ -17,8 +17,7 @@ from protocol.scenario.body import DECISION, PRESETS, Base, Body
 
 STEP = 5  # ms; all times are multiples
 PERIOD = 0.1  # s
-EXACT = {"error": 0.0, "lag": 0.0, "play": 0.0}  # what is left is what comes late
-BURGER = replace(PRESETS["turtlebot3-burger"], **EXACT)
+BURGER = replace(PRESETS["turtlebot3-burger"], error=0.0, lag=0.0, play=0.0)  # what comes late is left
 WHEELLESS = Body("omnidirectional", speed=0.22, acceleration=0.66)
 SPINNING = Body("differential-drive", 0.1, 0.02, 0.1, 0.5, 5.0)
 SLUGGISH = Body("differential-drive", 0.1, 0.06, 0.2, 0.22, 0.3)
@@ -196,38 +195,15 @@ def test_a_base_stays_in_its_sweep_whenever_each_velocity_takes_effect(case):
     assert worst_excess(*case) <= ROUNDING
 
 
-BACK, AGAIN = [((-0.22, 0.0), 19, 0), ((0.03, 0.0), 22, 0)], [((-0.1, 0.0), 20, 0)]
-TERMS = {
-    "odometry is old": (
-        "_age",
-        (WHEELLESS, (45, 60, 0.0, 100, 100), 1.0, [], BACK, (STILL, 20, 0)),
-        ([], 11, ("toward", "late", -2), -math.pi),
-    ),
-    "velocities take effect late": (
-        "_latency",
-        (SPINNING, (45, 60, 1.0, 5, 5), 1.0, [], AGAIN, ((0.1, 0.0), 26, 0)),
-        ([], 0, ("toward", "toward", -4), math.pi),
-    ),
-    "a process dies": (
-        "alone",
-        (SLUGGISH, (240, 10, 1.0, 0, 5), 0.0, [], [((0.22, 0.0), 20, 3)], ((-0.1, 0.0), 20, 6)),
-        ([], 3, ("toward", "late", -2), -0.11),
-    ),
-}
-
-
-@pytest.mark.parametrize("term", TERMS)
-def test_without_this_term_it_leaves_it(term, monkeypatch):
-    name, before, after = TERMS[term]
+def without(term: str):
+    """Have tolerances leave a term out."""
     made = Tolerance.__init__
 
-    def without(tolerance: Tolerance, *arguments: object, **named: object) -> None:
+    def make(tolerance: Tolerance, *arguments: object, **named: object) -> None:
         made(tolerance, *arguments, **named)
-        setattr(tolerance, name, 0.0)
+        setattr(tolerance, term, 0.0)
 
-    assert worst_excess(*before, *after) <= ROUNDING
-    monkeypatch.setattr(Tolerance, "__init__", without)
-    assert worst_excess(*before, *after) > 1e-3
+    return Tolerance, "__init__", make
 
 
 def brakes(drive: Drive, now: float) -> None:
@@ -236,15 +212,31 @@ def brakes(drive: Drive, now: float) -> None:
 
 
 AHEAD = (0.22 * math.cos(2.0), 0.22 * math.sin(2.0))
+BACK, AGAIN = [((-0.22, 0.0), 19, 0), ((0.03, 0.0), 22, 0)], [((-0.1, 0.0), 20, 0)]
 SLOW = [3, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 20, 0, 0, 3, 0, 0, 0, 0, 20]
-LATE = {
-    "brakes": (
-        brakes,
+RULES = {
+    "odometry is old": (
+        without("_age"),
+        (WHEELLESS, (45, 60, 0.0, 100, 100), 1.0, [], BACK, (STILL, 20, 0)),
+        ([], 11, ("toward", "late", -2), -math.pi),
+    ),
+    "velocities take effect late": (
+        without("_latency"),
+        (SPINNING, (45, 60, 1.0, 5, 5), 1.0, [], AGAIN, ((0.1, 0.0), 26, 0)),
+        ([], 0, ("toward", "toward", -4), math.pi),
+    ),
+    "a process dies": (
+        without("alone"),
+        (SLUGGISH, (240, 10, 1.0, 0, 5), 0.0, [], [((0.22, 0.0), 20, 3)], ((-0.1, 0.0), 20, 6)),
+        ([], 3, ("toward", "late", -2), -0.11),
+    ),
+    "a process that is late commands rest, and does not brake": (
+        (Drive, "_check", brakes),
         (WHEELLESS, (240, 10, 1.0, 0, 5), 0.0, [], [(AHEAD, 20, 0)] * 4, (STILL, 20, 10)),
         ([], 0, ("toward", "toward", 0), 2.0),
     ),
-    "goes on": (
-        lambda _drive, _now: None,
+    "nor goes on": (
+        (Drive, "_check", lambda _drive, _now: None),
         (
             BURGER,
             (240, 10, 1.0, 0, 100),
@@ -258,11 +250,11 @@ LATE = {
 }
 
 
-@pytest.mark.parametrize("late", LATE)
-def test_a_process_that_is_late_and_does_not_command_rest_leaves_it(late, monkeypatch):
-    check, before, after = LATE[late]
+@pytest.mark.parametrize("rule", RULES)
+def test_without_this_it_leaves_it(rule, monkeypatch):
+    patch, before, after = RULES[rule]
     assert worst_excess(*before, *after) <= ROUNDING
-    monkeypatch.setattr(Drive, "_check", check)
+    monkeypatch.setattr(*patch)
     assert worst_excess(*before, *after) > 1e-3
 
 

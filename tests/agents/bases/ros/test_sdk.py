@@ -32,24 +32,23 @@ def port(fleet: Yard) -> str:
 
 def sdk_nodes(fleet: Yard) -> None:
     """Robots that drive straight at their goals, and what a person has at hand."""
-    start = fleet.processes.start
     for spec in fleet.scenario.robots:
         place = (f"/bot{spec.id}", *fleet.axle(spec.id), fleet.folder / f"truth-{spec.id}")
         aim = (*spec.goal, fleet.offset)
-        start(f"base-{spec.id}", sys.executable, HERE / "sdk_robot.py", port(fleet), *place, *aim)
-    start("tools", sys.executable, HERE / "sdk_tools.py", port(fleet), stdin=subprocess.PIPE)
+        fleet.start(f"base-{spec.id}", sys.executable, HERE / "sdk_robot.py", port(fleet), *place, *aim)
+    fleet.start("tools", sys.executable, HERE / "sdk_tools.py", port(fleet), stdin=subprocess.PIPE)
 
 
 def tell(fleet: Yard, *words: object) -> None:
     """A line for the tools."""
-    tools = fleet.processes.of["tools"]
+    tools = fleet.processes["tools"]
     tools.stdin.write((" ".join(map(str, words)) + "\n").encode())
     tools.stdin.flush()
 
 
 def heard(fleet: Yard, topic: str) -> list:
     """What the tools have heard on a topic so far."""
-    lines = fleet.processes.output("tools").split("\n")[:-1]
+    lines = fleet.output("tools").split("\n")[:-1]
     rows = [json.loads(line) for line in lines if line.startswith("[")]
     return [what for name, what in rows if name == topic]
 
@@ -62,14 +61,11 @@ def stands(fleet: Yard, robot: int) -> bool:
 
 def test_planners_arrive_behind_the_filter_are_seen_stopped_and_sent(tmp_path):
     with yard(tmp_path, sdk_nodes, 3, SETTINGS) as fleet:
-        goals = {spec.id: spec.goal for spec in fleet.scenario.robots}
-        start = fleet.scenario.spec(1).start
-        until(lambda: all((tmp_path / f"truth-{robot}").exists() for robot in goals), START, "no bases")
-        until(lambda: fleet.way(1, start) > 0.1, START, "robot 1 does not move")
+        until(lambda: fleet.way(1, fleet.starts[1]) > 0.1, START, "robot 1 does not move")
         tell(fleet, "stop", 1, 1)
         until(lambda: stands(fleet, 1), 20.0, "robot 1 does not stand")
         tell(fleet, "stop", 1, 0)
-        until(lambda: fleet.arrived(goals), 120.0, "they do not arrive")
+        until(fleet.arrived, 120.0, "they do not arrive")
         assert fleet.gap() > 0.0
 
         child, x, y, variance = heard(fleet, "odom")[-1]
@@ -80,7 +76,7 @@ def test_planners_arrive_behind_the_filter_are_seen_stopped_and_sent(tmp_path):
         }.items()
         assert {row["lines"][0] for row in heard(fleet, "markers") if "lines" in row} == {5}
         frames = {tuple(row[:2]) for row in heard(fleet, "/tf")}
-        assert frames == {("map", f"bot{robot}/disk") for robot in goals}
+        assert frames == {("map", f"bot{robot}/disk") for robot in fleet.goals}
 
         tell(fleet, "goal", 1, 0.3, 0.2)
         until(lambda: heard(fleet, "markers")[-1]["goal"][2:] == [0.3, 0.2], 20.0, "robot 1 has its old goal")

@@ -36,44 +36,39 @@ SETTINGS = (
 Vector = tuple[float, float]
 
 
-class Processes:
-    """Processes of a test, each with its output in a file."""
+class Yard:
+    """Processes of a fleet, each with its output in a file, and where its bases say that they really are."""
 
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-        self.of: dict[str, subprocess.Popen[bytes]] = {}
+    def __init__(self, folder: Path, scenario) -> None:
+        self.folder, self.scenario = folder, scenario
+        self.offset = scenario.body_of(1).offset
+        self.starts = {spec.id: spec.start for spec in scenario.robots}
+        self.goals = {spec.id: spec.goal for spec in scenario.robots}
+        self.run, self.endpoint = fresh_run_name(), f"tcp/127.0.0.1:{free_ports(1)[0]}"
+        self.processes: dict[str, subprocess.Popen[bytes]] = {}
 
     def start(self, name: str, *command: object, **options: object) -> None:
-        output = (self._folder / name).open("wb")
-        self.of[name] = subprocess.Popen(
+        output = (self.folder / name).open("wb")
+        self.processes[name] = subprocess.Popen(
             [str(part) for part in command], stdout=output, stderr=subprocess.STDOUT, **options
         )
 
     def output(self, name: str) -> str:
-        return (self._folder / name).read_text(errors="replace")
+        return (self.folder / name).read_text(errors="replace")
 
     def signal(self, name: str, number: signal.Signals) -> None:
-        self.of[name].send_signal(number)
+        self.processes[name].send_signal(number)
 
     def end(self) -> None:
-        for process in self.of.values():
+        for process in self.processes.values():
             process.send_signal(signal.SIGCONT)
             process.terminate()
-        for process in self.of.values():
+        for process in self.processes.values():
             try:
                 process.wait(10.0)
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
-
-
-class Yard:
-    """The fleet, and where its bases say that they really are."""
-
-    def __init__(self, folder: Path, processes: Processes, scenario) -> None:
-        self.folder, self.processes, self.scenario = folder, processes, scenario
-        self.offset = scenario.body_of(1).offset
-        self.run, self.endpoint = fresh_run_name(), f"tcp/127.0.0.1:{free_ports(1)[0]}"
 
     def axle(self, robot: int) -> tuple[float, float, float]:
         """Where the middle of a robot's axle starts, m, and which way it faces, rad."""
@@ -91,7 +86,7 @@ class Yard:
 
     def place(self, robot: int) -> Vector:
         rows = self.truth(robot)
-        return rows[-1][1:] if rows else self.scenario.spec(robot).start
+        return rows[-1][1:] if rows else self.starts[robot]
 
     def way(self, robot: int, place: Vector) -> float:
         """How far a control point is from a place, m."""
@@ -113,7 +108,7 @@ class Yard:
     def speeds(self, begin: float, seconds: float) -> dict[int, float]:
         """Largest speed of each control point for so long from a time on, over 0.1 s, m/s."""
         end, ids = begin + seconds, self.scenario.ids
-        alive = [robot for robot in ids if self.processes.of[f"base-{robot}"].poll() is None]
+        alive = [robot for robot in ids if self.processes[f"base-{robot}"].poll() is None]
         until(lambda: all(self.truth(robot)[-1][0] >= end for robot in alive), 30.0, "a base is silent")
         fastest = {}
         for robot in ids:
@@ -131,8 +126,8 @@ class Yard:
             smallest = min(smallest, nearest(paths[one], paths[other]) - radii)
         return smallest
 
-    def arrived(self, places: dict[int, Vector]) -> bool:
-        return all(self.way(robot, place) < 0.05 for robot, place in places.items())
+    def arrived(self) -> bool:
+        return all(self.way(robot, goal) < 0.05 for robot, goal in self.goals.items())
 
 
 def nearest(one: list[tuple[float, float, float]], other: list[tuple[float, float, float]]) -> float:
@@ -152,16 +147,16 @@ def yard(
     """A router, what `start_bases` starts, a world, and a process for each robot."""
     (folder / "yard.toml").write_text(write_toml(load(f"turtlebots-{count}", [*SETTINGS, *settings], 1)))
     scenario = parse_document(read_document(folder / "yard.toml"))
-    processes = Processes(folder)
+    result = Yard(folder, scenario)
     with ExitStack() as stack:
-        stack.callback(processes.end)
-        result = Yard(folder, processes, scenario)
-        processes.start("router", *result.disknav("node", "router", "--listen", result.endpoint))
-        until(lambda: "listening on" in processes.output("router"), 30.0, "no router")
+        stack.callback(result.end)
+        result.start("router", *result.disknav("node", "router", "--listen", result.endpoint))
+        until(lambda: "listening on" in result.output("router"), 30.0, "no router")
         start_bases(result)
         run = ("--run", result.run, "--router", result.endpoint)
-        processes.start("world", *result.disknav("node", "world", folder / "yard.toml", *run))
+        result.start("world", *result.disknav("node", "world", folder / "yard.toml", *run))
         for robot in scenario.ids:
             base = ("--base", "ros2", "--namespace", f"/bot{robot}")
-            processes.start(f"robot-{robot}", *result.disknav("node", "robot", robot, *run, *base))
+            result.start(f"robot-{robot}", *result.disknav("node", "robot", robot, *run, *base))
+        until(lambda: all((folder / f"truth-{robot}").exists() for robot in scenario.ids), START, "no bases")
         yield result
