@@ -102,21 +102,13 @@ def test_another_world_bounds_what_a_base_may_cover_until_its_lease_is_over() ->
         past.bounds,
         outside.lengths,
     )
-    last = 23 + int(leased / 0.1)
-    for tick in range(21, last):
+    last = 23 + int(leased / 0.1)  # until then it may still move under the lease of its earlier life
+    settled = last + 2 + int(LATE / 0.1)  # before, a report may be of odometry from before it stood
+    for tick in (*range(21, last), *range(last + 1, settled + 1)):
         later.sense(tick)
         later.on_command(Command(1, 2, tick, (0.0, 0.0), report=Report((0.06, 0.0), 2e-3)))
-        assert later.resting() == {}, "it may still move under the lease of its earlier life"
-    late = 1 + int(LATE / 0.1)  # ticks by which a report may be of odometry from before it stood
-    for tick in range(last + 1, last + 1 + late):
-        later.sense(tick)
-        later.on_command(Command(1, 2, tick, (0.0, 0.0), report=Report((0.06, 0.0), 2e-3)))
-        assert later.resting() == {1: (0.06, 0.0)}
-        assert later.unsettled == {1}
-    later.sense(last + 1 + late)
-    later.on_command(Command(1, 2, last + 1 + late, (0.0, 0.0), report=Report((0.06, 0.0), 2e-3)))
-    assert later.resting() == {1: (0.06, 0.0)}
-    assert later.unsettled == set()
+        assert later.resting() == ({} if tick < last else {1: (0.06, 0.0)})
+        assert tick < last or later.unsettled == ({1} if tick < settled else set())
     assert later.bounds == {1: 2e-3}
 
 
@@ -128,13 +120,11 @@ def test_a_base_that_stands_is_settled_where_it_is_known_exactly_or_after_a_whil
         outside.on_command(Command(1, 2, tick, (0.0, 0.0), report=Report((0.06, 0.0), 5.0 * exact)))
         resting = outside.resting()
         assert outside.unsettled == set(resting)
-    outside.on_command(Command(1, 2, 60, (0.0, 0.0), report=Report((0.06, 0.0), exact)))
-    assert outside.resting()
-    assert outside.unsettled == set()
-    outside.on_command(Command(1, 2, 61, (0.0, 0.0), report=Report((0.06, 0.0), 5.0 * exact)))
-    outside.sense(120)
-    assert outside.resting()
-    assert outside.unsettled == set()
+    for tick, bound, now in (60, exact, 59), (61, 5.0 * exact, 120):
+        outside.on_command(Command(1, 2, tick, (0.0, 0.0), report=Report((0.06, 0.0), bound)))
+        outside.sense(now)
+        assert outside.resting()
+        assert outside.unsettled == set()
 
 
 @pytest.mark.parametrize(("off", "verdict"), [(0.0, ""), (0.2498, "aborted")])  # m

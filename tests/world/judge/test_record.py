@@ -95,9 +95,6 @@ def test_phi_rises_by_motion_alone():
     assert (record.totals.increases, record.totals.truth.phi < near.phi) == (1, True)
 
 
-FAST = Control(k=60.0, speed=10.0)
-
-
 def test_a_contact_that_outlasts_its_world_is_one() -> None:
     """Of those that it measured itself, and of those that its plant has found."""
     places = [[(-0.1, 0.02), (-0.1, -0.01)]]
@@ -110,14 +107,11 @@ def test_a_contact_that_outlasts_its_world_is_one() -> None:
     assert record.totals.collisions == 1
 
 
-def passing(y):
-    """Robot 1 passes robot 2, which stands at the origin, at distance y, in four ticks."""
-    return scenario(((-0.18, y), (0.2, y)), ((0.0, 0.0), (0.0, 0.1)), control=FAST)
-
-
 @pytest.mark.parametrize(("distance", "contacts"), [(0.08, 0), (0.08 - 0.5e-9, 0), (0.08 - 2e-9, 1)])
 def test_an_exact_touch_is_no_contact(distance, contacts):
-    world = joined(passing(distance))
+    """Robot 1 passes robot 2, which stands at the origin, in four ticks."""
+    passing = (-0.18, distance), (0.2, distance)
+    world = joined(scenario(passing, ((0.0, 0.0), (0.0, 0.1)), control=Control(k=60.0, speed=10.0)))
     for _ in range(4):
         advance(world, {1: (2.0, 0.0)})
     assert result_of(world)["collisions"] == contacts

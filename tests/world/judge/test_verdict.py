@@ -18,6 +18,7 @@ def test_arrived_means_all_robots_at_once():
             break
     assert world.verdict == "deadlock"
     assert result_of(world)["arrived"] == [1]
+    assert result_of(world)["path_lengths"] == {"1": pytest.approx(0.2), "2": 0.0}
     world = play(setting)
     assert (world.verdict, result_of(world)["arrived"]) == ("arrived", [1, 2])
     assert result_of(world)["ticks"] == 39  # 0.2 m less the tolerance, at 5 mm a tick
@@ -36,9 +37,10 @@ def test_timeout_at_the_limit():
 
 
 def test_a_timeout_says_what_is_still_to_come():
+    """No run in which all have arrived, or none moves, is over while orders are to come."""
     there = ((0.1, 0.0), (0.1, 0.0))
     orders = (Order(5.0, goal=Journey(1, ((0.2, 0.0),))),)
-    world = joined(scenario(there, orders=orders, time=Time(step=STEP, limit=0.5, deadlock=5.0)))
+    world = joined(scenario(there, orders=orders, time=Time(step=STEP, limit=0.5, deadlock=0.2)))
     while not world.verdict:
         advance(world)
     assert (world.verdict, world.referee.reason) == ("timeout", "0.5 s are over; orders are still to come")

@@ -74,17 +74,14 @@ class Setting:
         )
 
 
-def drive(
-    setting: Setting, naive: bool = False, stated: Body | None = None, scenario: Scenario | None = None
-) -> dict[str, Any]:
+def drive(setting: Setting, naive: bool = False, stated: Body | None = None) -> dict[str, Any]:
     """Go through a run; its report.
 
     Args:
         naive: whether the robots take their bodies for points.
         stated: what the robots take their bodies for, if that is not what they are.
-        scenario: in place of the setting's.
     """
-    scenario, lost = scenario or setting.scenario, Random(setting.seed)
+    scenario, lost = setting.scenario, Random(setting.seed)
     world = WorldCore(scenario)
     plant = world.simulation.plant
     if isinstance(plant, Integrator):

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from protocol.scenario.body import Actuation as ActuationFaults
 from protocol.scenario.model import Control
 from tests.world.driving import STEP, two
-from world.plants.integrator import Integrator, SimulatedPoint, limited
+from world.plants.integrator import SimulatedPoint, limited
 
 component = st.floats(-1e300, 1e300) | st.floats(-1.0, 1.0)
 
@@ -35,14 +35,3 @@ def test_actuation_noise_keeps_its_bound_and_the_speed_limit(x, y, tick, seed):
     assert math.hypot(dx, dy) <= 0.1 * STEP * (1 + 1e-15)
     off = math.hypot(dx - asked[0] * STEP, dy - asked[1] * STEP)
     assert off <= setting.actuation.bound * math.hypot(*asked) * STEP * (1 + 1e-12)
-
-
-def test_displacements_lead_exactly_from_one_position_to_the_next():
-    bodies = Integrator(two(actuation=ActuationFaults(noise=0.1)))
-    for tick in range(50):
-        before = bodies.positions[0]
-        bodies.move({1: (0.03, -0.07)}, tick)
-        dx, dy = bodies.displacements[0]
-        assert bodies.positions[0] == (before[0] + dx, before[1] + dy)
-        assert bodies.displacements[1] == (0.0, 0.0)
-    assert bodies.lengths[1] == 0.0 < bodies.lengths[0]

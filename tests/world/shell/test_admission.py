@@ -3,6 +3,7 @@ robots that owe a report, those to be notified, and for how long. There is no bu
 
 from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -47,13 +48,19 @@ class Desk:
         return self.ask(session, robot, lived).incarnation
 
 
-def test_a_life_that_was_lived_is_not_lived_again() -> None:
+@pytest.fixture
+def desk() -> Desk:
+    """The first process is there."""
+    found = Desk()
+    assert found.admitted("first") == 1
+    found.arrive("first")
+    return found
+
+
+def test_a_life_that_was_lived_is_not_lived_again(desk: Desk) -> None:
     """Its numbers have been used."""
-    desk = Desk()
-    assert desk.admitted("a") == 1
-    desk.arrive("a")
-    assert desk.admitted("a", lived=1) == 2
-    assert desk.admitted("a", lived=1) == 2  # the reply was lost
+    assert desk.admitted("first", lived=1) == 2
+    assert desk.admitted("first", lived=1) == 2  # the reply was lost
     assert desk.goes_on(2)
 
 
@@ -80,10 +87,7 @@ def test_one_that_dies_before_its_token_is_there_makes_room() -> None:
     assert desk.goes_on(2)
 
 
-def test_a_second_process_is_refused_and_the_first_undisturbed() -> None:
-    desk = Desk()
-    assert desk.admitted("first") == 1
-    desk.arrive("first")
+def test_a_second_process_is_refused_and_the_first_undisturbed(desk: Desk) -> None:
     desk.clock.now = 100.0
     reply = desk.ask("second")
     assert isinstance(reply, Refusal)
@@ -94,25 +98,18 @@ def test_a_second_process_is_refused_and_the_first_undisturbed() -> None:
     assert desk.admitted("second") == 2
 
 
-def test_a_process_that_the_scenario_has_ended_is_not_its_own_successor() -> None:
+def test_a_process_that_the_scenario_has_ended_is_not_its_own_successor(desk: Desk) -> None:
     """It may ask before its launcher gets to it, when the world or a router was away."""
-    desk = Desk()
-    assert desk.admitted("first") == 1
-    desk.arrive("first")
     desk.run.world.lives.of[1].restart()
     assert isinstance(desk.ask("first"), Wait)
     desk.leave()  # a router went, and with it the token
     assert isinstance(desk.ask("first"), Wait)
     assert desk.admitted("next") == 2
     assert isinstance(desk.ask("first"), Wait)
-    desk.run.world.lives.of[1].kill()
 
 
-def test_the_process_of_a_robot_that_was_removed_is_not_that_of_the_next_with_its_id() -> None:
+def test_the_process_of_a_robot_that_was_removed_is_not_that_of_the_next_with_its_id(desk: Desk) -> None:
     """It may ask before it heard that it was removed, when its robot's id is taken again already."""
-    desk = Desk()
-    assert desk.admitted("first") == 1
-    desk.arrive("first")
     desk.run.world.lives.of[1] = Life(1, LifeStatus.LOST, fenced=True, fate="removed")
     desk.admissions.expect(1)
     assert desk.ask("first") == Finished("removed")
@@ -123,11 +120,8 @@ def test_the_process_of_a_robot_that_was_removed_is_not_that_of_the_next_with_it
     assert desk.admitted("next") == 2
 
 
-def test_a_process_that_lost_its_seat_while_the_scenario_held_it_still_goes_on() -> None:
+def test_a_process_that_lost_its_seat_while_the_scenario_held_it_still_goes_on(desk: Desk) -> None:
     """A process that is frozen for longer than its token lives is the one that it was when it is woken."""
-    desk = Desk()
-    assert desk.admitted("first") == 1
-    desk.arrive("first")
     desk.run.world.lives.of[1].pause()
     desk.leave()
     desk.run.world.lost(1, "has gone")
