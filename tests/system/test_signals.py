@@ -15,13 +15,13 @@ from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
-from uuid import uuid4
 
 import psutil
 import pytest
 from mcap.reader import make_reader
 
 from agents.process import FAULT
+from deploy.run.options import fresh_run_name
 from tests.deploy.processes.ports import free_ports
 from tests.scripts import ROOT, ended
 from tests.until import until
@@ -137,21 +137,8 @@ def minds(pid: int, number: int) -> bool:
     return any(int(mask or "0", 16) >> (number - 1) & 1 for mask in masks)
 
 
-def life(folder: Path, transport: str) -> float:
-    """How long an undisturbed run takes, s, from the moment when its first line has run."""
-    with _recorded(folder, transport) as victim:
-        victim.await_begin()
-        began = time.monotonic()
-        assert victim.process.wait(120.0) == 0
-        return time.monotonic() - began
-
-
-def fresh_name() -> str:
-    return f"moment-{uuid4().hex[:12]}"
-
-
 def _recorded(folder: Path, transport: str) -> Victim:
-    run = fresh_name()
+    run = fresh_run_name()
     return Victim(folder, "run", *RUN, "--transport", transport, "--run", run, run=run)
 
 
@@ -216,8 +203,12 @@ def folder() -> Iterator[Path]:
 
 @cache
 def span(transport: str) -> float:
-    with TemporaryDirectory(prefix="m-") as name:
-        return life(Path(name), transport)
+    """How long an undisturbed run takes, s, from the moment when its first line has run."""
+    with TemporaryDirectory(prefix="m-") as name, _recorded(Path(name), transport) as victim:
+        victim.await_begin()
+        began = time.monotonic()
+        assert victim.process.wait(120.0) == 0
+        return time.monotonic() - began
 
 
 @pytest.mark.slow
@@ -233,7 +224,7 @@ def test_single_processes_end_whatever_they_are_doing(seed: int, folder: Path) -
     """Alone and in a run, which may not have begun, and whose router or world may have ended before them."""
     dice = Random(seed)
     (port,) = free_ports(1)
-    run, endpoint = fresh_name(), f"tcp/127.0.0.1:{port}"
+    run, endpoint = fresh_run_name(), f"tcp/127.0.0.1:{port}"
     here = ("--router", endpoint, "--run", run)
     commands = [
         ("node", "router", "--listen", endpoint),
@@ -247,11 +238,11 @@ def test_single_processes_end_whatever_they_are_doing(seed: int, folder: Path) -
         for number, command in enumerate(commands):
             own = folder / str(number)
             own.mkdir()
-            victims.append(stack.enter_context(Victim(own, *command, run=fresh_name())))
+            victims.append(stack.enter_context(Victim(own, *command, run=fresh_run_name())))
             victims[-1].await_begin()
         for victim in dice.sample(victims, len(victims)):
             victim.await_life(dice.uniform(0.0, 1.5))
-            number = dice.choice((signal.SIGINT, signal.SIGTERM))
+            number = dice.choice(SIGNALS)
             victim.signal(number)  # if it still runs
             outcome = victim.left(number, quiet=False)
             router, world, *robots, _ = victims

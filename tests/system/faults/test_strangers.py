@@ -22,7 +22,7 @@ from protocol.messages import Clock, Result
 from protocol.scenario.model import Scenario
 
 TOKENS = tuple(f"robot/{robot}/alive/5c1f" for robot in ("0", "x", "01", "7", "999999999"))
-PATTERNS = ("**", "world/*", "world/**", "robot/*/command")
+PATTERNS = ("**", "world/*", "world/**")
 HUGE = b"\xc1" * (1 << 20)
 
 
@@ -41,7 +41,7 @@ class Disturbed(Fleet):
         for token in (*TOKENS, "robot/1/alive", "robot/2/alive/3/4/5"):
             stranger.announce(f"{prefix}/{token}")
         self.replies.append(decode_reply(stranger.ask(f"{prefix}/robot/1/join", b"?", 20.0)[0]))
-        for pattern in PATTERNS[:3]:
+        for pattern in PATTERNS:
             stranger.post(f"{prefix}/{pattern}", b"?")
             heard = stranger.receive(20.0)
             self.replies.append(decode_reply(heard.payload) if isinstance(heard, RawSample) else heard)

@@ -24,11 +24,10 @@ from protocol.scenario.network import Link
 from tests.mortal import MortalFleet
 from tests.proxy import Proxy
 from tests.skipped_waits import skipped_waits
-from tests.system.orders.turnover import SWAP, asked, status
+from tests.system.orders.turnover import ENDLESS, SWAP, asked, status
 from tests.world.driving import token
 from world.coordinator.records import Life
 
-ENDLESS = replace(SWAP, time=replace(SWAP.time, endless=True))
 RESTARTED = replace(SWAP, process=(ProcessFault(2, 0.5, "restart"),))
 AGAIN = RobotSpec(2, 0.02, (0.0, -0.2), (0.1, -0.2))
 

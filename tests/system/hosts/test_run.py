@@ -31,7 +31,6 @@ from tests.until import until
 
 pytestmark = [pytest.mark.process, pytest.mark.timeout(90), needs_sshd]
 
-DISKNAV = [sys.executable, "-m", "disknav"]
 HOSTS = {"base": (1,), "left": (2,), "right": (3,)}
 SCENARIO = load("figure-2")
 LONG = ["--mode", "realtime", "--set", "control.speed=0.01", "--set", "time.limit=120"]
@@ -64,14 +63,13 @@ def table(
 
 @contextmanager
 def a_long_run(
-    server: Server, folder: Path, *options: str, over_ssh: Sequence[str] = ("base", "left"), **changes: str
+    server: Server, folder: Path, over_ssh: Sequence[str] = ("base", "left"), **changes: str
 ) -> Iterator[subprocess.Popen[bytes]]:
     """A launcher whose fleet runs; afterwards nothing of that is left on the hosts, or soon will not be."""
     hosts, port = table(server, folder, over_ssh, **changes)
-    command = [*DISKNAV, "run", "figure-2", "--hosts", str(hosts), "--run", "long", *LONG, *options]
-    launcher = subprocess.Popen(
-        [*command, "--quiet", "--json", str(folder / "result.json")], start_new_session=True
-    )
+    command = [sys.executable, "-m", "disknav", "run", "figure-2", "--hosts", str(hosts), "--run", "long"]
+    command += [*LONG, "--quiet", "--json", str(folder / "result.json")]
+    launcher = subprocess.Popen(command, start_new_session=True)
     try:
         await_ticks(port)
         there = [

@@ -9,16 +9,15 @@ import pytest
 from deploy.library.load import resolved
 from deploy.run.local import LocalFleet
 from protocol.scenario.body import Body
-from protocol.scenario.file import parse_toml
-from protocol.scenario.model import Order, ProcessFault
+from protocol.scenario.model import Order, ProcessFault, RobotSpec, Scenario, Time, Workspace
 from tests.campaigns.observe import observe
 from tests.skipped_waits import skipped_waits
-from tests.system.orders.turnover import GUEST, GUESTED, SWAP, Turnover, asked, status, step, to_be
+from tests.system.orders.turnover import ENDLESS, GUEST, GUESTED, SWAP, Turnover, asked, status, step, to_be
 from world.report import result_of
 
 
 def test_nothing_appears_while_somebody_is_in_its_place() -> None:
-    fleet = LocalFleet(replace(SWAP, time=replace(SWAP.time, endless=True)))
+    fleet = LocalFleet(ENDLESS)
     step(fleet, 5)
     (x, y), *_ = fleet.world.world.truth.positions
     assert asked(fleet, {"add": replace(GUEST, start=(x, y), goal=(x, y))}).accepted
@@ -52,7 +51,7 @@ def test_what_cannot_be_is_refused_by_reason_and_changes_nothing(change: dict[st
 
 
 def test_the_last_one_stays() -> None:
-    fleet = LocalFleet(replace(SWAP, time=replace(SWAP.time, endless=True)))
+    fleet = LocalFleet(ENDLESS)
     step(fleet, 3)
     for robot in (1, 2, 3):
         assert asked(fleet, {"remove": robot}).accepted
@@ -98,22 +97,11 @@ def test_a_guest_that_appears_as_the_run_ends_is_told_that_it_is_over() -> None:
 @pytest.mark.slow
 def test_no_fault_that_the_world_passes_over_ends_the_process_of_the_next_robot() -> None:
     """However late a launcher gets to the first: robot 2 is not there, and its next process comes."""
-    text = """
-        time = { step = 0.05, limit = 0.3 }
-        workspace = { radius = 3.0 }
-        process = [{ robot = 2, at = 0.04, event = "restart" }, { robot = 2, at = 0.053, event = "restart" }]
-        robots = [
-            { id = 1, radius = 0.3, start = [0.0, 1.0], goal = [0.0, 0.0] },
-            { id = 2, radius = 0.3, start = [0.0, 0.0], goal = [0.0, -1.0] },
-        ]
-        [[orders]]
-        at = 0.0
-        remove = 2
-        [[orders]]
-        at = 0.05
-        add = { id = 2, radius = 0.09, start = [0.0, 0.0], goal = [0.0, 1.0] }
-    """
-    scenario = resolved(parse_toml(text))
+    specs = RobotSpec(1, 0.3, (0.0, 1.0), (0.0, 0.0)), RobotSpec(2, 0.3, (0.0, 0.0), (0.0, -1.0))
+    faults = ProcessFault(2, 0.04, "restart"), ProcessFault(2, 0.053, "restart")
+    orders = Order(0.0, remove=2), Order(0.05, add=RobotSpec(2, 0.09, (0.0, 0.0), (0.0, 1.0)))
+    time_, room = Time(step=0.05, limit=0.3), Workspace(3.0)
+    scenario = resolved(Scenario(specs, workspace=room, time=time_, process=faults, orders=orders))
     calm = observe(scenario)
     assert calm.report["faults"]["given_up"] == []
     assert [fault["tick"] for fault in calm.report["faults"]["process"]] == [2]

@@ -1,6 +1,5 @@
 """Orders that stand in a scenario: carried out in their ticks, the same on every bus, or refused."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -54,14 +53,6 @@ def test_all_are_carried_out_and_what_cannot_be_is_refused(report: dict[str, Any
     assert report["positions"]["1"] == pytest.approx((-0.2, 0.0), abs=0.006)
     assert report["positions"]["2"] == pytest.approx((0.0, -0.2), abs=0.006)
     assert report["path_lengths"]["2"] > 0.1  # of both that had this id
-
-
-def test_a_run_is_not_over_while_orders_are_to_come() -> None:
-    arrived = Scenario((RobotSpec(1, 0.04, (0.0, 0.0), (0.0, 0.0)),), time=Time(deadlock=0.2))
-    late = replace(arrived, orders=(Order(1.0, goal=Journey(1, ((0.1, 0.0),))),))
-    report = LocalFleet(resolved(late)).execute()
-    assert (report["verdict"], report["arrived"]) == ("arrived", [1])
-    assert report["ticks"] > 20
 
 
 @pytest.mark.process

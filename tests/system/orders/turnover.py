@@ -16,7 +16,7 @@ from protocol.operations import Reply, decode_reply
 from protocol.scenario.model import Order, RobotSpec, Scenario, Sensing
 from protocol.scenario.network import Link, Partition
 
-SWAP = load("swap-4")
+SWAP, ENDLESS = load("swap-4"), load("swap-4", ["time.endless=true"])
 GUEST = RobotSpec(7, 0.03, (0.0, 0.0), (0.0, 0.22))  # where the four of them pass
 GUESTED = replace(SWAP, orders=(Order(0.2, add=GUEST),))
 _ROOM = 0.36  # m from the centre, in which robots are sent about
@@ -29,11 +29,10 @@ def faulty(seed: int) -> Scenario:
     sides = tuple(range(1, _IDS, 2)), tuple(range(2, _IDS, 2))
     parts = tuple(Partition(at, at + 5.0, sides) for at in (10.0, 40.0, 70.0, 100.0))
     return replace(
-        SWAP,
+        ENDLESS,
         seed=seed,
         link=Link(delay=(0.0, 0.3), loss=0.2, duplicate=0.1, partition=parts),
         sensing=(Sensing(noise=0.001, delay=(0.0, 0.1), dropout=0.1),),
-        time=replace(SWAP.time, endless=True),
     )
 
 

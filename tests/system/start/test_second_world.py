@@ -25,11 +25,6 @@ ASIDE = Operation(goal=Journey(1, ((0.1, 0.1), (-0.1, 0.1)), patrol=True))
 RELEASE = Operation(halt=False)
 
 
-def rows(connection: Connection, run: str) -> list[table.Process]:
-    robots = [table.robot(connection, run, robot) for robot in SCENARIO.ids]
-    return [table.world(connection, run, SCENARIO, True, speed=2.0), *robots]
-
-
 def router(supervisor: Supervisor, *others: str) -> Connection:
     supervisor.start([table.router(Connection("router", connect=others))])
     return Connection(connect=(supervisor.report("router", 20.0),))
@@ -38,7 +33,8 @@ def router(supervisor: Supervisor, *others: str) -> Connection:
 @contextmanager
 def driving(supervisor: Supervisor, connection: Connection, run: str) -> Iterator[Operator]:
     """A fleet that goes round and round, and its operator."""
-    supervisor.start(rows(connection, run))
+    robots = [table.robot(connection, run, robot) for robot in SCENARIO.ids]
+    supervisor.start([table.world(connection, run, SCENARIO, True, speed=2.0), *robots])
     with operating(run, connection.connect[0]) as operator:
         operator.wait_for_begin(30.0)
         assert operator.operate(ASIDE).accepted
