@@ -1,6 +1,8 @@
-"""What strangers type: every boundary takes it, or names it in an error of this software; nothing else."""
+"""What strangers type: every boundary takes it, or names it in an error of this software; nothing else.
 
-import math
+`test_python.py` notices a boundary that refuses everything.
+"""
+
 from collections.abc import Callable
 from typing import Any
 
@@ -132,12 +134,3 @@ def test_orders(orders: Orders, robot: Any, points: list[Any], within: Any, radi
 def test_scenarios_and_names_of_runs(value: Any) -> None:
     assert (isinstance(value, str) and value == "figure-1") or refused(disknav.Simulation, value)
     assert refused(lambda: disknav.Simulation("figure-1", name=value)) or isinstance(value, str)
-
-
-def test_what_is_accepted_means_what_it_says() -> None:
-    """So that a boundary which refuses everything fails."""
-    assert not refused(
-        disknav.build, {"robots": [{**ROBOT, "start": np.array([0.0, 0.0])}], "seed": np.int64(3)}
-    )
-    assert not refused(disknav.load, "figure-1", {"control.k": np.float32(80), "name": "yard"})
-    assert math.isclose(disknav.load("figure-1", {"control.k": np.float32(80)}).k, 80.0)

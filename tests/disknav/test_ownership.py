@@ -10,9 +10,7 @@ from pathlib import Path
 import pytest
 
 from disknav import ownership
-from tests.scripts import ended
-
-ROOT = Path(__file__).parents[2]
+from tests.scripts import ROOT, ended
 
 
 @pytest.fixture

@@ -27,6 +27,7 @@ def test_settings_are_as_on_the_command_line() -> None:
         seed=5,
     )
     assert (scenario.control.k, scenario.control.additions, scenario.seed) == (80, ("escape",), 5)
+    assert disknav.load("swap-3", {"control.k": np.float32(80), "name": "yard"}).k == 80.0
     assert scenario.robots[0].goal == (0.1, 0.0)
     assert disknav.load("swap-3", {"link": {"delay": [0, 0.1]}}).link.delay == (0.0, 0.1)
     with pytest.raises(disknav.ScenarioError, match="must be a finite number"):
@@ -62,7 +63,8 @@ def test_what_cannot_be_built_is_refused(settings: dict[str, object], words: str
 
 def test_seeds_and_points_of_numpy_are_numbers(tmp_path: Path) -> None:
     file = tmp_path / "two.toml"
-    file.write_text(write_toml(disknav.build({"robots": ROBOTS})))
+    file.write_text(write_toml(disknav.build({"robots": ROBOTS, "seed": np.int64(3)})))
+    assert disknav.load(file).seed == 3
     assert disknav.load(file, seed=np.int64(2)) == disknav.load(file, seed=2)
     assert disknav.load("random-6", seed=np.arange(3)[2]) == disknav.load("random-6", seed=2)
     simulation = disknav.Simulation("swap-6")
