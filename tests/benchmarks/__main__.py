@@ -26,11 +26,7 @@ _HEAD = (
 
 def measured(robots: int, seconds: float) -> dict[str, Measured | Rate]:
     """By name. On bare floors robots receive all States, in larger fleets those of near peers."""
-    fleets = {
-        "fleet": restless(robots),
-        "fleet, all heard": restless(robots, network=Network("all")),
-        "fleet, no filter": restless(robots, safety="none"),
-    }
+    fleets = {"fleet": restless(robots), "fleet, all heard": restless(robots, network=Network("all"))}
     found = {name: measure(scenario, RunOptions(), seconds) for name, scenario in fleets.items()}
     return {"bare zenoh": bare.rate(robots, payloads(robots), seconds), **found}
 

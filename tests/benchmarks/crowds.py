@@ -23,7 +23,7 @@ from collections.abc import Iterable, Mapping
 from contextlib import ExitStack
 from dataclasses import replace
 from math import inf
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import psutil
 
@@ -40,24 +40,15 @@ from protocol.scenario.network import Network
 _LEGS = 6  # goals of each robot, which it goes to in turn for ever
 _WARM = 2.0  # s of simulated time before processor time is counted
 
-Filter = Literal["separating-lines", "none"]
 
-
-def restless(
-    robots: int,
-    rate: float = 20.0,
-    seconds: float = 1e4,
-    network: Network = Network(),
-    safety: Filter = "separating-lines",
-) -> Scenario:
+def restless(robots: int, rate: float = 20.0, seconds: float = 1e4, network: Network = Network()) -> Scenario:
     """Random robots under way between random goals; no two goals of one leg are too close."""
     instance = random_instance(robots, 0)
     radii, room = [spec.radius for spec in instance.robots], instance.workspace.disk_radius
     legs = [random_starts(radii, room, 0, 10 + leg) for leg in range(_LEGS)]
     clock = replace(instance.time, step=1.0 / rate, limit=seconds)
-    control = replace(instance.control, filter=safety)
     orders = patrols({spec.id: [leg[index] for leg in legs] for index, spec in enumerate(instance.robots)})
-    return resolved(replace(instance, time=clock, control=control, orders=orders, network=network))
+    return resolved(replace(instance, time=clock, orders=orders, network=network))
 
 
 def patrols(places: Mapping[int, Iterable[Position]]) -> tuple[Order, ...]:
@@ -154,7 +145,6 @@ def main() -> None:
     parser.add_argument("--robots", type=int, nargs="+", default=[32, 64, 128, 200])
     parser.add_argument("--rate", type=float, default=10.0, help="ticks per simulated second")
     parser.add_argument("--seconds", type=float, default=60.0, help="of simulated time")
-    parser.add_argument("--interest", choices=("near", "all"))
     parser.add_argument("--transport", choices=("routed", "mesh", "local"), default="routed")
     parser.add_argument("--mode", choices=("realtime", "lockstep"), default="realtime")
     parser.add_argument("--fleets", type=int, default=1, help="at once, with --transport local")
@@ -162,7 +152,7 @@ def main() -> None:
     options = RunOptions(chosen.transport, chosen.mode)
     print("robots  ticks  missed %       us     kB  start s  took s  clearance mm")
     for robots in chosen.robots:
-        scenario = restless(robots, chosen.rate, chosen.seconds, Network(chosen.interest))
+        scenario = restless(robots, chosen.rate, chosen.seconds)
         row = measure(scenario, replace(options, run=fresh_run_name()), fleets=chosen.fleets)
         us, memory = 1e3 * row.cpu_ms / robots / chosen.fleets, row.memory / chosen.fleets
         print(

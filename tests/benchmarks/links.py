@@ -8,11 +8,10 @@ the first two seconds; `bytes` are of all links together, per tick and robot. Ne
 """
 
 import argparse
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Literal, NamedTuple
 
 from deploy.library.instances import random_instance
 from deploy.library.load import resolved
@@ -23,10 +22,9 @@ from tests.benchmarks.crowds import patrols
 from tests.system.hosts.testbed.network import Hosts, unable
 
 _LEGS = 6  # goals of each robot, which it goes to in turn for ever
-_WARM = 2.0  # s of simulated time before bytes are counted
+_LIMIT = 12.0  # s of simulated time
+_WARM = 2.0  # s of it before bytes are counted
 _SPARE = 0.5  # s, likewise after: a loaded machine drops some Truths, the last one too
-
-Interest = Literal["near", "all"]
 
 
 def homes(scenario: Scenario, hosts: int) -> dict[int, int]:
@@ -47,7 +45,7 @@ def homes(scenario: Scenario, hosts: int) -> dict[int, int]:
     return found
 
 
-def in_blocks(robots: int, hosts: int, seconds: float, network: Network) -> Scenario:
+def in_blocks(robots: int, hosts: int, network: Network) -> Scenario:
     """Random robots for ever under way between the starts of all that are on the same host."""
     instance = random_instance(robots, 0)
     at = homes(instance, hosts)
@@ -58,32 +56,18 @@ def in_blocks(robots: int, hosts: int, seconds: float, network: Network) -> Scen
         for _ in range(_LEGS):
             for spec, other in zip(block, random.permutation(len(block)), strict=True):
                 legs[spec.id].append(block[other].start)
-    clock = replace(instance.time, limit=seconds)
+    clock = replace(instance.time, limit=_LIMIT)
     return resolved(replace(instance, time=clock, orders=patrols(legs), network=network))
 
 
-class Row(NamedTuple):
-    robots: int
-    hosts: int
-    interest: Interest
-    ticks: int
-    sent: Mapping[int, int]  # bytes, by host
-    sha256: str
-
-    @property
-    def each(self) -> float:
-        """Bytes per tick and robot, of all links."""
-        return sum(self.sent.values()) / self.ticks / self.robots
-
-
-def measure(scenario: Scenario, count: int) -> Row:
-    """One run over `count` hosts, in lock-step."""
+def measure(scenario: Scenario, count: int) -> dict[int, float]:
+    """Bytes per tick that each of `count` hosts sends in one run, in lock-step."""
     with TemporaryDirectory(prefix="disknav-") as name, Hosts(count, Path(name) / "log") as hosts:
         told = hosts.fleet(scenario, homes(scenario, count), lockstep=True)
-        return _followed(scenario, count, hosts, told)
+        return _followed(scenario, hosts, told)
 
 
-def _followed(scenario: Scenario, count: int, hosts: Hosts, told: Iterator[dict[str, object]]) -> Row:
+def _followed(scenario: Scenario, hosts: Hosts, told: Iterator[dict[str, object]]) -> dict[int, float]:
     begin, end = scenario.ticks(_WARM), scenario.ticks(scenario.time.limit - _SPARE)
     first: tuple[int, dict[int, int]] | None = None
     last: tuple[int, dict[int, int]] | None = None
@@ -97,10 +81,7 @@ def _followed(scenario: Scenario, count: int, hosts: Hosts, told: Iterator[dict[
         if not isinstance(report, dict):
             continue
         if first is not None and last is not None:
-            sent = {host: last[1][host] - first[1][host] for host in last[1]}
-            interest: Interest = "near" if scenario.hears_near else "all"
-            robots, ticks = len(scenario.robots), last[0] - first[0]
-            return Row(robots, count, interest, ticks, sent, str(report["trajectory_sha256"]))
+            return {host: (last[1][host] - first[1][host]) / (last[0] - first[0]) for host in last[1]}
         raise RuntimeError(f"the run ended before its time: {report['verdict']}, {report['reason']}")
     raise RuntimeError("no report of the run")
 
@@ -109,21 +90,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--robots", type=int, nargs="+", default=[64])
     parser.add_argument("--hosts", type=int, default=4)
-    parser.add_argument("--seconds", type=float, default=12.0, help="of simulated time")
     chosen = parser.parse_args()
     if (problem := unable()) is not None:
         parser.error(problem)
     print("robots  hosts  interest   bytes  ratio   world's host   largest other")
     for robots in chosen.robots:
-        rows = [
-            measure(in_blocks(robots, chosen.hosts, chosen.seconds, Network(interest)), chosen.hosts)
-            for interest in ("all", "near")
-        ]
-        for row in rows:
-            world, *others = (row.sent[host] / row.ticks for host in sorted(row.sent))
+        whole = 0.0
+        for interest in ("all", "near"):
+            sent = measure(in_blocks(robots, chosen.hosts, Network(interest)), chosen.hosts)
+            each = sum(sent.values()) / robots
+            whole = whole or each
+            world, *others = (sent[host] for host in sorted(sent))
             print(
-                f"{row.robots:6d}  {row.hosts:5d}  {row.interest:>8}  {row.each:6.0f}"
-                f"  {row.each / rows[0].each:5.3f}  {world:13.0f}  {max(others):14.0f}",
+                f"{robots:6d}  {chosen.hosts:5d}  {interest:>8}  {each:6.0f}"
+                f"  {each / whole:5.3f}  {world:13.0f}  {max(others):14.0f}",
                 flush=True,
             )
 

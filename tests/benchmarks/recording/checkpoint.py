@@ -22,17 +22,18 @@ from tests.benchmarks.crowds import measure, restless
 from world.shell.checkpoint import Checkpoint, Processes, SavedRun
 from world.world import WorldCore
 
-_TICKS = 64
+_TICKS, _REPEAT = 64, 40
+_SECONDS = 2.0  # s that each fleet is measured
 
 
-def added(setting: Scenario, repeat: int) -> tuple[float, int]:
+def added(setting: Scenario) -> tuple[float, int]:
     """Time that a checkpoint adds to a tick, s, and bytes of the largest state."""
     without, kept, size = inf, inf, 0
     with TemporaryDirectory(prefix="disknav-") as folder:
         path = Path(folder) / "checkpoint"
         Checkpoint.create(path)
         checkpoint = Checkpoint(path, "local", setting)
-        for _ in range(repeat):
+        for _ in range(_REPEAT):
             without = min(without, _drive(WorldCore(setting), None))
             world = WorldCore(setting)
             kept = min(kept, _drive(world, checkpoint))
@@ -61,14 +62,12 @@ def _drive(world: WorldCore, checkpoint: Checkpoint | None) -> float:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--robots", type=int, nargs="+", default=(6, 32), help="numbers of robots")
-    parser.add_argument("--seconds", type=float, default=2.0, help="how long each fleet is measured")
-    parser.add_argument("--repeat", type=int, default=40)
     options = parser.parse_args()
     print(f"{'robots':>6}{'bytes':>8}{'added us':>10}{'ticks/s':>10}{'share':>8}")
     for robots in options.robots:
         setting = restless(robots)
-        more, size = added(setting, options.repeat)
-        rate = measure(setting, RunOptions(), options.seconds).ticks_per_second if options.seconds else 0.0
+        more, size = added(setting)
+        rate = measure(setting, RunOptions(), _SECONDS).ticks_per_second
         print(f"{robots:6d}{size:8d}{1e6 * more:10.1f}{rate:10.0f}{more * rate:8.4f}", flush=True)
 
 

@@ -53,7 +53,6 @@ class Row:
     density: float
     ratio: float
     factor: float
-    k: float
     runs: int
     arrived: int
     nrl: float
@@ -62,22 +61,21 @@ class Row:
 
 
 def _cell(p: int, density: float, ratio: float, factor: float, instances: range) -> Row:
-    nrl, gains, failed, unreachable = [], [], [], 0
+    nrl, failed, unreachable = [], [], 0
     for number in instances:
         draw = generator(number, Purpose.STUDY, robot=p)
         problem, start = instance(draw, p, density, ratio)
         if mirrored_triples(problem, start):
             unreachable += 1
             continue
-        gains.append(factor * problem.k)
-        flow = integrate(replace(problem, k=gains[-1]), start)
+        flow = integrate(replace(problem, k=factor * problem.k), start)
         if flow.arrived:
             nrl.append(flow.nrl)
         else:
             failed.append(number)
     mean = float(np.mean(nrl)) if nrl else float("nan")
-    k = float(np.mean(gains)) if gains else float("nan")
-    return Row(p, density, ratio, factor, k, len(gains), len(nrl), mean, unreachable, tuple(failed))
+    runs = len(nrl) + len(failed)
+    return Row(p, density, ratio, factor, runs, len(nrl), mean, unreachable, tuple(failed))
 
 
 def _entry(rows: Sequence[Row]) -> str:
