@@ -211,7 +211,7 @@ class Assembly:
             endpoint = Endpoint(self.supervisor.report(ROUTER, _START))
         except StartError:
             if options.listen is not None:  # this very run may have the endpoint
-                there = membership.client(MONITOR, (options.listen,), timeout=2.0)
+                there = membership.client(MONITOR, (options.listen,), timeout=5.0)
                 with suppress(BusError), closing(ZenohBus(there)) as bus:
                     look_for_others(bus, options.run)
             raise

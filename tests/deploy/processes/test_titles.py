@@ -22,16 +22,20 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the s
 CHRT = ("chrt", "--rr", "1")
 
 
+def title(pid: int) -> str:
+    """The command line, as `ps -f` shows it."""
+    return Path(f"/proc/{pid}/cmdline").read_bytes().rstrip(b"\0").replace(b"\0", b" ").decode()
+
+
 def children(launcher: int) -> dict[str, tuple[str, set[int]]]:
-    """All processes of a fleet that are there now, by title, as `ps -f` shows it: the short name, as `top`
+    """All processes of a fleet that are there now, by title: the short name, as `top`
     shows it, and the policies of the threads."""
     found = {}
     for each in psutil.Process(launcher).children(recursive=True):
         with suppress(psutil.Error, OSError):
             folder = Path(f"/proc/{each.pid}")
-            title = (folder / "cmdline").read_bytes().rstrip(b"\0").replace(b"\0", b" ").decode()
             policies = {os.sched_getscheduler(int(task.name)) for task in (folder / "task").iterdir()}
-            found[title] = (folder / "comm").read_text().removesuffix("\n"), policies
+            found[title(each.pid)] = (folder / "comm").read_text().removesuffix("\n"), policies
     return found
 
 
