@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from protocol.errors import JoinError
 from protocol.messages import Command
 from protocol.scenario.body import Actuation
-from protocol.scenario.model import Obstacle, Operation, Sensing
+from protocol.scenario.model import Obstacle, Operation, Order, Sensing, Time
 from tests.world.driving import advance, joined, play, toward, two
 from world.report import result_of
 from world.world import WorldCore
@@ -133,3 +133,12 @@ def test_what_appears_with_a_tick_counts_though_it_is_taken_away_before_the_next
         advance(world)
     assert world.operate(Operation(take=1)).accepted
     assert world.truth.clearance == result_of(world)["min_clearance"] == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("orders", [(), (Order(3.0, remove=2),)])
+def test_robots_that_are_gone_end_a_run_only_once_no_order_is_to_come(orders):
+    world = joined(two(orders=orders, time=Time(limit=9.0, fence=0.1, deadlock=9.0)))
+    while not world.verdict:
+        world.open_tick()
+        world.close_tick()
+    assert (world.tick > world.scenario.ticks(3.0)) == bool(orders)
