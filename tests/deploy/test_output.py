@@ -116,7 +116,7 @@ def test_a_reader_that_ends_early_is_told_apart_from_a_verdict(command: str, tmp
 
 
 @pytest.mark.parametrize(
-    ("number", "ending", "status"), [(0, "1 / 0", 3), (1, "1 / 0", 129), (15, "m.STOP.check()", 143)]
+    ("number", "ending", "status"), [(0, "1 / 0", 3), (2, "1 / 0", 130), (15, "m.STOP.check()", 143)]
 )
 @pytest.mark.slow
 def test_a_fault_is_no_verdict_and_a_signal_decides_anyway(number: int, ending: str, status: int) -> None:

@@ -14,6 +14,7 @@ from deploy.processes.hosts.table import read_hosts
 from deploy.processes.spawn import MAX_NEWS, Exited, HostFacts, ProcessReport, Started, encode_news
 from deploy.security.roster import Home, KeyRoster, encoded, read
 from protocol.errors import CertificateError, HostsError, KeyGrammarError, ProcessError
+from protocol.scenario.file import toml_value
 from tests.campaigns.fuzz.kept import written
 from tests.campaigns.fuzz.mutation import Target, damaged_bytes, damaged_message, damaged_text, damaged_tree
 from tests.deploy.processes.hosts.test_table import GOOD
@@ -100,6 +101,8 @@ def _read_line(drawn: bytes) -> None:
 
 # -- files about hosts
 
+_TABLE = "\n".join(f"{key} = {toml_value(value)}" for key, value in GOOD.items())
+
 
 def _read_table(drawn: str) -> None:
     read_hosts(written("hosts.toml", drawn.encode(errors="surrogatepass")))
@@ -121,6 +124,6 @@ def _draw_roster(rng: Random) -> bytes:
 HOSTS = {
     "news": Target(_draw_news, _read_news, ProcessError, 16),
     "log": Target(_draw_line, _read_line, ProcessError, 8),
-    "hosts": Target(lambda rng: damaged_text(GOOD, GOOD, rng), _read_table, HostsError, 2),
+    "hosts": Target(lambda rng: damaged_text(_TABLE, _TABLE, rng), _read_table, HostsError, 2),
     "roster": Target(_draw_roster, _read_roster, CertificateError, 2),
 }
