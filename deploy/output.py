@@ -26,14 +26,19 @@ _PATIENCE = 2.0  # s before the bar appears
 _WIDEST = 1000  # columns of a table
 
 
-def check_target(target: Path, what: str, *others: Path | str | None) -> None:
-    """Raise UsageError if `target` is one of `others` or forbids `what`, as "write JSON"; changes nothing."""
-    if realpath(target) in [realpath(each) for each in others if each is not None]:
-        raise UsageError(f"cannot {what} to {target}: this command has the file already; name another")
-    if target.is_fifo():  # opening one would wait for its reader
+def check_target(target: Path | None, what: str, *others: Path | str | None, text: bool = False) -> None:
+    """Raise UsageError if `target` is one of `others`, by whatever name, or forbids `what`, as "record".
+    Only `text` may go to standard output or a pipe. Changes nothing; None is nowhere.
+    """
+    if target is None:
         return
+    if any(each is not None and _same(target, each) for each in others):
+        raise UsageError(f"cannot {what} to {target}: this command has the file already; name another")
     try:
-        if target.exists():
+        if is_standard_output(target) or target.is_fifo():  # opening one would wait for its reader
+            if not text:
+                raise OSError(0, "standard output and pipes cannot take it")
+        elif target.exists():
             target.open("ab").close()
         else:
             TemporaryFile(dir=target.parent).close()
@@ -41,6 +46,13 @@ def check_target(target: Path, what: str, *others: Path | str | None) -> None:
         raise UsageError(
             f"cannot {what} to {target}: {error.strerror}; name a file that can be written"
         ) from error
+
+
+def _same(one: Path, other: Path | str) -> bool:
+    try:
+        return one.samefile(other)
+    except OSError:  # one of them does not exist
+        return realpath(one) == realpath(other)
 
 
 @contextmanager
@@ -78,32 +90,34 @@ def whole_folder(target: Path) -> Iterator[Path]:
             raise
 
 
-_JSON = "write JSON"
+STANDARD_OUTPUT = Path("-")
 
 
 def is_standard_output(target: Path | None) -> bool:
     """Whether `target` means standard output, which then gets no other text."""
-    return str(target) == "-"
+    return target == STANDARD_OUTPUT
 
 
-def check_json(target: Path | None, *others: Path | str | None) -> None:
-    """Raise UsageError before the work if `target` cannot be written, or is one of the other files."""
-    if target is not None and not is_standard_output(target):
-        check_target(target, _JSON, *others)
+def check_text(target: Path | None, *others: Path | str | None) -> None:
+    """`check_target` for text."""
+    check_target(target, "write", *others, text=True)
+
+
+def write_text(text: str, target: Path) -> None:
+    """Write `text` in UTF-8, whatever the terminal has, into the file `target`, to standard output for '-'.
+    Raises UsageError if `target` cannot be written.
+    """
+    if is_standard_output(target):
+        sys.stdout.buffer.write(text.encode())
+    else:
+        with writing(target, "write"):
+            target.write_text(text, encoding="utf-8")
 
 
 def write_json(document: object, target: Path | None) -> None:
-    """Write `document` into the file `target`, to standard output for '-', nowhere for None.
-    Raises UsageError if `target` cannot be written.
-    """
-    if target is None:
-        return
-    text = json.dumps(document, indent=2) + "\n"
-    if is_standard_output(target):
-        sys.stdout.write(text)
-    else:
-        with writing(target, _JSON):
-            target.write_text(text, encoding="utf-8")
+    """`write_text` of `document`; nowhere for None."""
+    if target is not None:
+        write_text(json.dumps(document, indent=2) + "\n", target)
 
 
 @contextmanager

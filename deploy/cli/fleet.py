@@ -12,7 +12,7 @@ import typer
 from typer.core import TyperCommand
 
 from deploy.cli import options
-from deploy.output import EXIT_OTHERWISE, check_json, is_standard_output, write_json
+from deploy.output import EXIT_OTHERWISE, check_text, is_standard_output, write_json
 from deploy.security.membership import KeyRing
 from protocol.errors import MessageError, UsageError
 from protocol.messages import GoalStatus, PlacedObstacle, Vector
@@ -68,7 +68,7 @@ def goal(
     Exit status: 0 accepted (with --wait: arrived), 1 refused, cancelled or given up, 2 invalid, 3 no answer;
     with --wait also: the robot is gone, another order followed, or the run ended.
     """
-    check_json(json_file)
+    check_text(json_file)
     if not points:
         options.refuse({"--wait": wait}, "there is no order to wait for: give points")
     if patrol and wait:
@@ -218,7 +218,7 @@ def obstacles(
 
     Exit status: 0 listed, 2 invalid, 3 no answer.
     """
-    check_json(json_file)
+    check_text(json_file)
     with _operating(run, router, secure) as operator:
         there = operator.operate().obstacles
     write_json([msgspec.structs.asdict(obstacle) for obstacle in there], json_file)

@@ -13,8 +13,8 @@ from deploy.cli import options
 from deploy.output import (
     EXIT_ARRIVED,
     EXIT_OTHERWISE,
-    check_json,
     check_target,
+    check_text,
     is_standard_output,
     print_whole,
     write_json,
@@ -46,7 +46,7 @@ def check(
     from deploy.theory.facts import plain
     from deploy.theory.surrounded import Surrounded, surrounded, theorem_for
 
-    check_json(json_file, scenario)
+    check_text(json_file, scenario)
     valid = load(scenario, setting or [], seed)
     alone = theorem_for(valid)[0] == "Karagoz-Bozma-Koditschek"
     found: CheckReport | Surrounded
@@ -112,7 +112,7 @@ def certify(
         options.refuse({"--out": out}, "--verify writes no certificate")
         if scenario is None:
             options.refuse({"--set": setting}, "it needs a SCENARIO")
-    check_json(json_file, scenario, verify)
+    check_text(json_file, scenario, verify)
     silent = quiet or is_standard_output(json_file)
     read_scenario = None if scenario is None else read(scenario, setting or [])
     if verify is not None:
@@ -130,8 +130,8 @@ def certify(
     from deploy.theory.certify.prove import to_json
 
     path = out or path_for(scenario)
-    check_json(json_file, path)
-    check_target(path, "write the certificate")
+    check_text(json_file, path)
+    check_target(path, "write the certificate", scenario)
     found = perform(read_scenario, path, k, minutes, quiet=silent)
     _print(f"{_found(found)}\n{path}", to_json(found, path, k), json_file, silent)
     raise typer.Exit(EXIT_ARRIVED if found.proves(k) else EXIT_OTHERWISE)
@@ -219,7 +219,7 @@ def study(
     file = None if is_standard_output(json_file) else json_file
     if file is None:
         options.refuse({"--fresh": fresh}, "no results are kept: add --json FILE")
-    check_json(json_file)
+    check_text(json_file, *(each.rpartition(":")[0] for each in law or ()))
     bus, part = transport or usual_transport(name), Shard() if shard is None else Shard.parse(shard)
     jobs = 1 if name == "scale" else jobs or os.cpu_count() or 1
     silent = quiet or is_standard_output(json_file)

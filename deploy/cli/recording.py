@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from deploy.cli import options
-from deploy.output import bar, check_json, check_target, grid, is_standard_output, print_whole, write_json
+from deploy.output import bar, check_target, check_text, grid, is_standard_output, print_whole, write_json
 from protocol.errors import RecordingError
 from protocol.keys import checked_run
 from protocol.process.signals import STOP
@@ -30,7 +30,7 @@ def info(recording: options.RecordingFile, json_file: options.JsonFile = None) -
     """
     from rich.console import Group
 
-    check_json(json_file, recording)
+    check_text(json_file, recording)
     found = _read(recording)
     summary = _summary(found)
     write_json({**summary, "streams": dict(found.counts), "result": found.result}, json_file)
@@ -63,7 +63,7 @@ def plot(
     """
     from deploy.telemetry.plot import draw
 
-    draw.check(out)
+    draw.check(out, recording)
     if out.suffix not in draw.ANIMATIONS:
         options.refuse(
             {"--width": width, "--seconds": seconds}, "it is for an animation: name a .gif or .webp"
@@ -113,8 +113,7 @@ def replay(
     if not (zenoh or router is not None or web):
         options.refuse({"--run": run, "--speed": speed}, "nothing is replayed: add --zenoh or --web")
     pace, run = 1.0 if speed is None else speed, None if run is None else checked_run(run)
-    if ros2 is not None:
-        check_target(ros2, "write ROS 2 messages", recording)
+    check_target(ros2, "write ROS 2 messages", recording)
     found = _read(recording)
     trajectory = verify(found)
     lacking = "not compared: this file lacks the world's result or the beginning of the run"

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from deploy.cli import options
-from deploy.output import check_json, is_standard_output
+from deploy.output import check_target, check_text, is_standard_output
 from deploy.run.options import Mode, RunOptions, Transport, fresh_run_name, restarts
 from deploy.security.membership import KeyRing
 from protocol.keys import checked_run
@@ -88,13 +88,15 @@ def run(
     from deploy.processes.hosts.table import read_hosts
     from deploy.run.execute import execute
     from deploy.run.result import exit_status, kept_status, show
+    from deploy.telemetry.plot.draw import check
     from deploy.telemetry.recording.writer import rotation
 
     clock: Mode = mode or ("realtime" if keep else "lockstep")
     if record is None:
         options.refuse({"--rotate": rotate}, "nothing is recorded: add --record")
-    check_json(json_file, scenario, record, plot)
-    options.refuse({"--record": record if str(record) == scenario else None}, "the scenario is this file")
+    check_text(json_file, scenario, hosts, record, plot)
+    check_target(record, "record", scenario, hosts)
+    check(plot, scenario, hosts, record)
     if clock == "realtime":
         options.refuse({"--speed": speed}, "real time has one speed: use --mode lockstep")
     if hosts is None:

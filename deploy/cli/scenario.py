@@ -9,8 +9,10 @@ from typing import Annotated
 import typer
 
 from deploy.cli import options
+from deploy.output import STANDARD_OUTPUT, check_text, write_text
 from protocol.scenario.model import Scenario
 
+ScenarioFile = Annotated[Path, options.out("Scenario file to write; '-' is standard output.")]
 app = typer.Typer(name="scenario", help="List, show and generate scenarios.", no_args_is_help=True)
 
 
@@ -41,14 +43,14 @@ def show(
     """
     from deploy.library.load import read
 
-    _write(read(scenario, setting or [], seed), None)
+    _write(read(scenario, setting or [], seed))
 
 
 @app.command()
 def new(
     kind: Annotated[str, typer.Argument(metavar="KIND", help="random, swap, or any library name.")],
     seed: Annotated[int, typer.Option(min=0, help="Seed of all random values.")] = 0,
-    out: Annotated[Path | None, options.out("Scenario file to write; standard output unless given.")] = None,
+    out: ScenarioFile = STANDARD_OUTPUT,
     robots: Annotated[int | None, options.robots(1)] = None,
     density: Annotated[
         float | None, typer.Option(help="Disk area over workspace area, up to 0.35 (random).")
@@ -68,6 +70,7 @@ def new(
 
     wanted = {"robots": robots, "density": density, "unequal": unequal, "jitter": jitter}
     given = {key: value for key, value in wanted.items() if value is not None}
+    check_text(out)
     _write(generate(kind, seed, given), out)
 
 
@@ -83,7 +86,7 @@ def import_(
             dir_okay=False,
         ),
     ],
-    out: Annotated[Path | None, options.out("Scenario file to write; standard output unless given.")] = None,
+    out: ScenarioFile = STANDARD_OUTPUT,
     robots: Annotated[int, options.robots(1)] = 5,
     radius: Annotated[float, typer.Option(min=1e-3, help="Radius of the robots, m (maps, MovingAI).")] = 0.2,
     seed: Annotated[int, typer.Option(min=0, help="Seed of all random values (maps).")] = 0,
@@ -99,8 +102,8 @@ def import_(
     """
     from deploy.library.benchmarks import Options, imported
 
-    folder = Path() if out is None else out.parent
-    _write(imported(file, Options(robots, radius, seed, error, obstacles, folder)), out)
+    check_text(out, file, obstacles)
+    _write(imported(file, Options(robots, radius, seed, error, obstacles, out.parent)), out)
 
 
 @app.command()
@@ -116,13 +119,7 @@ def schema() -> None:
     print(json.dumps(json_schema(), indent=2))
 
 
-def _write(scenario: Scenario, output: Path | None) -> None:
-    from deploy.output import writing
+def _write(scenario: Scenario, output: Path = STANDARD_OUTPUT) -> None:
     from protocol.scenario.file import write_toml
 
-    text = write_toml(scenario).encode()  # TOML is UTF-8 whatever the terminal's encoding
-    if output is None:
-        sys.stdout.buffer.write(text)
-        return
-    with writing(output, "write a scenario"):
-        output.write_bytes(text)
+    write_text(write_toml(scenario), output)

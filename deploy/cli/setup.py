@@ -11,7 +11,7 @@ import typer
 
 from deploy.cli import options
 from deploy.manifests import Orchestrator
-from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE, check_json, is_standard_output, write_json
+from deploy.output import EXIT_ARRIVED, EXIT_OTHERWISE, check_text, is_standard_output, write_json
 from deploy.run.options import fresh_run_name
 from deploy.security.membership import KeyRing
 from deploy.security.roster import OPERATOR
@@ -224,7 +224,7 @@ def doctor(json_file: options.JsonFile = None) -> None:
     """
     from deploy.software import findings
 
-    check_json(json_file)
+    check_text(json_file)
     found = [*findings(), _trial()]
     write_json([finding._asdict() for finding in found], json_file)
     if not is_standard_output(json_file):

@@ -18,7 +18,7 @@ from deploy.run.options import RunOptions
 from deploy.run.result import INTERRUPTED, RunResult, complete, unjudged
 from deploy.security.membership import KeyRing
 from deploy.telemetry.monitor.watcher import Attachment, Watcher
-from deploy.telemetry.plot.draw import check, draw
+from deploy.telemetry.plot.draw import draw
 from deploy.telemetry.recording.reader import read
 from deploy.telemetry.recording.writer import ONE_FILE
 from protocol.bus.zenoh import ZenohBus
@@ -60,7 +60,7 @@ def execute(
     """Run `scenario` to its verdict. There is a result even after signals, at any time and repeatedly.
 
     Args:
-        record, plot, json_file: files to write, of which `check_json` has approved the last.
+        record, plot, json_file: files to write, of which the caller has checked the last two.
         web: whether to serve the live page.
         quiet: whether to show no progress.
         on_result: called with the result as soon as the fleet is down, before plotting.
@@ -70,10 +70,7 @@ def execute(
             be written.
         ProcessError, BusError: the fleet could not be started.
     """
-    if record is not None:
-        check_target(record, "record")
-    if plot is not None:
-        check(plot)
+    check_target(record, "record")
     unwritten: UsageError | OSError | None = None
     if scenario.is_external:
         options = replace(options, mode="realtime")  # real robots do not wait

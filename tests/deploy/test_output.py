@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from deploy.output import check_json, is_standard_output, whole_folder, write_json, writing
+from deploy.output import check_target, check_text, is_standard_output, whole_folder, write_json, writing
 from protocol.errors import UsageError
 from protocol.scenario.file import parse_toml
 from tests.forks import Forks
@@ -19,19 +19,24 @@ from tests.forks import Forks
 
 def test_what_cannot_be_written_is_refused_beforehand(tmp_path: Path) -> None:
     for target in (tmp_path / "missing" / "result.json", tmp_path):
-        with pytest.raises(UsageError, match="cannot write JSON to"):
-            check_json(target)
+        with pytest.raises(UsageError, match="cannot write to"):
+            check_text(target)
     with pytest.raises(UsageError, match="cannot write to /proc/new"), whole_folder(Path("/proc/new")):
         pytest.fail("there is no such folder")
 
 
 def test_looking_leaves_nothing_behind_and_spoils_nothing(tmp_path: Path) -> None:
-    new, old = tmp_path / "new.json", tmp_path / "old.json"
+    new, old, pipe, linked = (tmp_path / name for name in ("new.json", "old.json", "pipe", "linked"))
     old.write_text("kept")
-    for target in (new, old, Path("-"), Path("/dev/null"), None):
-        check_json(target)
+    linked.hardlink_to(old)
+    os.mkfifo(pipe)
+    for target in (new, old, pipe, Path("-"), Path("/dev/null"), None):
+        check_text(target)
     assert not new.exists()
     assert old.read_text() == "kept"
+    for target in (pipe, linked):
+        with pytest.raises(UsageError, match="cannot record to"):
+            check_target(target, "record", old)
 
 
 def test_a_dash_is_standard_output(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

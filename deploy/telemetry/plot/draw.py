@@ -15,14 +15,16 @@ ANIMATIONS = (".gif", ".webp", ".mp4")
 _WHAT = "draw"
 
 
-def check(target: Path) -> None:
-    """Check before a run that `target` can be drawn.
+def check(target: Path | None, *others: Path | str | None) -> None:
+    """Check before a run that `target`, if any, can be drawn, and is none of `others`.
     Raises UsageError for an unknown suffix, a file that cannot be written, or without matplotlib.
     """
+    if target is None:
+        return
     kinds = PICTURES + ANIMATIONS
     if target.suffix not in kinds:
         raise UsageError(f"{target}: cannot draw this kind of file; name one that ends in {', '.join(kinds)}")
-    check_target(target, _WHAT)
+    check_target(target, _WHAT, *others)
     try:
         import matplotlib  # noqa: F401
     except ImportError as error:

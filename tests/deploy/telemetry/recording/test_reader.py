@@ -16,7 +16,6 @@ from mcap.stream_reader import StreamReader
 from mcap.writer import Writer
 from rosbags.highlevel import AnyReader
 
-from deploy.cli.recording import replay
 from deploy.run.local import LocalFleet
 from deploy.telemetry.recording.reader import Contents, read
 from deploy.telemetry.recording.replay import export, recomputed
@@ -206,14 +205,6 @@ def test_ros_tools_open_what_is_exported(recorded, tmp_path):
         final = bag.deserialize(last, connection.msgtype).transforms[1].transform.translation
     assert times == [tick * 50_000_000 for tick in range(report["ticks"] + 1)]
     assert [final.x, final.y] == read(path).trajectory.positions[-1][1].tolist()
-
-
-def test_an_export_does_not_replace_its_recording(recorded):
-    path, _ = recorded
-    before = path.read_bytes()
-    with pytest.raises(UsageError, match="has the file already"):
-        replay(path, ros2=path)
-    assert path.read_bytes() == before
 
 
 def test_any_mcap_reader_reads_it(recorded):
