@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 import typer
 
 from deploy.cli import options
-from deploy.output import EXIT_ARRIVED, EXIT_FAULT
+from deploy.output import EXIT_ARRIVED, EXIT_INVALID, check_target
 from deploy.security.membership import KeyRing
 from deploy.security.roster import WORLD, robot_role
 from protocol.errors import UsageError
@@ -106,9 +106,10 @@ def world(
     from deploy.library.load import load
     from deploy.run.result import exit_status
     from protocol.bus.bus import heartbeat
-    from world.process import main
+    from world.process import OVER, main
     from world.shell.checkpoint import Checkpoint
 
+    check_target(checkpoint, "write the checkpoint", scenario)
     membership = KeyRing(secure)
     settings = [*(setting or []), *([] if plant is None else [f"world.plant={plant}"])]
     loaded = load(scenario, settings, seed)
@@ -137,7 +138,8 @@ def world(
         on_report=on_report,
         beat=heartbeat(alive),
     )
-    raise typer.Exit(min(status, EXIT_FAULT) or (verdicts[-1] if verdicts else EXIT_ARRIVED))
+    failed = EXIT_INVALID if status == OVER else status
+    raise typer.Exit(failed or (verdicts[-1] if verdicts else EXIT_ARRIVED))
 
 
 @app.command()

@@ -80,6 +80,7 @@ REFUSED = [
     ("scenario import /dev/null --out /dev/null", "has the file already"),
     ("certify figure-1 --out figure-1", "has the file already"),
     ("study peers --law a.py:A --json a.py", "has the file already"),
+    ("node world a.toml --run x --checkpoint a.toml", "has the file already"),
     ("fleet goal yard 3 --wait", "--wait"),
     ("node router --host left --print-config", "--host"),
     ("monitor x --port 8000", "--port"),

@@ -136,6 +136,8 @@ class Checkpoint:
                 _refuse(path, "is in use by another world")
             if isinstance(error, OSError):
                 _refuse(path, f"cannot be kept: {error.strerror}")
+            if isinstance(error, CheckpointError):
+                raise CheckpointError(f"{error}; name another file to begin anew") from None
             raise
 
     @staticmethod
@@ -254,9 +256,9 @@ def _newest(path: Path, opened: int) -> tuple[int, _State | None]:
     with open(opened, "rb", closefd=False) as file:
         content = file.read(_place(2) + 1)
     if not content:
-        _refuse(path, "is empty: a world could not write it, so the run is over; delete it to begin another")
+        _refuse(path, "is empty: a world could not write it, so the run is over")
     if not content.startswith(_MAGIC):
-        _refuse(path, "is of another version of disknav, or none at all")
+        _refuse(path, "is of another version of disknav, or no checkpoint")
     if len(content) != _place(2):
         _refuse(path, "is damaged: it was cut short, or is too long")
     states = [each for index in (0, 1) if (each := _whole(content[_place(index) :][:_STATE]))]
