@@ -150,7 +150,7 @@ def found(name: str) -> tuple[Any, dict[str, Any]]:
     """
     parts = _NAME.fullmatch(name)
     if parts is None:
-        raise UsageError(f"control.law: {name!r} is not module:Class or module:Class(name=value)")
+        raise UsageError(f"the law {name!r} is not module:Class or module:Class(name=value)")
     module, attribute, arguments = parts.groups()
     try:
         if module == ENTRY_POINT:
@@ -160,9 +160,9 @@ def found(name: str) -> tuple[Any, dict[str, Any]]:
             owner = _from_file(Path(module)) if module.endswith(".py") else import_module(module)
             law = getattr(owner, attribute)
     except Exception as error:
-        raise UsageError(f"control.law: there is no law {name!r}: {type(error).__name__}: {error}") from error
+        raise UsageError(f"there is no law {name!r}: {type(error).__name__}: {error}") from error
     if not callable(getattr(law, "velocity", None)):
-        raise UsageError(f"control.law: {name!r} has no method velocity(view), as agents.law.api.Law has")
+        raise UsageError(f"the law {name!r} has no method velocity(view), as agents.law.api.Law has")
     return law, _arguments(name, arguments or "")
 
 
@@ -173,7 +173,7 @@ def _arguments(name: str, text: str) -> dict[str, Any]:
             raise ValueError("write name=value, separated by commas")
         return {str(each.arg): ast.literal_eval(each.value) for each in call.keywords}
     except (SyntaxError, ValueError) as error:
-        raise UsageError(f"control.law: the arguments of {name!r} cannot be read: {error}") from None
+        raise UsageError(f"the arguments of the law {name!r} cannot be read: {error}") from None
 
 
 def _from_file(path: Path) -> Any:

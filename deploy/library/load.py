@@ -187,7 +187,7 @@ def try_out(scenario: Scenario) -> None:
             raise LawError(law.failure)
     if quickest > scenario.time.step:
         raise UsageError(
-            f"control.law: a step of {scenario.control.law} takes {1e3 * quickest:.3g} ms, longer than a "
+            f"a step of the law {scenario.control.law} takes {1e3 * quickest:.3g} ms, longer than a "
             f"period of {1e3 * scenario.time.step:g} ms: make it quicker, or time.step longer"
         )
 
