@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 from contextlib import ExitStack, closing
-from typing import TYPE_CHECKING, Annotated
+from importlib import import_module
+from socket import AF_INET, AF_INET6, create_server
+from typing import Annotated
 
 import typer
 
@@ -12,15 +14,12 @@ from deploy.cli import options
 from deploy.security.membership import KeyRing
 from deploy.security.roster import MONITOR
 from protocol.bus.connection import Connection, Endpoint
-from protocol.process.installation import missing_library
+from protocol.errors import UsageError
 from protocol.process.log import set_process_title
 from protocol.process.signals import STOP
 
-if TYPE_CHECKING:
-    from deploy.telemetry.monitor.foxglove import FoxgloveServer
-    from deploy.telemetry.monitor.watcher import Watcher
-
 _TIMEOUT = 5.0  # s to reach the fleet
+_SCENE = 8765  # Foxglove's default port
 _NICENESS = 10  # a fleet on the same machine goes first
 
 
@@ -71,8 +70,11 @@ def monitor(
         options.refuse({"--port": port}, "it is the port of the live page: add --web, or --foxglove")
     if secure is not None and len(router or ()) > 1:
         options.refuse({"--router": router}, "with --secure there is one router")
-    if metrics is not None and not metrics.rpartition(":")[2].isdecimal():
-        options.refuse({"--metrics": metrics}, f"{metrics} is not [ADDRESS:]PORT")
+    scene = _SCENE if web or port is None else port
+    wanted = {"web": str(port or 0) * web, "foxglove": str(scene) * foxglove, "metrics": metrics}
+    for view, where in wanted.items():  # before there is a link to the run
+        if where:
+            _check(view, where)
     os.nice(_NICENESS)
     membership = KeyRing(secure)
     name = membership.named_run(run)
@@ -82,7 +84,10 @@ def monitor(
     with ExitStack() as stack:
         source = stack.enter_context(closing(Attachment(ZenohBus(connection), name)))
         if foxglove:
-            stack.enter_context(closing(_foxglove(source, name, None if web else port)))
+            from deploy.telemetry.monitor.foxglove import FoxgloveServer
+
+            viewed = stack.enter_context(closing(FoxgloveServer(source, name, scene)))
+            print(f"{viewed.address}  (open it in Foxglove)", flush=True)
         if metrics is not None:
             from deploy.telemetry.monitor.metrics import export
 
@@ -107,11 +112,13 @@ def _connection(endpoints: list[str] | None, membership: KeyRing, role: str) -> 
     return Connection("peer", connect=tuple(map(Endpoint, endpoints)), timeout=_TIMEOUT)
 
 
-def _foxglove(source: Watcher, run: str, port: int | None) -> FoxgloveServer:
+def _check(view: str, where: str) -> None:
+    """Raise UsageError for a missing library of a view, or an `[ADDRESS:]PORT` that it cannot listen at."""
+    import_module(f"deploy.telemetry.monitor.{view}")
+    host, _, number = where.rpartition(":")
     try:
-        from deploy.telemetry.monitor.foxglove import FoxgloveServer
-    except ImportError as error:
-        raise missing_library("--foxglove", "foxglove-sdk", "foxglove") from error
-    server = FoxgloveServer(source, run, port)
-    print(f"{server.address}  (open it in Foxglove)", flush=True)
-    return server
+        family = AF_INET6 if host.startswith("[") else AF_INET
+        create_server((host.strip("[]") or "127.0.0.1", int(number)), family=family).close()
+    except (OSError, ValueError, OverflowError) as error:
+        option = "--metrics" if view == "metrics" else "--port"
+        raise UsageError(f"{option}: cannot listen at {where}: {error}; give a free PORT") from error

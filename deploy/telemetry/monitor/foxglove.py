@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 
-from foxglove import Capability, Channel, Context, Schema, start_server
-from foxglove.websocket import ChannelView, Client, ServerListener
-
 from deploy.telemetry.live import FleetView
 from deploy.telemetry.monitor.watcher import Watcher
 from deploy.telemetry.scene import TOPICS, FleetScene, Picture
-from protocol.errors import UsageError
 from protocol.messages import Message
+from protocol.process.installation import missing_library
 
-HOST, PORT = "127.0.0.1", 8765  # Foxglove's default
+try:
+    from foxglove import Capability, Channel, Context, Schema, start_server
+    from foxglove.websocket import ChannelView, Client, ServerListener
+except ModuleNotFoundError as error:
+    raise missing_library("--foxglove", "foxglove-sdk", "foxglove") from error
+
+HOST = "127.0.0.1"
 
 
 class FoxgloveServer(ServerListener):
@@ -22,30 +25,23 @@ class FoxgloveServer(ServerListener):
 
     Args:
         run: shown to viewers.
-        port: default Foxglove's; 0: a free one.
-
-    Raises:
-        UsageError: the port is taken.
+        port: 0: a free one. If it is taken, RuntimeError is raised.
     """
 
-    def __init__(self, watcher: Watcher, run: str, port: int | None = None) -> None:
+    def __init__(self, watcher: Watcher, run: str, port: int) -> None:
         self._watcher = watcher
         self._scene: FleetScene | None = None  # under the lock of the watcher's view
         self._welcoming = ThreadPoolExecutor(1, "foxglove newcomers")
-        port = PORT if port is None else port
         self._context = Context()  # closes its channels when it is deleted
         self._channels = {name: _channel(self._context, name) for name in TOPICS}
-        try:
-            self._server = start_server(
-                name=f"disknav {run}",
-                host=HOST,
-                port=port,
-                capabilities=[Capability.Time],
-                server_listener=self,
-                context=self._context,
-            )
-        except (OSError, RuntimeError) as error:
-            raise UsageError(f"--port {port}: {error}; name another port") from error
+        self._server = start_server(
+            name=f"disknav {run}",
+            host=HOST,
+            port=port,
+            capabilities=[Capability.Time],
+            server_listener=self,
+            context=self._context,
+        )
         self.address = f"ws://{HOST}:{self._server.port}"  # to open in Foxglove
         watcher.follow = self._follow
 

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 
 from deploy.telemetry.live import FleetView
 from deploy.telemetry.monitor.snapshot import Source
-from protocol.errors import UsageError
 from protocol.process.installation import missing_library
 
 try:
@@ -91,19 +90,11 @@ def _robots(view: FleetView, now: float) -> Iterator[Metric]:
 def export(source: Source, where: str) -> str:
     """Serve the metrics at `[ADDRESS:]PORT` from a thread, as long as this process lives.
 
-    Returns: the URL, such as `http://127.0.0.1:9464/metrics`.
-
-    Raises:
-        UsageError: the address is invalid or taken.
+    Returns: the URL, such as `http://127.0.0.1:9464/metrics`. Raises OSError if the address is taken.
     """
     address, _, port = where.rpartition(":")
     host = address.strip("[]") or HOST
     registry = CollectorRegistry(auto_describe=False)
     registry.register(FleetCollector(source))
-    try:
-        server, _ = start_http_server(int(port), host, registry)
-    except (OSError, ValueError, OverflowError) as error:
-        raise UsageError(
-            f"--metrics {where}: {error}; give a free PORT, or ADDRESS:PORT of this host"
-        ) from error
+    server, _ = start_http_server(int(port), host, registry)
     return f"http://{address or HOST}:{server.server_port}/metrics"

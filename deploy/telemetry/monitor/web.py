@@ -18,7 +18,7 @@ import msgspec
 from deploy.telemetry.monitor.snapshot import Source
 from deploy.telemetry.monitor.watcher import Player, Watcher
 from protocol.codec import DAMAGED
-from protocol.errors import MessageError, UsageError
+from protocol.errors import MessageError
 from protocol.operations import Outcome, read_operation, read_steer
 from protocol.process.installation import missing_library
 from protocol.scenario.model import Operation
@@ -170,15 +170,11 @@ class Server:
             `#`.
 
     Raises:
-        UsageError: the port is taken.
+        OSError: the port is taken.
     """
 
     def __init__(self, source: Steerable, port: int | None = None) -> None:
-        try:
-            listener = socketlib.create_server((HOST, port or 0), backlog=64)
-        except (OSError, OverflowError) as error:
-            text = f"--port {port}: {error}; name another port, or none to use a free one"
-            raise UsageError(text) from error
+        listener = socketlib.create_server((HOST, port or 0), backlog=64)
         token, (host, port, *_) = token_urlsafe(16), listener.getsockname()
         self.address = f"http://{host}:{port}"
         self.link = f"{self.address}/#{token}"

@@ -1,22 +1,18 @@
 """The live connection for Foxglove, spoken to as Foxglove does; and the layout that goes with it."""
 
 import json
-import socket
 import struct
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
-import pytest
 from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Subprotocol
 
 from deploy.run.local import LocalFleet
 from deploy.telemetry.monitor.foxglove import FoxgloveServer
 from deploy.telemetry.scene import TOPICS, measures
-from protocol.bus.local import LocalNetwork
-from protocol.errors import UsageError
 from protocol.messages import Truth
 from protocol.operations import Steer
 from tests.deploy.telemetry.monitor.watched import ring, running, watch_local
@@ -70,13 +66,6 @@ def test_foxglove_sees_a_run_live_and_after_its_end() -> None:
             assert [each["id"] for each in json.loads(scene)["entities"]] == [
                 f"robot {i}" for i in range(1, 5)
             ]
-
-
-def test_a_taken_port_is_named() -> None:
-    with socket.create_server(("127.0.0.1", 0)) as taken:
-        port = taken.getsockname()[1]
-        with pytest.raises(UsageError, match=str(port)):
-            FoxgloveServer(watch_local(LocalNetwork(), "r"), "r", port)
 
 
 def test_the_layout_shows_topics_that_there_are() -> None:

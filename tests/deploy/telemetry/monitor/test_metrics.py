@@ -2,7 +2,6 @@
 
 import json
 import re
-import socket
 import urllib.request
 from itertools import count
 from pathlib import Path
@@ -12,7 +11,6 @@ from prometheus_client.openmetrics.parser import text_string_to_metric_families
 
 from deploy.telemetry.monitor.metrics import PHASES, export
 from deploy.telemetry.monitor.snapshot import Source
-from protocol.errors import UsageError
 from protocol.messages import Clock, Health, Truth
 from protocol.scenario.model import RobotSpec, Scenario
 
@@ -83,16 +81,3 @@ def test_the_dashboard_asks_for_what_is_exported() -> None:
     ]
     assert {name for each in asks for name in re.findall(r"disknav_[a-z_]+", each)} <= found
     assert len(asks) >= 10
-
-
-@pytest.mark.parametrize("where", ["here", "70000", "203.0.113.1:0"])
-def test_an_address_that_cannot_be_served_is_named(where: str) -> None:
-    with pytest.raises(UsageError, match=f"--metrics {where}"):
-        export(Source("yard"), where)
-
-
-def test_a_port_that_is_taken_is_named() -> None:
-    with socket.create_server(("127.0.0.1", 0)) as taken:
-        port = taken.getsockname()[1]
-        with pytest.raises(UsageError, match=f"--metrics {port}: .*free PORT"):
-            export(Source("yard"), str(port))

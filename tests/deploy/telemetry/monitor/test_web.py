@@ -179,14 +179,6 @@ def test_every_file_of_the_page_is_served_and_none_comes_from_elsewhere() -> Non
     assert {"main.js", "drawing/workspace.js", "styles/theme.css", "icon.svg"} <= seen
 
 
-def test_a_taken_port_is_named() -> None:
-    source = watch_local(LocalNetwork(), "r")
-    with closing(Server(source)) as server:
-        port = server.address.rsplit(":")[-1]
-        with pytest.raises(UsageError, match=port):
-            Server(source, int(port))
-
-
 def test_without_the_web_libraries_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "uvicorn", None)
     monkeypatch.delitem(sys.modules, "deploy.telemetry.monitor.web")
