@@ -17,15 +17,27 @@ from deploy.cli.run import run
 
 
 class CommandGroup(TyperGroup):
-    """All subcommands. In each, `--json` without a file means standard output."""
+    """All subcommands. In each, `--json` without a file means standard output, and no flag has a type."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        for each in (each for command in (self, *self.commands.values()) for each in command.get_params(ctx)):
+            if getattr(each, "is_flag", False):
+                each.metavar = ""  # <bool> would ask for a value
         spelled: list[str] = []
         for word, following in zip(args, [*args[1:], "--"], strict=False):
+            if not following:  # mostly an unset variable
+                ctx.fail(f"The word after {word!r} is empty: give a value, or leave it out.")
             spelled.append(word)
             if word == "--json" and following.startswith("-") and following != "-":
                 spelled.append("-")
         return super().parse_args(ctx, spelled)
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except typer.BadParameter as error:
+            error.message = error.message.removeprefix("Value error, ")
+            raise
 
 
 app = typer.Typer(
@@ -76,6 +88,7 @@ for _group, _commands in GROUPS.items():
             for _info in _command.registered_commands:
                 _info.help = _paragraphs(_info.callback)
             _example = _EXAMPLE.findall(_command.registered_commands[0].help or "")[0]
-            app.add_typer(_command, rich_help_panel=_group, help=f"{_command.info.help}\n\n{_example}")
+            _text = f"{_command.info.help}\n\n{_example}"
+            app.add_typer(_command, cls=CommandGroup, rich_help_panel=_group, help=_text)
         else:
             app.command(rich_help_panel=_group, help=_paragraphs(_command))(_command)

@@ -130,7 +130,7 @@ def add(
     print(f"run {run}: robot {robot} {state}")
 
 
-@app.command()
+@app.command(cls=_NumbersCommand)
 def remove(
     run: options.Run,
     robot: Annotated[int, typer.Argument(metavar="ROBOT", help="Id of the robot.")],
@@ -181,7 +181,7 @@ def place(
     print(f"obstacle {reply.number} is in place")
 
 
-@app.command()
+@app.command(cls=_NumbersCommand)
 def take(
     run: options.Run,
     number: Annotated[

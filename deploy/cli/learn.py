@@ -176,7 +176,7 @@ def study(
             metavar="I/N", help="Only every N-th run from the I-th on, to share a study between machines."
         ),
     ] = None,
-    seed: Annotated[int, typer.Option(min=0, help="Seed of the first run; the others count up.")] = 0,
+    seed: Annotated[int, typer.Option(min=0, max=2**62, help="Seed of the first run; others count up.")] = 0,
     setting: options.SettingOptions = None,
     transport: Annotated[
         Transport | None, typer.Option(help="Real processes (routed, mesh) or one process (local).")

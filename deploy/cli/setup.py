@@ -169,9 +169,11 @@ def deploy(
 def calibrate(
     scenario: options.Scenario,
     robot: Annotated[int, typer.Argument(metavar="ROBOT", help="The robot's id in the scenario.")],
-    side: Annotated[float, typer.Option(min=0.2, help="Side of the square ahead and to the left, m.")] = 0.8,
-    speed: Annotated[float, typer.Option(min=0.01, help="Speed, m/s.")] = 0.1,
-    rate: Annotated[float, typer.Option(min=0.05, help="Turning rate, rad/s.")] = 0.6,
+    side: Annotated[
+        float, typer.Option(min=0.2, max=100.0, help="Side of the square ahead and to the left, m.")
+    ] = 0.8,
+    speed: Annotated[float, typer.Option(min=0.01, max=10.0, help="Speed, m/s.")] = 0.1,
+    rate: Annotated[float, typer.Option(min=0.05, max=10.0, help="Turning rate, rad/s.")] = 0.6,
     wait: Annotated[float, typer.Option(min=1.0, help="Seconds to wait for the base's messages.")] = 10.0,
     router: options.Router = None,
     setting: options.SettingOptions = None,

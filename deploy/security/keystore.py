@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import re
 from collections.abc import Sequence
 from inspect import signature
 from ipaddress import ip_address
@@ -105,6 +106,8 @@ def _host(host: str) -> x509.GeneralName:
     try:
         return x509.IPAddress(ip_address(host))
     except ValueError:
+        if not re.fullmatch(r"[\w.-]+", host, re.ASCII):
+            raise UsageError(f"{host!r} is no host: give its name, in ASCII, or its address") from None
         return x509.DNSName(host)
 
 

@@ -1,6 +1,7 @@
 """One command line: an option means the same in every command, or is refused where it cannot apply."""
 
 import json
+import socket
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -101,6 +102,8 @@ REFUSED = [
     ("setup calibrate figure-1 1", "has no base"),
     ("monitor yard --metrics abc", "--metrics"),
     ("fleet goal yard 1 0.1 0.2 --within -1", "within"),
+    ("fleet remove yard -1", "at least 1, is -1"),
+    ("setup keys keys -s figure-1 --host a,b", "'a,b' is no host"),
 ]
 
 
@@ -111,6 +114,25 @@ def test_what_is_refused(line: str, text: str, tmp_path: Path, monkeypatch: pyte
     with pytest.raises(UsageError, match=text):
         CliRunner().invoke(app, line.split(), catch_exceptions=False)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_typer_says_names_what_is_expected() -> None:
+    calls = {line: ["run", "a.toml", *line.split(" ")] for line in ("-h", "--mode x", "--log ")}
+    said = {line: CliRunner().invoke(app, call).output for line, call in calls.items()}
+    assert "<bool>" not in said["-h"]
+    assert "'--mode': 'x' is not one of" in said["--mode x"]
+    assert "after '--log' is empty" in said["--log "]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("wish", ["--web --port {}", "--foxglove --port {}", "--metrics {}"])
+def test_an_address_where_nothing_can_listen_is_refused_before_there_is_a_link(wish: str) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        invalid = ["70000", "203.0.113.1:0"] if "metrics" in wish else []
+        for where in (taken.getsockname()[1], *invalid):
+            words = wish.format(where).split()
+            with pytest.raises(UsageError, match=f"{words[-2]}: cannot listen at .*{where}.*free PORT"):
+                CliRunner().invoke(app, ["monitor", "x", *words], catch_exceptions=False)
 
 
 @pytest.mark.slow
