@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from resource import RLIMIT_NOFILE, getrlimit
 from typing import Any
 
 from deploy.processes import table
@@ -20,7 +21,7 @@ from deploy.security.roster import MONITOR, WORLD, robot_role
 from protocol.bus.bus import Event, Sample
 from protocol.bus.zenoh import ZenohBus
 from protocol.codec import decode
-from protocol.errors import MessageError, RecordingError, RunTakenError
+from protocol.errors import MessageError, ProcessError, RecordingError, RunTakenError
 from protocol.keys import world_key
 from protocol.messages import Clock
 from protocol.process.log import LOG
@@ -31,6 +32,7 @@ from world.process import REFUSED
 _LAST_WORDS = 5.0  # s for the report of an interrupted world
 _LEAVING = 2.0  # s for processes to end by themselves after the run
 _POLL = 0.02  # s
+_FILES = 32  # that a process has open, besides one for each robot
 _IMPATIENT = 2  # signals after which the report is not waited for
 ENOUGH = "ended as planned"  # reason of a run that `enough` ends
 
@@ -64,6 +66,9 @@ class Fleet:
         self.rejected: Counter[str] = Counter()  # invalid messages, by reason
 
     def __enter__(self) -> Fleet:
+        needed = _FILES + len(self._scenario.robots)
+        if 0 <= getrlimit(RLIMIT_NOFILE)[0] < needed:
+            raise ProcessError(f"too few files may be open in a process: allow more by `ulimit -n {needed}`")
         with ExitStack() as stack:
             self._assembly = Assembly(self._scenario, self._options, self._record, stack)
             self.supervisor = self._assembly.supervisor

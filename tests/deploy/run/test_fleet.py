@@ -15,6 +15,7 @@ from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions, fresh_run_name
 from protocol.bus.connection import Connection
 from protocol.bus.zenoh import ZenohBus
+from protocol.errors import ProcessError
 from protocol.scenario.model import ProcessFault
 from protocol.scenario.network import Network
 from tests.forks import Forks
@@ -50,6 +51,12 @@ def test_a_second_robot_with_the_same_id_is_refused(endpoint: str) -> None:
         supervisor.start([table.Process("twin", "agents.process:main", (connection, run, 1))])
         exits = until(lambda: supervisor.poll(0.1))
     assert [(exit_.process.name, exit_.code) for exit_ in exits] == [("twin", REFUSED)]
+
+
+def test_a_fleet_that_may_not_open_its_files_is_not_started(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("deploy.run.fleet.getrlimit", lambda _: (15, 15))
+    with pytest.raises(ProcessError, match="ulimit -n 38"), Fleet(load("swap-6"), RunOptions()):
+        pytest.fail("it has started")
 
 
 def test_a_malformed_scenario_starts_nothing(disknav: Forks, tmp_path: Path) -> None:
