@@ -82,7 +82,8 @@ class _File(WatchedFileHandler):
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: ARG002, N802  as in logging
         if not self._warned:
             self._warned = True
-            print(f"{self.baseFilename}: {sys.exc_info()[1]}", file=sys.stderr, flush=True)
+            text = f"disknav: cannot log to {self.baseFilename}: {sys.exc_info()[1]}; its lines are lost"
+            print(text, file=sys.stderr, flush=True)
 
 
 def words(speaker: Speaker, level: int = logging.WARNING) -> logging.Handler:

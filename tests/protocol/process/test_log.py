@@ -80,4 +80,4 @@ def test_a_full_disk_costs_lines_and_one_word(capsys: pytest.CaptureFixture[str]
     handler = log.lines(log.Speaker(), Path("/dev/full"))
     for _ in range(3):
         handler.handle(logging.LogRecord("", logging.INFO, "", 0, "said", (), None))
-    assert re.fullmatch(r"/dev/full: .*No space left.*\n", capsys.readouterr().err)
+    assert re.fullmatch(r"disknav: cannot log to /dev/full: .*No space left.*lost\n", capsys.readouterr().err)
