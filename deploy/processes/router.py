@@ -60,10 +60,10 @@ def listening(connection: Connection) -> tuple[ZenohBus, Endpoint]:
             with reserved(endpoint):  # fails if another fleet's router is being restarted there
                 pass
             return ZenohBus(replace(connection, listen=(endpoint,))), endpoint
-        except (EndpointTakenError, OSError):
-            continue
+        except (EndpointTakenError, OSError) as error:
+            why = error
     raise EndpointTakenError(
-        f"no free port on {HOST} from {PORTS.start} to {PORTS.stop - 1}: "
+        f"no free port on {HOST} from {PORTS.start} to {PORTS.stop - 1}, the last: {why}; "
         f"stop another fleet, or name an endpoint to listen on"
     )
 
@@ -79,6 +79,7 @@ def reserved(endpoint: Endpoint) -> Iterator[None]:
     assert address is not None, "only routers on a network have ports"
     with socket.socket(socket.AF_INET6 if ":" in address[0] else socket.AF_INET, socket.SOCK_DGRAM) as place:
         place.bind(address)
+        place.connect(address)  # fails at once if the loopback interface is down
         yield
 
 

@@ -72,7 +72,6 @@ REFUSED = [
     ("run figure-1 --keep --transport mesh", "--keep"),
     ("run figure-1 --keep --plot a.png", "--plot"),
     ("run figure-1 --rotate 1h", "--rotate"),
-    ("run figure-1 --record -", "standard output and pipes cannot take it"),
     ("run figure-1 --record a.mcap --json a.mcap", "has the file already"),
     ("run a.toml --record a.toml", "has the file already"),
     ("run a.png --plot a.png", "has the file already"),
@@ -100,7 +99,6 @@ REFUSED = [
     ("check a.toml --json a.toml", "has the file already"),
     ("setup calibrate figure-1 99", "has no robot 99; there are 1, 2"),
     ("setup calibrate figure-1 1", "has no base"),
-    ("monitor yard --metrics abc", "--metrics"),
     ("fleet goal yard 1 0.1 0.2 --within -1", "within"),
     ("fleet remove yard -1", "at least 1, is -1"),
     ("setup keys keys -s figure-1 --host a,b", "'a,b' is no host"),
@@ -125,14 +123,12 @@ def test_what_typer_says_names_what_is_expected() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("wish", ["--web --port {}", "--foxglove --port {}", "--metrics {}"])
+@pytest.mark.parametrize("wish", ["--web --port {}", "--foxglove --port {}", "--metrics {}", "--metrics 7{}"])
 def test_an_address_where_nothing_can_listen_is_refused_before_there_is_a_link(wish: str) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
-        invalid = ["70000", "203.0.113.1:0"] if "metrics" in wish else []
-        for where in (taken.getsockname()[1], *invalid):
-            words = wish.format(where).split()
-            with pytest.raises(UsageError, match=f"{words[-2]}: cannot listen at .*{where}.*free PORT"):
-                CliRunner().invoke(app, ["monitor", "x", *words], catch_exceptions=False)
+        words = wish.format(taken.getsockname()[1]).split()
+        with pytest.raises(UsageError, match=f"{words[-2]}: cannot listen at {words[-1]}: .*free PORT"):
+            CliRunner().invoke(app, ["monitor", "x", *words], catch_exceptions=False)
 
 
 @pytest.mark.slow

@@ -16,6 +16,12 @@ def test_a_port_that_was_asked_for_and_is_taken_names_its_holder(endpoint: str) 
         listening(Connection("router", listen=(endpoint,)))
 
 
+def test_a_port_that_cannot_be_reached_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("deploy.processes.router.HOST", "127.255.255.255")  # as if the loopback were down
+    with pytest.raises(EndpointTakenError, match=r"the last: .*Permission denied"):
+        listening(Connection("router"))
+
+
 def test_no_other_router_takes_the_port_of_one_that_will_be_back() -> None:
     bus, endpoint = listening(Connection("router"))
     with reserved(endpoint):
