@@ -90,12 +90,9 @@ def whole_folder(target: Path) -> Iterator[Path]:
             raise
 
 
-STANDARD_OUTPUT = Path("-")
-
-
 def is_standard_output(target: Path | None) -> bool:
     """Whether `target` means standard output, which then gets no other text."""
-    return target == STANDARD_OUTPUT
+    return str(target) == "-"
 
 
 def check_text(target: Path | None, *others: Path | str | None) -> None:

@@ -12,6 +12,7 @@ from typing import Any, SupportsFloat
 import numpy as np
 
 from agents.shell.node import RobotNode
+from deploy.output import check_target
 from deploy.run.execute import execute
 from deploy.run.local import LocalFleet
 from deploy.run.operator import Operator
@@ -187,6 +188,8 @@ def run(
         ScenarioError, UsageError: as `load`; or `settings` or `seed` are given with a finished scenario.
         ProcessError, BusError: the fleet could not be started.
     """
+    path = None if record is None else Path(record)
+    check_target(path, "record", scenario if isinstance(scenario, str | Path) else None)
     scenario = ready(scenario, settings, seed)
     if transport != "local" and scenario.control.law.startswith("__main__:"):
         raise UsageError(
@@ -199,7 +202,7 @@ def run(
         return Run(scenario, complete(simulation.finish(), options, []), simulation.trajectory)
     with ExitStack() as stack:
         folder = stack.enter_context(TemporaryDirectory(prefix="disknav-"))
-        path = Path(folder) / "run.mcap" if record is None else Path(record)
+        path = path or Path(folder) / "run.mcap"
         result = execute(scenario, options, record=path, quiet=not progress)
         trajectory = read(path).trajectory
     if record is None:

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from deploy.cli import options
-from deploy.output import STANDARD_OUTPUT, check_text, write_text
+from deploy.output import check_text, write_text
 from protocol.scenario.model import Scenario
 
 ScenarioFile = Annotated[Path, options.out("Scenario file to write; '-' is standard output.")]
@@ -50,7 +50,7 @@ def show(
 def new(
     kind: Annotated[str, typer.Argument(metavar="KIND", help="random, swap, or any library name.")],
     seed: Annotated[int, typer.Option(min=0, help="Seed of all random values.")] = 0,
-    out: ScenarioFile = STANDARD_OUTPUT,
+    out: ScenarioFile = Path("-"),
     robots: Annotated[int | None, options.robots(1)] = None,
     density: Annotated[
         float | None, typer.Option(help="Disk area over workspace area, up to 0.35 (random).")
@@ -86,7 +86,7 @@ def import_(
             dir_okay=False,
         ),
     ],
-    out: ScenarioFile = STANDARD_OUTPUT,
+    out: ScenarioFile = Path("-"),
     robots: Annotated[int, options.robots(1)] = 5,
     radius: Annotated[float, typer.Option(min=1e-3, help="Radius of the robots, m (maps, MovingAI).")] = 0.2,
     seed: Annotated[int, typer.Option(min=0, help="Seed of all random values (maps).")] = 0,
@@ -119,7 +119,7 @@ def schema() -> None:
     print(json.dumps(json_schema(), indent=2))
 
 
-def _write(scenario: Scenario, output: Path = STANDARD_OUTPUT) -> None:
+def _write(scenario: Scenario, output: Path = Path("-")) -> None:
     from protocol.scenario.file import write_toml
 
     write_text(write_toml(scenario), output)

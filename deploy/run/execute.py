@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from deploy.output import bar, check_target, write_json
+from deploy.output import bar, write_json
 from deploy.run.fleet import Fleet
 from deploy.run.local import LocalFleet
 from deploy.run.options import RunOptions
@@ -60,7 +60,7 @@ def execute(
     """Run `scenario` to its verdict. There is a result even after signals, at any time and repeatedly.
 
     Args:
-        record, plot, json_file: files to write, of which the caller has checked the last two.
+        record, plot, json_file: files to write, which the caller has checked.
         web: whether to serve the live page.
         quiet: whether to show no progress.
         on_result: called with the result as soon as the fleet is down, before plotting.
@@ -70,7 +70,6 @@ def execute(
             be written.
         ProcessError, BusError: the fleet could not be started.
     """
-    check_target(record, "record")
     unwritten: UsageError | OSError | None = None
     if scenario.is_external:
         options = replace(options, mode="realtime")  # real robots do not wait

@@ -84,6 +84,8 @@ def test_a_simulation_takes_what_a_run_takes() -> None:
         disknav.Simulation(simulation.scenario, seed=1)
     with pytest.raises(disknav.DisknavError, match="run name"):
         disknav.Simulation("swap-3", name="a/b")
+    with pytest.raises(UsageError, match="has the file already"):
+        disknav.run("swap-3", record="swap-3")
 
 
 @pytest.mark.slow
