@@ -28,7 +28,6 @@ Alive = Annotated[
     Path | None,
     typer.Option(metavar="FILE", help="Touch this file every second while the main loop runs, for probes."),
 ]
-_RETURNS = 1000  # times that a robot is waited for: its link may return, or someone start it again
 _WAIT = 60.0
 app = typer.Typer(
     name="node", help="Run single processes, for systemd, containers or a manual start.", no_args_is_help=True
@@ -108,6 +107,7 @@ def world(
     from protocol.bus.bus import heartbeat
     from world.process import OVER, main
     from world.shell.checkpoint import Checkpoint
+    from world.shell.failure_detector import RETURNS
 
     check_target(checkpoint, "write the checkpoint", scenario)
     membership = KeyRing(secure)
@@ -133,7 +133,7 @@ def world(
         loaded,
         mode == "lockstep",
         gathering=wait,
-        restarts=_RETURNS,
+        restarts=RETURNS,
         checkpoint=checkpoint,
         on_report=on_report,
         beat=heartbeat(alive),

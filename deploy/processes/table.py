@@ -40,12 +40,14 @@ def world(
     speed: float = 0.0,
     restarts: int = 0,
     checkpoint: Path | None = None,
+    returns: int = 0,
 ) -> Process:
     """The world of a run, which reports its result as JSON.
 
-    `restarts` is that of the robots' rows; with a `checkpoint` the world is restarted as often.
+    `restarts` is that of the robots' rows; with a `checkpoint` the world is restarted as often. `returns`
+    counts the times that each robot is waited for, if these are more.
     """
-    arguments = (connection, run, scenario, lockstep, gathering, speed, restarts, checkpoint)
+    arguments = (connection, run, scenario, lockstep, gathering, speed, max(restarts, returns), checkpoint)
     again = 0 if checkpoint is None else restarts
     entry = "world.process:supervised"
     return Process(WORLD, entry, arguments, True, again, reports=True)

@@ -27,6 +27,7 @@ from protocol.scenario.model import Scenario
 from world.process import look_for_others
 from world.shell.admission import GRACE
 from world.shell.checkpoint import Checkpoint
+from world.shell.failure_detector import RETURNS
 
 
 def places(hosts: HostsTable | None) -> dict[str, str]:
@@ -256,8 +257,9 @@ class Assembly:
             self._scenario,
             options.lockstep,
             speed=options.speed,
-            restarts=options.restarts or int(options.hosts is not None),  # a cut host may return
+            restarts=options.restarts,
             checkpoint=checkpoint,
+            returns=0 if options.hosts is None else RETURNS,
         )
         self.supervisor.start([world])
         if self._record is not None and self.result is not None:
