@@ -31,6 +31,7 @@ _PERIOD = 0.01  # s between batches; samples left longer would block the network
 _FLUSH_PERIOD = 0.4  # s between chunks
 _LAST_WORDS = 0.2  # s after the result, for late messages of robots
 _RESULT = 3.0  # s to wait for the result after a signal
+_SUPERVISOR = 8.0  # s to wait for the supervisor's signal after one that was sent to all processes at once
 _ASK_TIMEOUT = 5.0
 _ASK_AGAIN = 0.5  # s
 _NICENESS = 5  # the fleet goes first
@@ -99,6 +100,11 @@ class Recorder:
             self._flush_at = now + _FLUSH_PERIOD
             self._file.flush()
         self.deadline = now + _PERIOD
+
+    @property
+    def over(self) -> bool:
+        """Whether the run has ended, or its world has left."""
+        return self.result is not None or not self._worlds
 
     def close(self) -> None:
         """Write all messages that have arrived, and stop."""
@@ -171,5 +177,8 @@ def main(
         follow(recorder, bus)
         recorder.wind_up(_RESULT)
     STOP.wait()  # the result is complete once all other processes have ended
+    until = time.monotonic() + _SUPERVISOR
+    while recorder.over and not result.exists() and STOP.count < 2 and time.monotonic() < until:
+        time.sleep(_PERIOD)
     recorder.finish(result.read_text(encoding="utf-8") if result.exists() else None)
     return 0
