@@ -36,8 +36,8 @@ _LONGEST: Final = 3600.0  # s, longest single wait for the queue
 _LINKING = 5.0  # s that a peer waits for its links before it announces itself
 # Read by zenoh once, at the first session of a process: four threads instead of seven are faster.
 _RUNTIME = "(rx:(worker_threads:1),acc:(handover:net),app:(handover:net),tx:(handover:net))"
-# With one receiving thread, a router may stop relaying for ever after the loss of a link to another.
-_LINKED = "(rx:(worker_threads:4))"
+# The end of a lost link to another router holds a receiving thread for up to 10 s, which then relays nothing.
+_LINKED = "(rx:(worker_threads:16))"
 _SETTLING = 0.15  # s, longer than zenoh waits from the loss of a link to another router to its new trees
 # Unless RUST_LOG says otherwise, refused certificates are reported, but not that a link is tried again.
 _ROUTER_LOG = "error,zenoh_link_tls=warn,zenoh_transport::unicast=off"
