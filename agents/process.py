@@ -30,7 +30,7 @@ def main(
 ) -> int:
     """Run robot `robot` of `run` until the world ends the run; returns the exit status.
 
-    `wait`: longest time without a world at the start, s; `namespace` as of `RobotNode`.
+    `wait`: as of `WorldSession`; `namespace` as of `RobotNode`.
 
     0: the run ended, or this process was asked to stop. 2: the world refuses this robot. 3: the network or
     the world is lost. Raises Stopped if a signal asks to end before the robot joins.

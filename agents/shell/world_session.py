@@ -30,7 +30,7 @@ class WorldSession:
     """Requests to join, and the world's token.
 
     Args:
-        wait: longest time without a world at the start, s.
+        wait: longest time without a world, s; PATIENCE at least, once it has been admitted.
         read: decodes an answer to a request to join; its result is never changed.
     """
 
@@ -44,7 +44,7 @@ class WorldSession:
         self.back = False  # whether a world has come back, so that this life may have ended meanwhile
         self._bus, self._run, self._robot, self._warn, self._read = bus, run, robot, warn, read
         self._present: set[str] = set()  # sessions of the worlds whose tokens are there
-        self._bearable, self._timeout = wait, _TIMEOUT  # s without an answer; s, timeout of a request
+        self._wait, self._bearable, self._timeout = wait, wait, _TIMEOUT  # s; without an answer; of a request
         self._gone = inf  # s, monotonic: loss of its token
         self._told_gone = False  # whether the operator was warned
         self._refused = 0
@@ -75,7 +75,7 @@ class WorldSession:
         if isinstance(reply, joining.OtherRun):
             if self._strange < self.heard:
                 self._strange = time.monotonic()
-            if begun and time.monotonic() <= self._strange + self._bearable:
+            if begun and time.monotonic() <= self._strange + max(PATIENCE, self.grace):
                 return None
             raise BusError(f"another run has the name {self._run!r} now; start this process again for it")
         self.heard = time.monotonic()
@@ -110,7 +110,7 @@ class WorldSession:
         """Note the admission of an incarnation."""
         self.epoch, self._gone, self._told_gone = admission.epoch, inf, False
         self.grace = admission.grace
-        self._bearable, self._timeout = max(PATIENCE, admission.grace), _TIMEOUT
+        self._bearable, self._timeout = max(PATIENCE, self._wait, admission.grace), _TIMEOUT
 
     def over(self) -> None:
         """The run is over: a world that leaves is awaited only if it may be back."""

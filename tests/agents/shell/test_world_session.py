@@ -93,17 +93,21 @@ def test_worlds_of_other_runs_do_not_keep_it_from_the_next_of_its_own(reply: Joi
     assert answered(OtherRun(), OtherRun()) is None, "its own may return"
 
 
-@pytest.mark.parametrize("grace", [0.0, 60.0])
-def test_beside_another_run_it_waits_as_long_as_for_its_own_world(
-    grace: float, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("wait", "grace"), [(1.0, 0.0), (20.0, 60.0), (20.0, 0.0)])
+def test_it_waits_for_its_own_world_and_no_longer_than_that_beside_another_run(
+    wait: float, grace: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     network, now = LocalNetwork(), [100.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
     bus = network.connect()
     bus.serve(robot_key("run", 1, "join"))
     bus.node = SimpleNamespace(handle=lambda query: query.reply(encode_reply(OtherRun())))
-    session = WorldSession(network.connect(), "run", 1, 20.0, lambda _: None)
+    session = WorldSession(network.connect(), "run", 1, wait, lambda _: None)
     session.admitted(Admission(1, True, SWAP, grace=grace, epoch=OWN))
+    session.on_token(session_of(OWN), alive=False)
+    session.check(99.9 + max(PATIENCE, wait, grace))
+    with pytest.raises(BusError, match="has been gone for"):
+        session.check(100.1 + max(PATIENCE, wait, grace))
     bearable = max(PATIENCE, grace)
     for now[0] in (101.0, 100.9 + bearable):
         assert session.ask(None, begun=True) is None
