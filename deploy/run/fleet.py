@@ -33,6 +33,7 @@ _LAST_WORDS = 5.0  # s for the report of an interrupted world
 _LEAVING = 2.0  # s for processes to end by themselves after the run
 _POLL = 0.02  # s
 _FILES = 32  # that a process has open, besides one for each robot
+_TOGETHER = 0.3  # s in which a signal that was sent to all processes arrives here, too
 _IMPATIENT = 2  # signals after which the report is not waited for
 ENOUGH = "ended as planned"  # reason of a run that `enough` ends
 
@@ -111,7 +112,7 @@ class Fleet:
         """Watch the run; verdict and reason if it is cut short, empty otherwise."""
         while not (self._report or STOP.requested or enough()):
             self._take(self._bus.receive(_POLL))
-            if loss := self._loss(self._poll()):
+            if (loss := self._loss(self._poll())) and not STOP.wait(_TOGETHER):
                 return "aborted", loss
         if self._report:
             return "", ""
