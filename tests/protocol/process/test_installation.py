@@ -2,6 +2,7 @@
 
 import sys
 from pathlib import Path
+from shlex import quote
 from types import SimpleNamespace
 
 import pytest
@@ -15,7 +16,7 @@ def test_a_checkout_is_set_up_again(tmp_path: Path) -> None:
     assert installation.is_checkout(tmp_path)
     said = installation.how_to_install("plot", tmp_path)
     assert f"`make setup` in {tmp_path}" in said
-    assert f"{sys.executable} -m pip install --editable '{tmp_path}[plot]'" in said
+    assert f"{quote(sys.executable)} -m pip install --editable '{tmp_path}[plot]'" in said
 
 
 @pytest.mark.parametrize(
