@@ -268,10 +268,11 @@ class Negotiation:
         if newest.gap(me.x, me.y) > mine and -newest.gap(state.x, state.y) > theirs:
             return
         line = self._fit_line(tick, bond, me, state, standing)
-        if line is None or not kernel.fits(bond.end, line):
+        if line is None or is_same(line, newest, UNCHANGED * self._max_step):
             return
-        if not is_same(line, newest, UNCHANGED * self._max_step):
-            lines.propose(line, True)
+        fits = kernel.fits(bond.end, line)
+        if fits:
+            lines.propose(line, fits)
             bond.renew()
 
     def _fit_line(
