@@ -22,7 +22,7 @@ from protocol.kernel.records import ANNOUNCED, NO, PRESENT, Binding, DiskRecord,
 from protocol.line import ROUNDING, Line
 from protocol.messages import Command, Grants, Vector
 from protocol.messages import ListedBinding as Listing
-from protocol.region import EVERYWHERE, Region, RegionGeometry, distance, parting
+from protocol.region import Region, RegionGeometry, distance, parting
 from protocol.scenario.model import Scenario
 
 _RENEWED: Final = 1.0 / 3.0  # share of the slack that a robot may use before another region is granted
@@ -67,7 +67,6 @@ class Keeper:
         """Begin a life of a static disk."""
         disk = self._ledger.disks[robot]
         self._ledger.rejoin(disk)
-        self._known[robot] = 0
         self._change(robot)
 
     def fence(self, robot: int, place: Circle) -> None:
@@ -117,13 +116,12 @@ class Keeper:
         return command.version > self.version or command.region > min(granted, command.version)
 
     def acknowledge(self, command: Command) -> None:
-        """Record the region and bindings that the present life of a robot obeys."""
+        """Record the region and bindings that the present life of a robot obeys, by a Command of its that is
+        not refused."""
         robot = command.robot
         disk = self._ledger.disks[robot]
-        if disk.life == NO:
-            return
-        self._known[robot] = max(self._known.get(robot, 0), command.version)
-        if max(disk.held.acknowledged, disk.life) < command.region <= disk.held.granted:
+        self._known[robot] = command.version
+        if command.region > max(disk.held.acknowledged, disk.life):
             self._ledger.acknowledge(disk, command.region)
             self._moved.add(robot)
         for first in command.firsts:
@@ -145,18 +143,15 @@ class Keeper:
 
     def advance(self, places: Mapping[int, Vector]) -> None:
         """Grant the needed regions, given last known positions (m, by id), and bind the required pairs."""
-        finite = self._slack < math.inf
         self._part()
         for robot, disk in self._ledger.disks.items():
             if disk.phase == ANNOUNCED:
                 self._is_ready(disk, disk.held.regions[0][1])
-            if disk.life == NO or not (disk.still or finite):
+            if disk.life == NO:
                 continue
             around = disk.held.regions[0][1].shape.around
             at = (around.x, around.y) if disk.still else places.get(robot, (around.x, around.y))
-            if not finite:
-                self._try(disk, EVERYWHERE)
-            elif disk.still:
+            if disk.still:
                 self._try(disk, Region(Circle(*at, around.radius + self._slack)))
             elif not self._is_roomy(disk, at):
                 self._try(disk, Region(Circle(*at, disk.held.regions[-1][1].shape.around.radius)))

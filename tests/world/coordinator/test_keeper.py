@@ -39,7 +39,7 @@ def settled(setting: Scenario, *, live: tuple[int, ...] = (1, 2, 3)) -> Keeper:
 def obey(keeper: Keeper, robot: int, told: Grants, *firsts: FirstLine) -> None:
     """With a first line wherever one is asked for."""
     asked = (each.number for each in told.bindings if each.first is None)
-    firsts += tuple(FirstLine(number, 1.0, 0.0, 0.0) for number in asked)
+    firsts += tuple(FirstLine(number, 1.0, 0.0, 0.5) for number in asked)
     said = Command(robot, 1, 0, (0.0, 0.0), version=told.version, region=told.number, firsts=firsts)
     assert not keeper.refuses(said)
     keeper.acknowledge(said)
@@ -81,7 +81,10 @@ def test_a_life_that_is_over_stands_for_the_others_until_the_next_has_a_line_wit
         (asked,) = (each for each in told.bindings if each.first is None)
         assert (asked.peer, asked.static) == (2, False)
         obey(keeper, robot, told)
-        assert all(each.first is not None for each in keeper.news(robot).bindings)
+        firsts = {each.number: each.first for each in keeper.news(robot).bindings}
+        assert None not in firsts.values()
+        assert firsts[asked.number] == (1.0, 0.0, 0.5)
+    obey_all(keeper)
     keeper.advance({})
     told = keeper.news(2)
     assert told.number > told.life
@@ -107,6 +110,27 @@ def test_a_disk_does_not_appear_where_one_stands() -> None:
     for _ in range(3):
         assert not keeper.appear(-2)
         obey_all(keeper)
+    keeper.rejoin(2)
+    keeper.advance({})
+    obey(keeper, 1, keeper.news(1))
+    keeper.advance({})
+    assert keeper._ledger.disks[2].held.granted > keeper._ledger.disks[2].life, "it may leave"
+
+
+def test_a_disk_appears_beside_a_wall_and_an_obstacle_in_another() -> None:
+    keeper = Keeper(fleet())
+    keeper.found({}, {1: Obstacle(points=((-1.0, 0.0), (1.0, 0.0), (1.0, 0.02))).shape})
+    for name, disk in ((4, Disk(0.0, 0.1, 0.04)), (-2, Disk(0.0, 0.0, 0.04))):
+        keeper.announce(name, disk)
+        assert keeper.appear(name)
+
+
+def test_a_robot_that_touches_an_obstacle_is_asked_for_a_line() -> None:
+    keeper = Keeper(fleet())
+    keeper.found({1: Disk(0.0, 0.0, 0.08)}, {1: OBSTACLE})
+    keeper.rejoin(1)
+    keeper.advance({})
+    assert [each.first for each in keeper.news(1).bindings] == [None]
 
 
 def test_in_a_large_fleet_only_robots_whose_regions_meet_are_bound() -> None:
@@ -118,6 +142,8 @@ def test_in_a_large_fleet_only_robots_whose_regions_meet_are_bound() -> None:
     told = keeper.news(1)
     assert told.region == pytest.approx((-0.1, 0.0, 0.09))
     assert 2 not in {each.peer for each in told.bindings}
+    keeper.advance(PLACES | {1: (-0.2, 0.0)})
+    assert keeper.news(1).region == told.region, "until it obeys that"
 
 
 def test_on_a_large_map_a_robot_is_bound_to_the_obstacles_near_it_only() -> None:
@@ -172,6 +198,7 @@ def test_a_first_line_that_was_not_asked_for_changes_nothing() -> None:
     version = keeper.version
     firsts = (FirstLine(number, 1.0, 0.0, 0.0) for number in (1, asked, 10**6))
     obey(keeper, 2, keeper.news(2), *firsts)
+    keeper.acknowledge(Command(1, 1, 0, (0.0, 0.0), firsts=(FirstLine(10**6, 1.0, 0.0, 0.0),)))
     assert keeper.version == version
     for _ in range(2):  # repeated, until it is told
         obey(keeper, 1, told)
@@ -193,6 +220,7 @@ def test_a_robot_waits_for_one_that_holds_regions_on_both_sides_of_it() -> None:
 
 def test_a_static_disk_is_restricted_to_a_smaller_place_inside_its_own() -> None:
     keeper = settled(fleet(), live=(1,))
+    assert [keeper.excludes(2, Disk(x, 0.0, 0.04), 0.035) for x in (0.109, 0.111)] == [False, True]
     version = keeper.version
     for place in (Disk(0.1, 0.0, 0.04), Disk(0.12, 0.0, 0.03)):
         keeper.settle(2, place)
