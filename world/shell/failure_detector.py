@@ -111,7 +111,7 @@ class FailureDetector:
         ticks = world.open_tick()
         if not self._absent():
             return ticks
-        if self._pacing.lockstep or world.tick == 0:
+        if self._pacing.lockstep:
             # a fenced life that the scenario resumes must learn that it has to join again
             awaited = world.lives.awaited
             self._send({robot: tick for robot, tick in ticks.items() if robot in awaited})

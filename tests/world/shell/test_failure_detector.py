@@ -90,13 +90,20 @@ def test_no_tick_opens_before_all_have_joined_and_show_their_tokens() -> None:
     watch.admissions.enlist(Join(2, "b"))
     assert watch.gathered() is None
     watch.failures.arrive(2, "b")
+    watch.miss(1)
+    assert watch.gathered() is None
+    watch.come(1, "another")
     assert watch.told == []
     assert watch.gathered() == {1, 2}
 
 
-def test_a_run_that_is_not_complete_in_time_does_not_begin() -> None:
+@pytest.mark.parametrize("joins", [False, True])
+def test_a_run_that_is_not_complete_in_time_does_not_begin(joins: bool) -> None:
     watch = Watch()
     watch.come(1)
+    if joins:
+        watch.admissions.enlist(Join(2, "without a token"))
+    assert watch.gathered() is None
     watch.go_by(GATHERING)
     assert not watch.turn.world.verdict
     watch.go_by(0.1)
@@ -107,8 +114,11 @@ def test_a_run_that_is_not_complete_in_time_does_not_begin() -> None:
 def test_without_a_grace_a_token_that_goes_takes_its_robot_along() -> None:
     watch = Watch()
     watch.open()
+    watch.failures.miss(2, "another")
+    assert watch.turn.world.exchange.active == (1, 2)
     watch.miss(2)
     assert watch.turn.world.exchange.active == (1,)
+    assert watch.turn.world.lives.given_up == [(0, 2, 1, "has gone: it ended, or is cut off")]
     assert [set(told) for told in watch.told] == [{1}]  # robots that wait for its State are told
     assert watch.told[0][1].active == (1,)
     assert watch.said == ["tick 0: gives up robot 2, which has gone: it ended, or is cut off"]
@@ -126,6 +136,7 @@ def test_within_the_grace_a_token_comes_back_and_the_tick_is_told_again() -> Non
     watch.failures.arrive(1, "session 1")
     assert watch.told == []  # the other is missing yet
     watch.failures.arrive(2, "session 2")
+    watch.failures.arrive(2, "another")
     assert [set(told) for told in watch.told] == [{1, 2}]
     watch.go_by(REPEAT)
     assert len(watch.told) == 2  # soon again, as if it had just begun
@@ -137,6 +148,9 @@ def test_within_the_grace_a_token_comes_back_and_the_tick_is_told_again() -> Non
 def test_after_the_grace_it_is_given_up_and_an_open_tick_of_real_time_ends_meanwhile() -> None:
     watch = Watch(grace=GRACE, lockstep=False)
     watch.open()
+    watch.miss(1)
+    watch.failures.arrive(1, "session 1")
+    assert watch.told == []
     watch.miss(2)
     watch.go_by(0.9 * GRACE)
     assert watch.pacing.waited() == 0.9 * GRACE
@@ -146,6 +160,9 @@ def test_after_the_grace_it_is_given_up_and_an_open_tick_of_real_time_ends_meanw
     assert watch.turn.world.exchange.active == (1, 2)
     watch.go_by(0.2 * GRACE)
     assert watch.turn.world.exchange.active == (1,)
+    watch.turn.world.lives.of[1].kill()
+    watch.miss(1)
+    assert watch.admissions.missing() == [], "it does not return"
 
 
 def test_while_one_is_missing_no_other_is_given_up() -> None:
@@ -208,16 +225,22 @@ def test_lockstep_waits_for_so_many_next_lives(lockstep: bool, restarts: int, li
         watch.turn.opened = True
     watch.close()
     watch.turn.world.lives.of[2].restart()
-    assert (watch.gathered() is None) == lockstep == bool(watch.told)
+    assert (watch.gathered() is None) == lockstep == bool(watch.told) == bool(watch.turn.world.lives.awaited)
 
 
-def test_the_next_life_is_not_waited_for_for_ever() -> None:
+@pytest.mark.parametrize("joins", [False, True])
+def test_the_next_life_is_not_waited_for_for_ever(joins: bool) -> None:
     watch = Watch(restarts=1)
     watch.open()
-    watch.miss(2)
     watch.close()
-    watch.pacing.wait()
-    watch.go_by(GATHERING + 0.1)
+    watch.go_by(GATHERING + 0.1)  # a viewer has paused the run
+    watch.miss(2)
+    if joins:
+        watch.admissions.enlist(Join(2, "without a token"))
+    assert watch.gathered() is None
+    watch.go_by(GATHERING)
+    assert len(watch.said) == 1
+    watch.go_by(0.1)
     assert not watch.turn.world.verdict
     assert watch.turn.world.lives.awaited == set()
     assert watch.gathered() is not None
@@ -232,6 +255,6 @@ def test_a_robot_that_leaves_at_the_end_is_neither_named_nor_awaited(phase: Phas
     watch.close()
     watch.turn.phase = phase
     watch.miss(2)
-    assert watch.said == []
+    assert watch.said == watch.turn.world.lives.given_up == []
     assert watch.turn.world.lives.awaited == set()
     assert watch.admissions.processes.expected == {}
