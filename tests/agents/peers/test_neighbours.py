@@ -51,6 +51,7 @@ def test_a_robot_that_is_gone_is_forgotten() -> None:
     known = Neighbours({2: 0.1, 3: 0.1})
     known.on_state(state(2, 1, 5), 9)
     tell(known, standing(3, (1.0, 1.0)))
+    assert [(disk.x, disk.gamma) for disk in known.disks()] == [(5.0, 1.0), (1.0, 0.0)]
     for robot in (2, 3):
         tell(known, Member(robot, 1, "gone", 0.1))
         assert known.position(robot) is None
@@ -70,13 +71,6 @@ def test_a_peer_that_the_scenario_did_not_name() -> None:
     tell(known, Member(7, 1, "gone", 0.3))
     assert not known.on_state(state(7, 1, 5), 9)  # it was late
     assert known.disks() == []
-
-
-def test_in_which_order_peers_are_heard_first_changes_nothing() -> None:
-    known = Neighbours({2: 0.1, 3: 0.1, 4: 0.1})
-    for robot in (4, 2, 3):
-        assert known.on_state(state(robot, 1, 5), 5)
-    assert [each.robot for each in known.moving()] == [2, 3, 4]
 
 
 def test_a_repeated_state_is_no_news_even_of_a_peer_that_was_dropped() -> None:
@@ -119,13 +113,22 @@ def test_obstacles_are_those_of_the_scenario_but_for_what_came_and_went() -> Non
 
 
 @pytest.mark.parametrize("lockstep", [True, False])
-def test_only_in_real_time_a_state_of_a_tick_that_was_missed_counts(lockstep: bool) -> None:
+def test_a_state_counts_from_its_tick_on_and_of_a_missed_tick_only_in_real_time(lockstep: bool) -> None:
     accepted: list[PeerState] = []
     inbox = PeerInbox(load("swap-2"), 1, accepted.append, lockstep=lockstep)
     inbox.open(Tick(1, 1, 4, (1, 2)))
-    inbox.on_state(state(2, 1, 4))
     inbox.close()
+    inbox.on_state(state(2, 1, 4))
     inbox.on_state(state(2, 1, 5))
+    assert accepted == [], "a Command is in force"
     inbox.open(Tick(1, 1, 6, (1, 2)))
-    assert [each.tick for each in accepted] == ([4] if lockstep else [4, 5])
+    inbox.on_state(state(2, 1, 5))
+    missed = [] if lockstep else [4, 5]
+    assert [each.tick for each in accepted] == missed
     assert (inbox.missing, inbox.complete) == ([2], not lockstep)
+    inbox.on_state(state(2, 1, 7))
+    inbox.close()
+    inbox.open(Tick(1, 1, 7, (1, 2)))
+    assert [each.tick for each in accepted] == missed
+    inbox.close()
+    assert [each.tick for each in accepted] == [*missed, 7]

@@ -67,6 +67,19 @@ def test_a_robot_whose_measurements_contradict_each_other_is_lost_until_its_base
     assert "exclude each other" in faults[0]
 
 
+@pytest.mark.parametrize("founded", [False, True])
+def test_a_robot_is_in_place_at_its_start_or_anywhere_once_its_run_has_begun(founded: bool) -> None:
+    base, core, said = Told(), Robot(load("turtlebots-2"), 1, 1), list[str]()
+    attached = AttachedBase(base, RosLink(LocalNetwork().connect(), Base()), said.append)
+    (x, y), told = core.scenario.spec(1).start, list[tuple[bool, str, int]]()
+    for away in 9.0, 8.0, 0.0, 9.0:
+        base.senses = SimpleNamespace(fault="", place=lambda away=away: ((x + away, y), 0.01))
+        attached.on_timer(core, founded=founded)
+        told.append((attached.in_place, attached.trouble[:8], len(said)))
+    expected = [(False, "stands 9", 1), (False, "stands 8", 1), (True, "", 2), (True, "", 2)]
+    assert told == ([(True, "", 0)] * 4 if founded else expected)
+
+
 def test_two_processes_that_drive_one_base_stand_until_one_is_gone():
     """Of one run or two, whatever ROS domain they name, since a bridge's topics have none; a robot whose base
     is its own is not disturbed."""
@@ -83,6 +96,7 @@ def test_two_processes_that_drive_one_base_stand_until_one_is_gone():
 
     def on_message() -> None:
         for each, bus in zip(attached, buses, strict=True):
+            each.on_driver(each._own, alive=True)
             while (event := bus.receive(0.0)) is not None:
                 if isinstance(event, Presence):
                     each.on_driver(event.key, event.alive)

@@ -9,22 +9,25 @@ from protocol.joining import Admission
 from protocol.keys import robot_key
 from protocol.scenario.network import Network
 
+NEAR = replace(load("swap-6"), network=Network("near"))
 PERIOD = 5  # ticks
 
 
 def near_only(robot: int) -> tuple[LocalBus, Subscriptions]:
     bus = LocalNetwork().connect()
     peers = Subscriptions(bus, "run", robot)
-    peers.begin(Admission(1, True, replace(load("swap-6"), network=Network("near"))))
+    peers.begin(Admission(1, True, NEAR))
     return bus, peers
 
 
 def test_nothing_changes_before_there_is_time() -> None:
     bus, peers = near_only(1)
-    peers.attend((2,))
+    peers.attend((1, 2))
     assert not bus.keys
     peers.apply(0)
-    assert bus.keys == {robot_key("run", 2, "state")}
+    assert bus.keys == peers.readers.keys() == {robot_key("run", 2, "state")}
+    peers.begin(Admission(2, True, NEAR))
+    assert not peers.readers, "those of another life read States for that"
 
 
 def test_subscriptions_follow_near_robots() -> None:

@@ -8,8 +8,8 @@ import pytest
 from agents.shell.world_session import PATIENCE, WorldSession
 from deploy.library.load import load
 from protocol.bus.local import LocalNetwork
-from protocol.errors import BusError
-from protocol.joining import Admission, Finished, JoinReply, OtherRun, Wait, encode_reply
+from protocol.errors import BusError, JoinError
+from protocol.joining import Admission, Finished, JoinReply, OtherRun, Refusal, Wait, encode_reply
 from protocol.keys import robot_key, session_of
 
 OWN, NEXT = 7, 8  # epochs
@@ -63,6 +63,36 @@ def test_a_world_that_says_ticks_is_there(session: WorldSession) -> None:
     assert session.check(time.monotonic() + 100.0), "it is silent, not gone"
 
 
+@pytest.mark.parametrize(("epoch", "way"), [(OWN, "is back"), (NEXT, "has been started again")])
+def test_the_operator_hears_once_of_a_world_that_is_gone_and_of_the_next(
+    session: WorldSession, epoch: int, way: str
+) -> None:
+    said, now = list[str](), time.monotonic()
+    session._warn = said.append
+    session.over()  # which may be repeated by a successor
+    session.on_token(session_of(OWN), alive=False)
+    for later, times in (1.9, 0), (2.1, 1), (59.0, 1):
+        session.check(now + later)
+        assert said == ["the world of run 'run' is gone; the robot stands still"] * times
+    with pytest.raises(BusError, match="has been gone for 60 s"):
+        session.check(now + 61.0)
+    for alive in True, False, True:
+        session.on_token(session_of(epoch), alive=alive)
+    assert said[1:] == [f"the world of run 'run' {way}"]
+
+
+def test_a_process_gives_up_when_it_is_refused_five_times_in_a_row(session: WorldSession) -> None:
+    refused = [Refusal("taken")] * 4
+    replies, bus = [*refused, Wait(0.2, "paused"), *refused, *refused], session._bus.network.connect()
+    bus.serve(robot_key("run", 1, "join"))
+    bus.node = SimpleNamespace(handle=lambda query: query.reply(encode_reply(replies.pop(0))))
+    session.heard -= 2.0 * PATIENCE
+    assert [session.ask(None) for _ in range(9)] == [*[None] * 4, Wait(0.2, "paused"), *[None] * 4]
+    assert not session.check(time.monotonic()), "it is not silent"
+    with pytest.raises(JoinError, match="taken"):
+        session.ask(None)
+
+
 def answered(*replies: JoinReply, epoch: int = OWN) -> JoinReply | None:
     """What a process that the coordinator `epoch` admitted makes of the replies of several worlds."""
     network = LocalNetwork()
@@ -99,9 +129,9 @@ def test_it_waits_for_its_own_world_and_no_longer_than_that_beside_another_run(
 ) -> None:
     network, now = LocalNetwork(), [100.0]
     monkeypatch.setattr(time, "monotonic", lambda: now[0])
-    bus = network.connect()
-    bus.serve(robot_key("run", 1, "join"))
-    bus.node = SimpleNamespace(handle=lambda query: query.reply(encode_reply(OtherRun())))
+    for bus in network.connect(), network.connect():
+        bus.serve(robot_key("run", 1, "join"))
+        bus.node = SimpleNamespace(handle=lambda query: query.reply(encode_reply(OtherRun())))
     session = WorldSession(network.connect(), "run", 1, wait, lambda _: None)
     session.admitted(Admission(1, True, SWAP, grace=grace, epoch=OWN))
     session.on_token(session_of(OWN), alive=False)

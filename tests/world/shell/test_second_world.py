@@ -141,7 +141,7 @@ def test_a_robot_does_not_choose_between_two_worlds() -> None:
     assert robot.core is None
 
 
-def test_what_another_coordinator_or_its_robots_say_does_not_count() -> None:
+def test_what_another_coordinator_or_its_robots_say_does_not_count(caplog: pytest.LogCaptureFixture) -> None:
     fleet = LocalFleet(SWAP)
     step(fleet, 10)
     robot, tick = fleet.robots[2].node, fleet.world.world.tick
@@ -149,10 +149,13 @@ def test_what_another_coordinator_or_its_robots_say_does_not_count() -> None:
     overhear(fleet.network, lambda *said: heard.append(decode(*said)), robot_key("local", 1, "state"))
     step(fleet, 1)
     foreign = msgspec.structs.replace(heard[-1], epoch=77, tick=tick + 5)
+    assert (robot._health().published, robot._health().received) == (22, 44)
     robot.handle(Sample(robot_key("local", 2, "tick"), encode(Tick(2, 1, tick + 5, (), 77))))
     robot.handle(Sample(robot_key("local", 1, "state"), encode(foreign)))
     assert robot.core.tick <= tick + 1
-    assert robot._rejected["epoch"] == 2
+    robot.handle(Sample(robot_key("local", 9, "state"), encode(msgspec.structs.replace(foreign, robot=9))))
+    assert robot._rejected == {"epoch": 2, "identity": 1}
+    assert caplog.messages == []
     fleet.world.handle(
         Sample(robot_key("local", 2, "command"), encode(Command(2, 1, tick + 1, (9.0, 0.0), 77)))
     )
