@@ -12,7 +12,7 @@ from protocol.scenario.body import Body
 from protocol.scenario.model import Order, ProcessFault, RobotSpec, Scenario, Time, Workspace
 from tests.campaigns.observe import observe
 from tests.skipped_waits import skipped_waits
-from tests.system.orders.turnover import ENDLESS, GUEST, GUESTED, SWAP, Turnover, asked, status, step, to_be
+from tests.system.orders.turnover import ENDLESS, GUEST, GUESTED, SWAP, asked, status, step, to_be
 from world.report import result_of
 
 
@@ -106,12 +106,3 @@ def test_no_fault_that_the_world_passes_over_ends_the_process_of_the_next_robot(
     assert calm.report["faults"]["given_up"] == []
     assert [fault["tick"] for fault in calm.report["faults"]["process"]] == [2]
     assert {observe(scenario, busy=seed).trajectory for seed in (1, 2)} == {calm.trajectory}
-
-
-@pytest.mark.slow
-def test_comings_and_goings_under_faults() -> None:
-    turnover = Turnover(0)
-    turnover.run(300)
-    assert result_of(turnover.fleet.world.world)["collisions"] == 0
-    assert turnover.changes >= 10
-    assert turnover.settles(2400)
