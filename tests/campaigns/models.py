@@ -6,7 +6,6 @@ from types import ModuleType
 
 from protocol.scenario.body import PRESETS
 from tests.agents.bodies.test_rides import KINDS, ROUNDING, excess_of
-from tests.agents.bodies.test_rides import Product as RideProduct
 from tests.agents.lines.models.product import Product
 from tests.agents.lines.models.skirmishes import aftermath, skirmish
 from tests.campaigns.campaign import Campaign, Dice, Outcome
@@ -14,7 +13,7 @@ from tests.world.plants.fleet import BODIES as CARRIERS
 from tests.world.plants.fleet import PERIODS, drive, hostile
 from tests.world.shell import test_world_dies as worlds
 
-_product, _ride_product = cache(Product), cache(RideProduct)
+_product = cache(Product)
 
 
 def _of_lines(model: ModuleType, dice: Dice) -> Outcome:
@@ -26,7 +25,7 @@ def _ride(dice: Dice) -> Outcome:
     """One ride of one of the bodies, which take turns."""
     seed = dice.seed
     kind = KINDS[seed % len(KINDS)]
-    excess = excess_of(seed // len(KINDS), kind, _ride_product())
+    excess = excess_of(seed // len(KINDS), kind, _product())
     violation = f"{kind}: beyond by {excess:.3g} m" if excess > ROUNDING else ""
     return Outcome(kind, violation, figures={"excess, m": excess})
 

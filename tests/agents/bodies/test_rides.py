@@ -9,9 +9,7 @@ little: without the hold time, and without the way to the place where the body s
 """
 
 import math
-from collections.abc import Sequence
 from functools import partial
-from importlib import import_module
 from random import Random
 from typing import Any
 
@@ -24,7 +22,8 @@ from protocol.bodies.kinematics import turned
 from protocol.line import HalfPlane
 from protocol.messages import BaseMotion, Grants, ListedBinding, Proposal
 from protocol.scenario.body import PRESETS, Body
-from tests.interpreted import Edit, Mutant, interpreted, without
+from tests.agents.lines.models.product import Product
+from tests.interpreted import Edit, Mutant, without
 
 pytestmark = pytest.mark.slow
 
@@ -37,35 +36,6 @@ PERIODS = (0.01, 0.02, 0.05, 0.1, 0.2, 1.0)  # s
 ROUNDING = 1e-12  # m
 
 Vector = tuple[float, float]
-
-_MODULES = (
-    "protocol.bodies.kinematics",
-    "protocol.bodies.sweep",
-    *(f"protocol.{name}" for name in ("line", "kernel.records", "kernel.pair", "kernel.robot", "region")),
-    *(f"agents.lines.{name}" for name in ("own_set", "boundary", "negotiation")),
-    "agents.lines.separating_lines",
-    "agents.lines.safe_velocity",
-    "agents.bodies",
-    "world.plants.integrator",
-)
-
-
-class Product:
-    """What the model takes from the product.
-
-    Args:
-        edits: what reads otherwise than in the sources; without any, what is compiled is taken as it is.
-    """
-
-    def __init__(self, edits: Sequence[Edit] = ()) -> None:
-        modules = interpreted(*_MODULES, edits=edits) if edits else map(import_module, _MODULES)
-        loaded = dict(zip(_MODULES, modules, strict=True))
-        self.lines: Any = loaded["agents.lines.separating_lines"]
-        self.boundary: Any = loaded["agents.lines.boundary"]
-        self.inertial: Any = loaded["agents.bodies"]
-        self.sweep: Any = loaded["protocol.bodies.sweep"]
-        self.kinematics: Any = loaded["protocol.bodies.kinematics"]
-        self.plant: Any = loaded["world.plants.integrator"]
 
 
 def excess_of(seed: int, kind: str, product: Product, period: float | None = None) -> float:

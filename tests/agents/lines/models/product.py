@@ -1,11 +1,11 @@
 """The product's own modules as the models drive them: interpreted, so that a mutant may read otherwise."""
 
 from collections.abc import Sequence
-from types import ModuleType
 from typing import Any
 
 from tests.interpreted import Edit, interpreted
 
+_BODIES = "protocol.bodies.kinematics", "protocol.bodies.sweep"
 _KERNEL = [f"protocol.kernel.{name}" for name in ("records", "pair", "robot", "ledger")]
 _KERNEL = ["protocol.line", "protocol.crowd", *_KERNEL, "protocol.region"]
 _LINES = [
@@ -34,8 +34,9 @@ class Product:
     """
 
     def __init__(self, edits: Sequence[Edit] = ()) -> None:
-        names = [*_KERNEL, *_LINES, *_ROBOT, *_WORLD]
-        modules: dict[str, ModuleType] = dict(zip(names, interpreted(*names, edits=edits), strict=True))
-        self.Line: Any = modules["protocol.line"].Line
-        self.Robot: Any = modules["agents.robot"].Robot
-        self.World: Any = modules["world.world"].WorldCore
+        names = [*_BODIES, *_KERNEL, *_LINES, *_ROBOT, *_WORLD]
+        modules: dict[str, Any] = dict(zip(names, interpreted(*names, edits=edits), strict=True))
+        self.Robot, self.World = modules["agents.robot"].Robot, modules["world.world"].WorldCore
+        self.kinematics, self.sweep = (modules[name] for name in _BODIES)
+        self.lines, self.boundary = modules["agents.lines.separating_lines"], modules["agents.lines.boundary"]
+        self.inertial, self.plant = modules["agents.bodies"], modules["world.plants.integrator"]
