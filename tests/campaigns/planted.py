@@ -5,23 +5,12 @@ from contextlib import contextmanager
 
 import pytest
 
+from tests.agents.lines.models.product import ROBOT
 from tests.agents.lines.models.test_models import MUTANTS
 from tests.campaigns import observe
 from tests.interpreted import Edit, Mutant, interpreted, without
 
-# in the order of their imports, up to those that a fleet is made of
-_CHAIN = (
-    *(
-        "agents.lines.own_set",
-        "agents.lines.boundary",
-        "agents.lines.safe_velocity",
-        "agents.bodies",
-        "protocol.kernel.pair",
-    ),
-    *("protocol.kernel.robot", "agents.peers.link", "agents.peers.neighbours", "agents.estimate"),
-    *("agents.lines.negotiation", "agents.lines.separating_lines", "agents.safety_filter"),
-    *("agents.robot", "agents.shell.node", "deploy.run.local"),
-)
+_CHAIN = (*ROBOT, "agents.peers.link", "agents.shell.node", "deploy.run.local")
 
 
 @contextmanager

@@ -12,8 +12,8 @@ _LINES = [
     "agents.peers.neighbours",
     *(f"agents.lines.{name}" for name in ("own_set", "boundary", "negotiation", "separating_lines")),
 ]
-_ROBOT = ["agents.estimate", "agents.lines.safe_velocity"]
-_ROBOT += [f"agents.{name}" for name in ("bodies", "safety_filter", "robot")]
+ROBOT = [*_KERNEL, *_LINES, "agents.estimate", "agents.lines.safe_velocity"]
+ROBOT += [f"agents.{name}" for name in ("bodies", "safety_filter", "robot")]
 _WORLD = [
     *(f"world.coordinator.{name}" for name in ("roster", "keeper", "lives", "exchange", "parts")),
     *("world.plants.plant", "world.plants.integrator", "world.simulation", "world.world"),
@@ -34,7 +34,7 @@ class Product:
     """
 
     def __init__(self, edits: Sequence[Edit] = ()) -> None:
-        names = [*_BODIES, *_KERNEL, *_LINES, *_ROBOT, *_WORLD]
+        names = [*_BODIES, *ROBOT, *_WORLD]
         modules: dict[str, Any] = dict(zip(names, interpreted(*names, edits=edits), strict=True))
         self.Robot, self.World = modules["agents.robot"].Robot, modules["world.world"].WorldCore
         self.kinematics, self.sweep = (modules[name] for name in _BODIES)
