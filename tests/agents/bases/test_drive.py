@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from agents.bases.drive import OFTEN, Drive, Lease
+from agents.bases.drive import OFTEN, Drive
 from protocol.bodies.kinematics import Arc, Kinematics, Motion, chord, turned
 from protocol.bodies.sweep import Sweep, Tolerance, sweep
 from protocol.scenario.body import DECISION, PRESETS, Base, Body
@@ -285,18 +285,6 @@ def test_a_process_that_goes_on_late_commands_rest_and_drives_when_its_base_stan
     drive.command((0.06, 0.0), 0.0, now, math.inf)
     drive.advance(now)
     assert drive.velocity[0] > 0.0
-
-
-def test_a_lease_begins_when_the_newest_confirmed_command_is_sent():
-    lease = Lease(0.5)
-    for tick in (1, 2, 3):
-        lease.sent(tick, 10.0 + 0.1 * tick)
-    for unknown in (None, 0, 4):
-        lease.heard(unknown)
-        assert lease.until == -math.inf
-    for tick, until in ((2, 10.7), (1, 10.7), (2, 10.7), (3, 10.8)):
-        lease.heard(tick)
-        assert lease.until == pytest.approx(until)
 
 
 def published(drive: Drive, until: float):
