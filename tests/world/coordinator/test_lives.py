@@ -100,19 +100,6 @@ def test_a_live_robot_is_fenced_unless_it_sends_a_command_in_time():
     assert result_of(world)["missed_commands"] == 11 * FENCE - 10
 
 
-def test_joining_in_an_open_tick_takes_part_from_the_next_one():
-    world = joined(two(time=PATIENT))
-    world.lost(2)
-    world.open_tick()
-    assert world.join(2) == 2
-    assert (world.exchange.active, world.exchange.waiting) == ((1,), {1})
-    assert not world.accept(Command(2, 2, 0, (0.1, 0.0)))
-    world.accept(Command(1, 1, 0, (0.0, 0.0)))
-    world.close_tick()
-    assert world.open_tick().keys() == {1, 2}
-    assert world.exchange.active == (1, 2)
-
-
 def test_a_life_begins_once_its_disk_was_reported_at_rest():
     world = joined(two(time=PATIENT))
     advance(world)
@@ -136,20 +123,6 @@ def test_a_life_begins_where_its_disk_was_reported_no_matter_how_little_was_know
     world.join(2)
     assert world.lives.begin({2: place(world, 2)}, {2: 0.001}) == ""
     assert radius_held(world, 2) == pytest.approx(0.03 + 0.001)
-
-
-def test_kill_excludes_from_its_tick_on_and_the_dead_are_told_nothing():
-    world = faulty((2, 5, "kill"))
-    advance_to(world, 5)
-    stood = place(world, 2)
-    assert world.open_tick().keys() == {1}
-    assert world.exchange.active == (1,)
-    advance_to(world, 15)
-    assert place(world, 2) == stood
-    assert world.open_tick().keys() == {1}
-    assert [down.robot for down in world.lives.roster.standing] == [2]
-    assert result_of(world)["faults"]["process"] == [{"robot": 2, "at": 5 * STEP, "event": "kill", "tick": 5}]
-    assert world.join(2) == 2  # an operator may start it again
 
 
 def test_a_short_pause_ends_in_the_same_life():
@@ -229,6 +202,7 @@ def test_a_fault_of_a_robot_without_a_disk_is_passed_over():
         assert each.lives.fenced == world.lives.fenced != []
         assert each.lives.keeper.version >= world.lives.keeper.version
     assert world.lives.awaited == frozenset()
+    assert result_of(world)["faults"]["process"] == [{"robot": 1, "at": 4 * STEP, "event": "kill", "tick": 4}]
 
 
 def test_a_robot_that_is_removed_and_added_again_may_join_once_its_disk_is_there():

@@ -1,7 +1,6 @@
 """Orders of where to go: what is refused and why, point after point, patrols, ends that are no arrivals."""
 
 import math
-from dataclasses import replace
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -155,18 +154,6 @@ def test_a_scheduled_release_lifts_no_stop_by_an_operator() -> None:
         assert world.operate(Operation(release=world.stops)).accepted
 
 
-def test_a_successor_and_a_robot_that_is_added_again_repeat_no_numbers() -> None:
-    world = joined(two())
-    world.operate(Operation(halt=True))
-    assert order(world, Journey(1, (HERE,))).number == 1
-    world = WorldCore(two(), world.past)
-    assert (world.stops, order(world, Journey(2, (THERE,))).number) == (1, 2)
-    alone = replace(two(), robots=two().robots[1:])
-    for fleet in (alone, two()):
-        world.missions.set_fleet(fleet)
-    assert (status(world).number, order(world, Journey(1, (HERE,))).number) == (0, 3)
-
-
 points = st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))
 
 
@@ -182,18 +169,3 @@ def test_whatever_is_accepted_lies_within_reach(orders: list[tuple[list[Vector],
             number += 1
             assert missions.accept(journey, 0, (0.0, 0.0)).number == number
             assert missions.pending == bool(given_points)
-
-
-def test_a_goal_is_told_until_the_robot_has_commanded_and_to_its_next_life_again() -> None:
-    world = joined(two())
-    order(world, Journey(1, (HERE,)))
-    for _ in range(3):
-        assert world.open_tick()[1].goal == HERE
-        world.close_tick()  # no robot commands: it may not have received the Tick
-    for _ in range(2):
-        advance(world)
-    assert world.open_tick()[1].goal is None
-    advance(world)
-    world.lost(1)
-    world.join(1)
-    assert world.open_tick()[1].goal == HERE
