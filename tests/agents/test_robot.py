@@ -151,15 +151,3 @@ def test_a_life_is_over_once_its_disk_stands_or_a_newer_one_is_there() -> None:
     assert has_ended(2, 1, Member(2, 2, "live", 0.1))
     assert not has_ended(2, 2, Member(2, 2, "live", 0.1))
     assert not has_ended(3, 1, Member(2, 2, "live", 0.1))
-
-
-@pytest.mark.parametrize("delay", [0.0, 0.2])
-@pytest.mark.parametrize("contradiction", ["stand", "newest"])
-def test_a_robot_is_lost_when_measurements_exclude_each_other_unless_it_trusts_the_newest(
-    contradiction: str, delay: float
-) -> None:
-    settings = [f"sensing.delay={delay}", f"sensing.contradiction={contradiction}"]
-    robot = Robot(load("swap-2", settings), 1, 1)
-    for tick in (0, 1):
-        robot.begin(Tick(1, 1, tick, (1,), sense=Sense((0.1 * tick, 0.0), tick, 0.001, (0.0, 0.0))))
-    assert robot.lost is (contradiction == "stand")
