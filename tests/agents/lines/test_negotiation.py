@@ -21,8 +21,8 @@ from agents.lines.negotiation import (
 )
 from agents.peers.state import PeerState
 from protocol.geometry import ConvexPolygon, Disk
-from protocol.kernel.pair import Owner
-from protocol.kernel.robot import ASKED, LINES
+from protocol.kernel.records import Listed
+from protocol.kernel.robot import ASKED, LINES, OwnEnd, RobotLife
 from protocol.line import Line
 from protocol.messages import Vector
 
@@ -82,12 +82,12 @@ def test_an_owner_proposes_what_its_body_fits_once_either_may_come_to_the_line(
 ) -> None:
     usual = {"fits": True, "placed": True, "state": LINES, "held": 0.3, "open": 0}
     it = SimpleNamespace(**usual | {"x": 0.5, "bound": 0.0, "tick": 5} | changes)
-    lines = Owner(Line(1.0, 0.0, it.held))
+    end = OwnEnd(Listed(7, 2, Line(1.0, 0.0, it.held), None, False), True)
+    end.state = it.state
     for _ in range(it.open):
-        lines.propose(lines.held, True)
+        end.lines.propose(end.lines.held, True)
     peer = PeerState(2, 1, it.tick, it.placed, it.x, 0.0, it.bound, 1.0, 0.0, 0.0, 0.0, radius=RADIUS)
-    end = SimpleNamespace(lines=lines, state=it.state, number=7, peer=2, place=None, low=True, obeyed=())
-    kernel = SimpleNamespace(fits=lambda *_: it.fits)
+    kernel = RobotLife(1, 1, None, SimpleNamespace(fits=lambda *_: it.fits))
     bond, me = Bond(end, RADIUS, peer), MovingDisk(0.0, 0.0, RADIUS)
     proposals, _ = Negotiation(0.2, 1.0).entries(5, [bond], me, kernel, standing=False)
     assert [each.number for each in proposals] == [number] * bool(number)
