@@ -176,17 +176,18 @@ class Operator:
         Raises BusError after `within` s, if another order followed, the robot was removed, or the run ended.
         """
         self._bus.subscribe(robot_key(self._run, robot, "goalstatus"), world_key(self._run, "result"))
-        deadline, heard = time.monotonic() + within, None
+        deadline, status = time.monotonic() + within, None
         while True:
             remaining = deadline - time.monotonic()
-            status = heard or self._repeat(None, lambda _: True, remaining).goal(robot)
+            if status is None or status.robot != robot or status.number < number:  # of an earlier call
+                status = self._repeat(None, lambda _: True, remaining).goal(robot)
             if status is None or (status.number != number and status.status != "cancelled"):
                 raise BusError(f"there is no robot {robot} with order {number}, or no longer")
             if status.status != "under way":
                 return status
             if remaining <= 0.0:
                 raise BusError(f"order {number} of robot {robot} has not ended within {within:g} s")
-            heard = self._hear(min(remaining, _PAUSE))
+            status = self._hear(min(remaining, _PAUSE))
 
 
 @contextmanager

@@ -292,6 +292,11 @@ def test_what_became_of_an_order_is_asked_while_its_world_may_be_restarted() -> 
     for robot, number in ((7, 1), (1, 2)):
         with pytest.raises(BusError, match=f"there is no robot {robot} with order {number}, or no longer"):
             operator.outcome(robot, number, 60.0)
+    second = GoalStatus(1, 9, 2, "arrived", (0.1, 0.0))
+    late = Answers((Reply(True, tick=8, goals=(msgspec.structs.replace(second, status="under way"),)),))
+    published = goal, GoalStatus(3, 9, 2, "arrived", (0.0, 0.0)), second  # of an earlier order, another robot
+    late.events = [Sample(robot_key("r", each.robot, "goalstatus"), encode(each)) for each in published]
+    assert Operator(late, "r").outcome(1, 2, 60.0) == second  # type: ignore[arg-type]
     ended = Answers((ahead,))
     ended.events = [Sample(world_key("r", "result"), encode(Result("{}")))]
     with pytest.raises(BusError, match="run 'r' is over"):
