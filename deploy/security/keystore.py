@@ -146,9 +146,11 @@ def create(
 def _check_replaceable(directory: Path, force: bool) -> None:
     if not directory.exists():
         return
-    if not directory.is_dir() or (any(directory.iterdir()) and not (directory / ROSTER).exists()):
-        raise UsageError(f"{directory} exists, but is not a directory of keys: name another")
-    if (directory / ROSTER).exists() and not force:
+    names = {path.name for path in directory.iterdir()} if directory.is_dir() else {directory.name}
+    others = [name for name in names if name != ROSTER and not name.endswith((".pem", ".key"))]
+    if others or (names and ROSTER not in names):
+        raise UsageError(f"{directory} exists, but is not a directory of keys alone: name another")
+    if names and not force:
         raise UsageError(f"{directory} has keys already: --force replaces them and makes them invalid")
 
 

@@ -72,11 +72,12 @@ def test_keys_are_replaced_only_by_force_and_then_all_of_them(keys: Path) -> Non
     assert (keys / "ca.pem").read_bytes() != before["ca.pem"]
 
 
-def test_a_directory_of_something_else_is_left_alone_even_by_force(tmp_path: Path) -> None:
-    (tmp_path / "thesis.tex").write_text("years of work")
-    with pytest.raises(UsageError, match="not a directory of keys"):
-        create(tmp_path, ROSTER, force=True)
-    assert (tmp_path / "thesis.tex").read_text() == "years of work"
+def test_a_directory_with_something_else_is_left_alone_even_by_force(keys: Path, tmp_path: Path) -> None:
+    for folder in keys, tmp_path:
+        (folder / "thesis.tex").write_text("years of work")
+        with pytest.raises(UsageError, match="not a directory of keys alone"):
+            create(folder, ROSTER, force=True)
+        assert (folder / "thesis.tex").read_text() == "years of work"
 
 
 def test_a_failure_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
