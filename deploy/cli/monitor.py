@@ -121,4 +121,5 @@ def _check(view: str, where: str) -> None:
         create_server((host.strip("[]") or "127.0.0.1", int(number)), family=family).close()
     except (OSError, ValueError, OverflowError) as error:
         option = "--metrics" if view == "metrics" else "--port"
-        raise UsageError(f"{option}: cannot listen at {where}: {error}; give a free PORT") from error
+        reason = getattr(error, "strerror", "") or "it is not [ADDRESS:]PORT"
+        raise UsageError(f"{option}: cannot listen at {where}: {reason}; give a free PORT") from error
