@@ -116,8 +116,8 @@ class Keeper:
         return command.version > self.version or command.region > min(granted, command.version)
 
     def acknowledge(self, command: Command) -> None:
-        """Record the region and bindings that the present life of a robot obeys, by a Command of its that is
-        not refused."""
+        """Record the region and bindings that the present life of a robot obeys; its Command must have passed
+        `refuses`."""
         robot = command.robot
         disk = self._ledger.disks[robot]
         self._known[robot] = command.version
