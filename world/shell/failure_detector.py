@@ -19,7 +19,7 @@ from world.shell.run import JudgedRun, Phase
 GATHERING = 20.0  # s, time for robots to join
 PATIENCE = 5.0  # s, time for a command in lock-step
 GRACE = 5.0  # s, time for which a token may be missing in a run with restarts
-RETURNS = 1000  # times that a robot is waited for whose link may return, or whose process may be started again
+RETURNS = 1000  # times that a robot is waited for: its link may return, or its process may be started again
 
 
 def returning(gathering: float, restarts: int, *, lockstep: bool) -> float:
