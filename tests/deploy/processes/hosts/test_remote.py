@@ -67,8 +67,8 @@ def far_end(patience: float = 60.0) -> Iterator[FarEnd]:
         for channel in (requests, answers):
             with suppress(OSError):
                 channel.close()
-        process.kill()
-        process.wait()
+        process.terminate()
+        process.wait(20.0)
 
 
 @pytest.mark.parametrize("number", [0, signal.SIGTERM, signal.SIGHUP], ids=["silence", "term", "hangup"])
